@@ -1,0 +1,26 @@
+# flexarm_options: warnings and sanitizers of our own sources; the floating point rules stay those of IEEE 754.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+
+add_library(flexarm_options INTERFACE)
+target_compile_options(flexarm_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+if(FLEXARM_NATIVE)
+  target_compile_options(flexarm_options INTERFACE -march=native)
+endif()
+if(FLEXARM_SANITIZE)
+  target_compile_options(
+    flexarm_options INTERFACE -fsanitize=${FLEXARM_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
+  )
+  target_link_options(flexarm_options INTERFACE -fsanitize=${FLEXARM_SANITIZE})
+endif()
+
+# Libraries that nothing calls are left out of the link.
+if(NOT APPLE AND NOT MSVC)
+  add_link_options(-Wl,--as-needed)
+endif()

@@ -1,0 +1,21 @@
+# flexarm._core, the private Python module.
+find_package(Python 3.11 REQUIRED COMPONENTS Interpreter Development.Module)
+set(PYBIND11_FINDPYTHON ON)
+if(NOT pybind11_DIR)
+  execute_process(
+    COMMAND ${Python_EXECUTABLE} -m pybind11 --cmakedir
+    OUTPUT_VARIABLE pybind11_ROOT OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET
+  )
+endif()
+find_package(pybind11 3.0.4 CONFIG REQUIRED)
+
+file(GLOB binding_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/bindings/*.cpp)
+pybind11_add_module(_core NO_EXTRAS ${binding_sources})
+target_link_libraries(_core PRIVATE flexarm_core flexarm_options)
+if(FLEXARM_PCH)
+  target_precompile_headers(_core PRIVATE <pybind11/eigen.h> <pybind11/numpy.h> <pybind11/stl.h> <Eigen/Dense> <Eigen/SparseCore>)
+endif()
+if(FLEXARM_INPLACE)
+  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PROJECT_SOURCE_DIR}/python/flexarm)
+endif()
+install(TARGETS _core LIBRARY DESTINATION flexarm)
