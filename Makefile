@@ -1,37 +1,79 @@
 # make build | test | check | reproduce | format | stubs | clean. Each does its own set-up and may be repeated.
-SHELL      := /bin/bash
+SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := build
-MAKEFLAGS  += --no-print-directory
+.PRECIOUS: build/%/build.ninja
+MAKEFLAGS += --no-print-directory
 
 PYTHON ?= python3
-VENV   := .venv
-BIN    := $(VENV)/bin
-STAMPS := $(VENV)/stamps
-CMAKE  := $(BIN)/cmake
-CTEST  := $(BIN)/ctest
-export PATH := $(CURDIR)/$(BIN):$(PATH)
-export CMAKE_BUILD_PARALLEL_LEVEL ?= $(shell nproc 2>/dev/null || echo 2)
+BIN := .venv/bin
+STAMPS := .venv/stamps
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export CMAKE_BUILD_PARALLEL_LEVEL ?= $(shell nproc 2> /dev/null || echo 2)
 unexport PYTHONPATH
 
-.PHONY: build setup test test-cpp test-python test-notebooks check reproduce format stubs clean
+CXX_FILES = $(shell find cpp -name '*.hpp' -o -name '*.cpp')
 
-## Set-up: compiler and libraries, virtual environment, Python packages, each again only when its list changed.
+.PHONY: setup build test reproduce check format stubs clean
+
+## Set-up: compiler and libraries, then .venv; each is touched again only when its list changed.
 $(STAMPS)/system: scripts/system-packages.txt scripts/install_system_packages.sh
 	@scripts/install_system_packages.sh "$(PYTHON)"
 	@mkdir -p $(@D) && touch $@
 
 $(STAMPS)/python: pyproject.toml scripts/install_python_packages.sh $(STAMPS)/system
-	@scripts/install_python_packages.sh "$(PYTHON)" $(VENV)
+	@scripts/install_python_packages.sh "$(PYTHON)" .venv
 	@mkdir -p $(@D) && touch $@
 
 setup: $(STAMPS)/python
 
-## The incremental Release build; the Python sources are used where they lie.
+## Builds: build/<preset>, incremental. The release build puts flexarm._core beside the Python sources.
 build/%/build.ninja: CMakePresets.json $(STAMPS)/python
-	@$(CMAKE) --preset $* -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(BIN)/ninja
+	@$(BIN)/cmake --preset $* --no-warn-unused-cli \
+	  -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(BIN)/ninja
 	@touch $@
 
 build: build/release/build.ninja
-	@$(CMAKE) --build --preset release
+	@$(BIN)/cmake --build --preset release
+
+## C++ tests, Python tests and notebooks
+test: build
+	@$(BIN)/ctest --preset release
+	@$(BIN)/python -m pytest
+
+## The figures of the paper, into results/
+reproduce: build
+	@$(BIN)/flexarm reproduce --out results --force
+
+## Linters, types, formats, stubs; C++ tests under sanitizers and without SuiteSparse
+check: build check-python check-cpp check-stubs check-asan check-no-suitesparse
+	@echo "make check: all passed"
+
+.PHONY: check-python check-cpp check-stubs
+check-python: setup
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+check-cpp: setup
+	@echo "$(BIN)/clang-format --dry-run --Werror (cpp/)"
+	@$(BIN)/clang-format --dry-run --Werror $(CXX_FILES)
+
+check-stubs: build
+	$(BIN)/python scripts/stubs.py --check
+
+check-%: build/%/build.ninja
+	@$(BIN)/cmake --build --preset $*
+	@$(BIN)/ctest --preset $*
+
+## Lay out sources, write the stubs
+format: setup
+	@$(BIN)/ruff check --fix-only --quiet
+	@$(BIN)/ruff format
+	@$(BIN)/clang-format -i $(CXX_FILES)
+
+stubs: build
+	@$(BIN)/python scripts/stubs.py
+
+clean:
+	rm -rf build results .venv python/flexarm/_core*.so

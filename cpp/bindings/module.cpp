@@ -26,21 +26,21 @@ void translate(std::exception_ptr pointer) {
   }
 }
 
-py::dict build_info() {
-  const flexarm::BuildInfo info = flexarm::build_info();
-  py::dict d;
-  d["version"] = info.version;
-  d["git"] = info.git;
-  d["compiler"] = info.compiler;
-  d["build_type"] = info.build_type;
-  d["eigen"] = info.eigen;
-  d["suitesparse"] = info.suitesparse;
-  d["solver"] = info.solver;
-  d["ordering"] = info.ordering;
-  d["blas"] = info.blas;
-  d["licence"] = info.licence;
-  d["cholmod_found"] = info.cholmod_found;
-  return d;
+void bind_build_info(py::module_& m) {
+  using flexarm::BuildInfo;
+  py::class_<BuildInfo>(m, "BuildInfo", "Versions, backends and licence of the core.")
+      .def_readonly("version", &BuildInfo::version)
+      .def_readonly("git", &BuildInfo::git, "Empty where it is unknown.")
+      .def_readonly("compiler", &BuildInfo::compiler)
+      .def_readonly("build_type", &BuildInfo::build_type)
+      .def_readonly("eigen", &BuildInfo::eigen)
+      .def_readonly("suitesparse", &BuildInfo::suitesparse, "Empty where it is not used.")
+      .def_readonly("solver", &BuildInfo::solver)
+      .def_readonly("ordering", &BuildInfo::ordering)
+      .def_readonly("blas", &BuildInfo::blas)
+      .def_readonly("licence", &BuildInfo::licence)
+      .def_readonly("cholmod_found", &BuildInfo::cholmod_found);
+  m.def("build_info", &flexarm::build_info, "What this build of the core is made of.");
 }
 
 }  // namespace
@@ -48,5 +48,5 @@ py::dict build_info() {
 PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of flexarm (private).";
   py::register_exception_translator(&translate);
-  m.def("build_info", &build_info, "What this build of the core is made of.");
+  bind_build_info(m);
 }

@@ -15,5 +15,6 @@ TEST_CASE("A failed iteration carries when and how far from equilibrium it stopp
 }
 
 TEST_CASE("A value that the model cannot take is an invalid argument") {
-  CHECK_THROWS_AS(throw flexarm::InvalidParameter("link 'forearm': EI must be positive"), std::invalid_argument);
+  CHECK_THROWS_AS(throw flexarm::InvalidParameter("link 'forearm': EI must be positive"),
+                  std::invalid_argument);
 }

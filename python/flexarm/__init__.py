@@ -4,12 +4,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from flexarm.config import config, show_config
+    from flexarm.configuration import config, show_config
 
-# Public name -> module that defines it. Names are imported when first used, so that `import flexarm` stays light.
+# Public name and the module that defines it, imported when first used: `import flexarm` stays light.
+# A public name must not also be the name of a module, which would take its place once imported.
 _EXPORTS = {
-    "config": "flexarm.config",
-    "show_config": "flexarm.config",
+    "config": "flexarm.configuration",
+    "show_config": "flexarm.configuration",
 }
 
 __all__ = ["config", "show_config"]
@@ -17,7 +18,7 @@ __all__ = ["config", "show_config"]
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return import_module("flexarm.config").version()
+        return import_module("flexarm.configuration").version()
     if name in _EXPORTS:
         value = getattr(import_module(_EXPORTS[name]), name)
         globals()[name] = value

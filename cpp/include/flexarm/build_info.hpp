@@ -8,11 +8,11 @@ namespace flexarm {
 struct BuildInfo {
   std::string version, git;  // git is empty where it is unknown or asked at run time
   std::string compiler, build_type;
-  std::string eigen, suitesparse;    // versions; suitesparse is empty where it is not used
-  std::string solver, ordering;      // of the matrix of a step
-  std::string blas;                  // of the core; NumPy has its own
-  std::string licence;               // of the core with the libraries it links
-  bool cholmod_found = false;        // present on the build machine, not linked
+  std::string eigen, suitesparse;  // versions; suitesparse is empty where it is not used
+  std::string solver, ordering;    // of the matrix of a step
+  std::string blas;                // of the core; NumPy has its own
+  std::string licence;             // of the core with the libraries it links
+  bool cholmod_found = false;      // present on the build machine, not linked
 };
 
 BuildInfo build_info();

@@ -10,7 +10,7 @@ from flexarm import _core
 
 def version() -> str:
     """Version of flexarm, as stated in pyproject.toml when the core was built."""
-    return _core.build_info()["version"]
+    return _core.build_info().version
 
 
 @cache
@@ -26,19 +26,19 @@ def config() -> dict[str, str]:
 
     core = _core.build_info()
     return {
-        "flexarm": core["version"],
-        "git": _git_of_checkout() or core["git"] or "unknown",
+        "flexarm": core.version,
+        "git": _git_of_checkout() or core.git or "unknown",
         "Python": platform.python_version(),
         "NumPy": np.__version__,
-        "Eigen": core["eigen"],
-        "SuiteSparse": core["suitesparse"] or "not used",
-        "CHOLMOD": "found, not linked" if core["cholmod_found"] else "not found",
-        "step factorisation": core["solver"],
-        "ordering": core["ordering"],
-        "BLAS": core["blas"],
-        "compiler": f"{core['compiler']}, {core['build_type']}",
+        "Eigen": core.eigen,
+        "SuiteSparse": core.suitesparse or "not used",
+        "CHOLMOD": "found, not linked" if core.cholmod_found else "not found",
+        "step factorisation": core.solver,
+        "ordering": core.ordering,
+        "BLAS": core.blas,
+        "compiler": f"{core.compiler}, {core.build_type}",
         "platform": platform.platform(),
-        "licence of this build": core["licence"],
+        "licence of this build": core.licence,
     }
 
 
