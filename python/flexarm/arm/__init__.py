@@ -1,0 +1,16 @@
+"""What an arm is: the model file (TOML) as frozen, checked objects."""
+
+from flexarm.arm.arm import Arm
+from flexarm.arm.attachment import Payload, Point
+from flexarm.arm.controller import Cascade, Controller, StateFeedback
+from flexarm.arm.effect import KNOWN_EFFECTS, Effect, effect_class
+from flexarm.arm.inertia import inertia_matrix
+from flexarm.arm.joint import Gear, Joint, Origin
+from flexarm.arm.link import Beam, Link, Material, RigidLink, SuperElement
+from flexarm.arm.motor import Motor
+from flexarm.arm.section import General, Rectangle, Round, Section, Tube
+from flexarm.arm.sensor import Measurement, Sensor
+
+__all__ = ["KNOWN_EFFECTS", "Arm", "Beam", "Cascade", "Controller", "Effect", "Gear", "General", "Joint", "Link",
+           "Material", "Measurement", "Motor", "Origin", "Payload", "Point", "Rectangle", "RigidLink", "Round",
+           "Section", "Sensor", "StateFeedback", "SuperElement", "Tube", "effect_class", "inertia_matrix"]

@@ -1,0 +1,208 @@
+"""The arm: joints, links, what they carry, what is seen, and the effects that act in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
+
+from flexarm.arm.attachment import Payload, Point
+from flexarm.arm.consistency import inconsistencies, missing
+from flexarm.arm.controller import Controller
+from flexarm.arm.effect import Effect, read_effect
+from flexarm.arm.joint import Gear, Joint
+from flexarm.arm.link import Link
+from flexarm.arm.motor import Motor
+from flexarm.arm.sensor import Sensor
+from flexarm.arm.uncertainty import sigma_of, uncertainty_problems
+from flexarm.arm.warnings import doubts
+from flexarm.errors import InvalidParameter, Problem
+from flexarm.tables import FrozenDict, Inconsistent, Number, Table, Vector3, check_table, value_in, read_toml, toml_text
+
+AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(read_effect)]
+Sigmas = Annotated[dict[str, Number], AfterValidator(FrozenDict)]
+
+
+def _last_of_each(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """An effect given twice at one place replaces the first."""
+    return tuple({(effect.name, effect.at): effect for effect in effects}.values())
+
+
+class Arm(Table):
+    """A flexible arm, frozen: the tables of a model file, checked.
+
+    Parameters
+    ----------
+    name : str
+        Name of the arm.
+    gravity : (3,)
+        Acceleration of gravity in the base's axes [m/s2].
+    joints, gears, links, payloads, points, sensors, motors, controllers, effects : tuple
+        The tables of the same names, in the order of the file.
+    uncertainty : dict
+        1 sigma of nominal values; see `sigma`.
+
+    Examples
+    --------
+    >>> arm = Arm.from_toml("arm.toml")                              # doctest: +SKIP
+    >>> softer = arm.with_effect(JointCompliance(at="hinge", stiffness=5e4))   # doctest: +SKIP
+    """
+
+    format: Literal["flexarm-arm/1"] = "flexarm-arm/1"
+    name: str = Field("arm", description="name of the arm", min_length=1)
+    gravity: Vector3 = value_in("m/s2", "acceleration of gravity in the base's axes", (0.0, 0.0, -9.81))
+    urdf: str | None = None
+    joints: tuple[Joint, ...] = ()
+    gears: tuple[Gear, ...] = ()
+    links: tuple[Link, ...] = ()
+    payloads: tuple[Payload, ...] = ()
+    points: tuple[Point, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    motors: tuple[Motor, ...] = ()
+    controllers: tuple[Controller, ...] = ()
+    effects: Annotated[tuple[AnyEffect, ...], AfterValidator(_last_of_each)] = ()
+    uncertainty: Sigmas = FrozenDict()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.urdf is not None:
+            raise Inconsistent((("urdf",), f"reading URDF is not supported yet, got {self.urdf!r}; "
+                                "write the joints and links as tables"))
+        found = inconsistencies(self)
+        if not self.joints:
+            found = [(("joints",), "is missing; a model needs at least one joint and one link"), *found]
+        found += [] if found else uncertainty_problems(self)
+        if found:
+            raise Inconsistent(*found)
+        return self
+
+    # ------------------------------------------------------------------ files
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """The arm in a model file.
+
+        Parameters
+        ----------
+        path : str or Path
+            The TOML file.
+
+        Raises
+        ------
+        InvalidFile
+            With the place and value of every problem.
+        """
+        data, text = read_toml(Path(path), "flexarm-arm/1")
+        return check_table(cls, data, path, text)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The arm in a dictionary that holds what the TOML file would.
+
+        Raises
+        ------
+        InvalidParameter
+            With the place and value of every problem.
+        """
+        return check_table(cls, dict(data))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The dictionary that `from_dict` reads."""
+        return {"format": self.format, "name": self.name, "gravity": list(self.gravity), **self.to_plain()}
+
+    def to_toml(self, path: str | Path) -> None:
+        """Writes the model file; `from_toml` of it gives an equal arm."""
+        Path(path).write_text(toml_text(self.to_dict()), encoding="utf-8")
+
+    # ---------------------------------------------------------------- effects
+
+    def with_effect(self, effect: Effect) -> Self:
+        """This arm with an effect; one of the same name at the same place is replaced.
+
+        Raises
+        ------
+        InvalidParameter
+            If the effect does not fit the arm, such as a joint that does not exist.
+        """
+        return self.replace(effects=(*self.effects, effect))
+
+    def without_effect(self, name: str, at: str) -> Self:
+        """This arm without the effect `name` at `at`.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is none.
+        """
+        if self.effect(name, at) is None:
+            there = [f"{effect.name} at {effect.at}" for effect in self.effects]
+            raise InvalidParameter(missing("effect", f"{name} at {at}", there))
+        return self.replace(effects=tuple(e for e in self.effects if (e.name, e.at) != (name, at)))
+
+    def effect(self, name: str, at: str) -> Effect | None:
+        """The effect `name` at `at`, or None."""
+        return next((effect for effect in self.effects if (effect.name, effect.at) == (name, at)), None)
+
+    def effects_at(self, at: str) -> tuple[Effect, ...]:
+        """All effects at a place, in the order in which they were given."""
+        return tuple(effect for effect in self.effects if effect.at == at)
+
+    # ------------------------------------------------------------------- parts
+
+    def joint(self, name: str) -> Joint:
+        """The joint of that name.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is none, listing those that exist.
+        """
+        return self._named("joint", self.joints, name)
+
+    def link(self, name: str) -> Link:
+        """The link of that name; errors as `joint`."""
+        return self._named("link", self.links, name)
+
+    def point(self, name: str) -> Point:
+        """The point of that name; errors as `joint`."""
+        return self._named("point", self.points, name)
+
+    @staticmethod
+    def _named(kind: str, entries: tuple[Any, ...], name: str) -> Any:
+        for entry in entries:
+            if entry.name == name:
+                return entry
+        raise InvalidParameter(missing(kind, name, [entry.name for entry in entries]))
+
+    @property
+    def moving_joints(self) -> tuple[Joint, ...]:
+        """Joints that have a coordinate."""
+        return tuple(joint for joint in self.joints if joint.moves)
+
+    def sigma(self, key: str) -> tuple[Any, float]:
+        """Nominal value and 1 sigma, both in SI, of a key of `uncertainty`."""
+        return sigma_of(self, key)
+
+    @property
+    def warnings(self) -> tuple[Problem, ...]:
+        """What is allowed and looks wrong, such as a wall that contradicts the area."""
+        return tuple(doubts(self))
+
+    # -------------------------------------------------------------------- text
+
+    def __repr__(self) -> str:
+        return (f"<Arm {self.name!r}: {_count(self.moving_joints, 'moving joint')}, {_count(self.links, 'link')}, "
+                f"{_count(self.payloads, 'payload')}, {_count(self.effects, 'effect')}>")
+
+    __str__ = __repr__
+
+    def summary(self) -> str:
+        """What the arm is, in a few lines."""
+        from flexarm.arm.summary import summary
+        return summary(self)
+
+
+def _count(entries: tuple[Any, ...], word: str) -> str:
+    return f"{len(entries)} {word}" + ("" if len(entries) == 1 else "s")

@@ -1,0 +1,55 @@
+"""What sits on a link: payloads, and the points that sensors see."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from flexarm.arm.inertia import Inertia, impossible
+from flexarm.arm.names import Place
+from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
+
+
+class Payload(Table):
+    """A mass that sits rigidly on a link: on a beam, on the section at its projection on the axis.
+
+    Parameters
+    ----------
+    name, link : str
+        Its name and the link that carries it; `link:interface` on a super-element.
+    position : (3,)
+        Its centre in the link's frame [m].
+    mass : float
+        Mass [kg].
+    inertia : (3,) or (6,)
+        About its own centre, in the link's axes [kg m2]; default a point mass.
+    """
+
+    name: Name = Field(description="name of the payload")
+    link: Place = Field(description="name of a link")
+    position: Vector3 = value_in("m", "position in the link's frame")
+    mass: Number = value_in("kg", "mass", ge=0)
+    inertia: Inertia = value_in("kg m2", "inertia about its own centre", (0.0, 0.0, 0.0))
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if why := impossible(self.inertia):
+            raise Inconsistent((("inertia",), why))
+        return self
+
+
+class Point(Table):
+    """A place that a sensor sees, or a force acts at.
+
+    Parameters
+    ----------
+    name, link : str
+        Its name and the link that carries it.
+    position : (3,)
+        In the link's frame [m].
+    """
+
+    name: Name = Field(description="name of the point")
+    link: Place = Field(description="name of a link")
+    position: Vector3 = value_in("m", "position in the link's frame")

@@ -1,0 +1,163 @@
+"""Do the parts of a model fit together: names, references, the tree of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.joint import Joint
+from flexarm.arm.link import Beam, SuperElement
+from flexarm.arm.names import link_of
+from flexarm.tables.table import Path
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+Found = Iterable[tuple[Path, str]]
+
+
+def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
+    """Pairs of place and sentence for all that does not fit."""
+    found = [*_duplicates(arm), *_joint_ends(arm)]
+    found += [] if found else [*_tree(arm)]
+    return [*found, *_gears(arm), *_attachments(arm), *_sensors(arm), *_drives(arm), *_effects(arm)]
+
+
+def missing(kind: str, name: str, known: Iterable[str]) -> str:
+    """Sentence on a name that nothing has, with those that exist."""
+    listed = ", ".join(known)
+    return f"there is no {kind} {name!r}; " + (f"there are {listed}" if listed else f"the model has no {kind}s")
+
+
+def _duplicates(arm: Arm) -> Found:
+    for table in ("joints", "gears", "links", "payloads", "points", "sensors"):
+        seen: set[str] = set()
+        for i, entry in enumerate(getattr(arm, table)):
+            if entry.name in seen:
+                yield (table, i, "name"), f"{entry.name!r} is used twice; names within {table} must differ"
+            seen.add(entry.name)
+    for table in ("motors", "controllers"):
+        of: set[str] = set()
+        for i, entry in enumerate(getattr(arm, table)):
+            if entry.joint in of:
+                yield (table, i, "joint"), f"joint {entry.joint!r} has two {table}; it can have one"
+            of.add(entry.joint)
+    for i, link in enumerate(arm.links):
+        if link.name == "base":
+            yield ("links", i, "name"), '"base" is the ground and cannot be the name of a link'
+
+
+def _joint_ends(arm: Arm) -> Found:
+    links = {link.name: link for link in arm.links}
+    for i, joint in enumerate(arm.joints):
+        for end in ("parent", "child"):
+            place = getattr(joint, end)
+            name = link_of(place)
+            if name == "base" and end == "parent":
+                continue
+            if name not in links:
+                yield ("joints", i, end), missing("link", name, links)
+            elif ":" in place and not isinstance(links[name], SuperElement):
+                yield ("joints", i, end), f"{place!r}: only a super-element has interfaces, {name!r} is a {links[name].type}"
+        parent = links.get(link_of(joint.parent))
+        if joint.at == "end" and not isinstance(parent, Beam):
+            yield ("joints", i, "at"), f'"end" needs a beam as parent, got {joint.parent!r}'
+
+
+def _tree(arm: Arm) -> Found:
+    """Every link hangs on the base through exactly one chain of joints."""
+    holder: dict[str, Joint] = {}
+    for i, joint in enumerate(arm.joints):
+        child = link_of(joint.child)
+        if child == link_of(joint.parent):
+            yield ("joints", i, "child"), f"joins {child!r} to itself"
+        elif child in holder:
+            yield ("joints", i, "child"), (f"link {child!r} is already the child of joint {holder[child].name!r}; "
+                                           "joints must form a tree, closed loops are not supported")
+        holder.setdefault(child, joint)
+    for i, link in enumerate(arm.links):
+        if link.name not in holder:
+            yield ("links", i), f"no joint has link {link.name!r} as its child; every link hangs on a joint"
+        elif loop := _loop_above(link.name, holder):
+            yield ("links", i), f"hangs on itself and not on the base: {' <- '.join(loop)}"
+
+
+def _loop_above(link: str, holder: dict[str, Joint]) -> list[str]:
+    """The chain from a link to a link met twice; empty if it ends at the base or at a link without a joint."""
+    chain = [link]
+    while chain[-1] in holder:
+        parent = link_of(holder[chain[-1]].parent)
+        if parent in chain:
+            return [*chain, parent]
+        chain.append(parent)
+    return []
+
+
+def _gears(arm: Arm) -> Found:
+    joints = {joint.name: joint for joint in arm.joints}
+    for i, gear in enumerate(arm.gears):
+        for end in ("input", "output"):
+            name = getattr(gear, end)
+            if name not in joints:
+                yield ("gears", i, end), missing("joint", name, joints)
+            elif not joints[name].moves:
+                yield ("gears", i, end), f"joint {name!r} is fixed; a gear couples joints that move"
+        output = joints.get(gear.output)
+        if output is not None and output.gear_ratio != 1:
+            yield ("gears", i, "output"), (f"joint {gear.output!r} has gear_ratio = {output.gear_ratio:g} already; "
+                                           "give either the gear or the joint's gear_ratio")
+
+
+def _attachments(arm: Arm) -> Found:
+    links = {link.name: link for link in arm.links}
+    for table in ("payloads", "points"):
+        for i, entry in enumerate(getattr(arm, table)):
+            name = link_of(entry.link)
+            if name not in links:
+                yield (table, i, "link"), missing("link", name, links)
+            elif (":" in entry.link) != isinstance(links[name], SuperElement):
+                wanted = "LINK:INTERFACE" if isinstance(links[name], SuperElement) else "LINK"
+                yield (table, i, "link"), f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}"
+
+
+def _sensors(arm: Arm) -> Found:
+    for i, sensor in enumerate(arm.sensors):
+        if sensor.spec.only_static:
+            yield ("sensors", i, "quantity"), f"{sensor.quantity} belongs to a record of poses, it is not a sensor"
+        for key in ("joint", "point", "link"):
+            name = getattr(sensor, key)
+            known = [entry.name for entry in getattr(arm, f"{key}s")]
+            if name is not None and name not in known:
+                yield ("sensors", i, key), missing(key, name, known)
+
+
+def _drives(arm: Arm) -> Found:
+    moving = [joint.name for joint in arm.joints if joint.moves]
+    tables: list[tuple[str, Sequence[Any]]] = [("motors", arm.motors), ("controllers", arm.controllers)]
+    for table, entries in tables:
+        for i, entry in enumerate(entries):
+            if entry.joint not in moving:
+                yield (table, i, "joint"), missing("moving joint", entry.joint, moving)
+    motors = {motor.joint for motor in arm.motors}
+    sensors = {sensor.name: sensor for sensor in arm.sensors}
+    for i, controller in enumerate(arm.controllers):
+        if controller.type != "state_feedback":
+            continue
+        if controller.joint not in motors:
+            yield ("controllers", i, "joint"), f"state feedback sets a voltage, but joint {controller.joint!r} has no motor"
+        name = controller.deflection
+        if name is not None and name not in sensors:
+            yield ("controllers", i, "deflection"), missing("sensor", name, sensors)
+        elif name is not None and sensors[name].quantity != "deflection":
+            yield ("controllers", i, "deflection"), f"sensor {name!r} measures {sensors[name].quantity}, not a deflection"
+
+
+def _effects(arm: Arm) -> Found:
+    moving = [joint.name for joint in arm.joints if joint.moves]
+    places = {"joint": moving, "link": [link.name for link in arm.links], "base": ["base"],
+              "payload": [load.name for load in arm.payloads], "point": [point.name for point in arm.points]}
+    for i, effect in enumerate(arm.effects):
+        known = places.get(effect.place)
+        if known is not None and effect.at not in known:
+            kind = "moving joint" if effect.place == "joint" else effect.place
+            yield ("effects", i, "at"), missing(kind, effect.at, known)

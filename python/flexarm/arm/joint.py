@@ -1,0 +1,84 @@
+"""Joints between links, and gears between joints."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from flexarm.arm.names import Place
+from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
+
+
+class Origin(Table):
+    """Pose of a joint's frame in its parent's, URDF convention: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+
+    xyz: Vector3 = value_in("m", "translation", (0.0, 0.0, 0.0))
+    rpy: Vector3 = value_in("rad", "roll, pitch, yaw", (0.0, 0.0, 0.0))
+
+
+class Joint(Table):
+    """A joint: the child link moves about or along `axis` of the joint's frame.
+
+    Parameters
+    ----------
+    name : str
+        Name, used by --joint, drives, effects and signals.
+    type : {"revolute", "prismatic", "fixed"}
+        What the child can do.
+    parent, child : str
+        "base" or a link; `link:interface` on a super-element.
+    at : {"start", "end"}
+        From where on the parent `origin` is measured: its frame, or the far end of a beam, which moves with it.
+    origin : Origin
+        From there to the joint's frame.
+    axis : (3,)
+        Axis in the joint's frame, any length but zero; not needed for a fixed joint.
+    gear_ratio : float
+        Motor angle over output angle [-]; a negative one turns the other way.
+    rotor_inertia : float
+        Of all that turns with the motor's shaft, motor side [kg m2].
+    """
+
+    name: Name = Field(description="name of the joint")
+    type: Literal["revolute", "prismatic", "fixed"] = Field(description="revolute, prismatic or fixed")
+    parent: Place = Field(description='"base" or the name of a link')
+    child: Place = Field(description="name of a link")
+    at: Literal["start", "end"] = "start"
+    origin: Origin = Origin()
+    axis: Vector3 = value_in("-", "axis of the joint", (0.0, 0.0, 0.0))
+    gear_ratio: Number = value_in("-", "motor angle over output angle", 1.0)
+    rotor_inertia: Number = value_in("kg m2", "inertia of the rotor, motor side", 0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.type != "fixed" and "axis" not in self.model_fields_set:
+            raise Inconsistent((("axis",), f"is missing; a {self.type} joint needs an axis such as [0, 1, 0]"))
+        if self.type != "fixed" and hypot(*self.axis) == 0:
+            raise Inconsistent((("axis",), f"must not be zero, got {list(self.axis)}"))
+        if self.gear_ratio == 0:
+            raise Inconsistent((("gear_ratio",), "must not be zero, got 0; motor angle over output angle"))
+        return self
+
+    @property
+    def moves(self) -> bool:
+        """Whether the joint has a coordinate."""
+        return self.type != "fixed"
+
+
+class Gear(Table):
+    """Couples two joints: angle of `input` = ratio x angle of `output`, in place of a joint's `gear_ratio`."""
+
+    name: Name = Field(description="name of the gear")
+    input: Name = Field(description="name of the joint on the motor's side")
+    output: Name = Field(description="name of the joint on the arm's side")
+    ratio: Number = value_in("-", "input angle over output angle")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.ratio == 0:
+            raise Inconsistent((("ratio",), "must not be zero, got 0; input angle over output angle"))
+        if self.input == self.output:
+            raise Inconsistent((("output",), f"must be another joint than input, got {self.output!r} for both"))
+        return self

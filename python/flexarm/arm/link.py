@@ -1,0 +1,122 @@
+"""Links: beams, rigid bodies, super-elements."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from flexarm.arm.inertia import Inertia, impossible
+from flexarm.arm.section import Section
+from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
+from flexarm.tables.table import Whole
+
+
+class Material(Table):
+    """An isotropic elastic material."""
+
+    youngs_modulus: Number = value_in("Pa", "Young's modulus E", gt=0)
+    poisson_ratio: Number = value_in("-", "Poisson's ratio", gt=-1, lt=0.5)
+    density: Number = value_in("kg/m3", "density", ge=0)
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + nu)) [Pa]."""
+        return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
+
+
+class Beam(Table):
+    """A straight elastic link of constant section.
+
+    Parameters
+    ----------
+    name : str
+        Name of the link.
+    end : (3,)
+        From the link's frame to its far end [m]; local x runs along it.
+    up : (3,), optional
+        Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from Iz.
+    section, material
+        What it is made of.
+    theory : {"timoshenko", "euler-bernoulli"}
+        With shear and rotary inertia, or with neither.
+    elements : int
+        Number of finite elements.
+    damping_ratio : float
+        Of the link alone in its first clamped mode, without payload; stiffness-proportional.
+    """
+
+    name: Name = Field(description="name of the link")
+    type: Literal["beam"] = "beam"
+    end: Vector3 = value_in("m", "far end in the link's frame")
+    up: Vector3 | None = value_in("-", "direction that local z leans to", None)
+    section: Section = Field(description="a table such as { shape = \"tube\", outer_diameter = 0.06, thickness = 0.003 }")
+    material: Material = Field(description="a table with youngs_modulus, poisson_ratio, density")
+    theory: Literal["timoshenko", "euler-bernoulli"] = "timoshenko"
+    elements: Whole = value_in("-", "number of elements", 4, ge=1, le=100_000)
+    damping_ratio: Number = value_in("-", "damping ratio of the first clamped mode", 0.0, ge=0, lt=1)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.length == 0:
+            raise Inconsistent((("end",), f"a beam must have a length, got end = {list(self.end)} m"))
+        if self.up is None:
+            iy, iz = self.section.second_moments
+            if abs(iy - iz) > 1e-9 * max(iy, iz):
+                raise Inconsistent((("up",), f"is missing; the section bends differently in its two planes (Iy = {iy:.4g}, "
+                                    f"Iz = {iz:.4g} m4), so say where local z points"))
+        elif _sine(self.up, self.end) < 1e-6:
+            raise Inconsistent((("up",), f"must not be zero or along end = {list(self.end)}, got {list(self.up)}"))
+        return self
+
+    @property
+    def length(self) -> float:
+        """Length [m]."""
+        return hypot(*self.end)
+
+
+class RigidLink(Table):
+    """A rigid body.
+
+    Parameters
+    ----------
+    name : str
+        Name of the link.
+    mass : float
+        Mass [kg].
+    com : (3,)
+        Centre of mass in the link's frame [m].
+    inertia : (3,) or (6,)
+        About the centre of mass, in the link's axes [kg m2].
+    """
+
+    name: Name = Field(description="name of the link")
+    type: Literal["rigid"] = "rigid"
+    mass: Number = value_in("kg", "mass", ge=0)
+    com: Vector3 = value_in("m", "centre of mass in the link's frame", (0.0, 0.0, 0.0))
+    inertia: Inertia = value_in("kg m2", "inertia about the centre of mass", (0.0, 0.0, 0.0))
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if why := impossible(self.inertia):
+            raise Inconsistent((("inertia",), why))
+        return self
+
+
+class SuperElement(Table):
+    """A part reduced from a solid mesh; its matrices stand in `file`."""
+
+    name: Name = Field(description="name of the link")
+    type: Literal["superelement"] = "superelement"
+    file: str = Field(description="name of the file with the reduced matrices", min_length=1)
+
+
+Link = Annotated[Beam | RigidLink | SuperElement, Field(discriminator="type")]
+
+
+def _sine(a: Vector3, b: Vector3) -> float:
+    """Sine of the angle between two vectors, 0 if one is zero."""
+    cross = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    lengths = hypot(*a) * hypot(*b)
+    return hypot(*cross) / lengths if lengths else 0.0

@@ -1,0 +1,163 @@
+"""What a signal says about itself, measured or virtual, and the sensors of a model.
+
+`Measurement` holds the keys that a sensor of a model and a signal of a record share. Values are in `unit` where
+the file says one, else in SI.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from flexarm.errors import InvalidParameter
+from flexarm.quantities import QUANTITIES, Quantity, QuantityName
+from flexarm.tables import Inconsistent, Name, Number, Table, Vector2, value_in
+from flexarm.units import si_factor
+
+
+def _check_axes(axes: tuple[str, ...]) -> tuple[str, ...]:
+    if not axes or len(set(axes)) < len(axes):
+        raise ValueError(f"must name each of x, y, z at most once and at least one, got {list(axes)}")
+    return axes
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+Axes = Annotated[tuple[Literal["x", "y", "z"], ...], BeforeValidator(_as_tuple), AfterValidator(_check_axes)]
+
+
+class Measurement(Table):
+    """What is measured, where and how well.
+
+    Parameters
+    ----------
+    name : str
+        Name of the signal.
+    quantity : str
+        A key of `flexarm.quantities.QUANTITIES`.
+    joint, point, link, payload : str, optional
+        Where; which of them is needed depends on the quantity.
+    side : {"motor", "output"}, optional
+        Before the reducer (divided by the ratio) or after it; default motor.
+    axes : list of "x", "y", "z", optional
+        Directions of the channels, default all three; for an inclination the one body axis whose angle to the
+        horizontal is measured.
+    frame, clock : str, optional
+        Default: the base's frame, the reference clock.
+    unit : str, optional
+        Unit of the values, noise_std and step; default SI.
+    noise_std : float, optional
+        1 sigma per channel, in `unit`.
+    jitter_std : float
+        1 sigma of the stamps [s].
+    position : float, optional
+        For strain, and deflection of a link: the place along its axis [m].
+    fibre : (2,), optional
+        For strain: the fibre [y, z] in the section's axes [m].
+    """
+
+    name: Name = Field(description="name of the signal")
+    quantity: QuantityName = Field(description="what is measured, such as \"position\"")
+    joint: Name | None = None
+    point: Name | None = None
+    link: Name | None = None
+    payload: Name | None = None
+    side: Literal["motor", "output"] | None = None
+    axes: Axes | None = None
+    frame: Name | None = None
+    clock: Name | None = None
+    unit: str | None = None
+    noise_std: Number | None = value_in("unit", "1 sigma of the noise per channel", None, ge=0)
+    jitter_std: Number = value_in("s", "1 sigma of the stamps", 0.0, ge=0)
+    position: Number | None = value_in("m", "place along the link", None)
+    fibre: Vector2 | None = value_in("m", "fibre [y, z] in the section", None)
+
+    @model_validator(mode="after")
+    def _check_measurement(self) -> Self:
+        problems = [*self._place_problems(), *self._detail_problems()]
+        try:
+            si_factor(self.unit if self.unit is not None else self.spec.units[0], self.spec.units)
+        except InvalidParameter as error:
+            problems.append((("unit",), str(error)))
+        if problems:
+            raise Inconsistent(*problems)
+        return self
+
+    @property
+    def spec(self) -> Quantity:
+        """The row of the table of quantities."""
+        return QUANTITIES[self.quantity]
+
+    @property
+    def place(self) -> str:
+        """Name of the joint, point, link or payload."""
+        return self.joint or self.point or self.link or self.payload or ""
+
+    @property
+    def si(self) -> tuple[str, float]:
+        """SI unit of the values and the factor to it."""
+        return si_factor(self.unit if self.unit is not None else self.spec.units[0], self.spec.units)
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the channels: axes, "x y z w" of a quaternion, or none for a scalar."""
+        if self.quantity == "orientation":
+            return ("x", "y", "z", "w")
+        return (self.axes or ("x", "y", "z")) if self.spec.channels is None else ()
+
+    def _place_problems(self) -> list[tuple[tuple[str, ...], str]]:
+        given = [kind for kind in ("joint", "point", "link", "payload") if getattr(self, kind) is not None]
+        wrong = [kind for kind in given if kind not in self.spec.places]
+        needed = " or ".join(self.spec.places)
+        found = [((kind,), f"{self.quantity} is not measured at a {kind}, but at a {needed}") for kind in wrong]
+        if not given:
+            found.append(((self.spec.places[0],), f"is missing; {self.quantity} needs the name of a {needed}"))
+        elif len(given) > 1 and not wrong:
+            found.append(((given[1],), f"give either {' or '.join(given)}, not both"))
+        return found
+
+    def _detail_problems(self) -> list[tuple[tuple[str, ...], str]]:
+        found: list[tuple[tuple[str, ...], str]] = []
+        if self.side and not self.spec.has_side:
+            found.append((("side",), f"{self.quantity} has no side; only joint_angle, joint_rate and motor_torque have"))
+        if self.spec.one_axis and (self.axes is None or len(self.axes) != 1):
+            found.append((("axes",), f"{self.quantity} needs the one body axis it measures, such as [\"x\"]"))
+        if self.axes and self.spec.channels is not None and not self.spec.one_axis:
+            found.append((("axes",), f"{self.quantity} has no axes"))
+        if self.quantity == "strain" and (self.position is None or self.fibre is None):
+            found.append((("position" if self.position is None else "fibre",),
+                          "is missing; strain needs position along the link [m] and fibre [y, z] [m]"))
+        if self.position is not None and self.link is None:
+            found.append((("position",), "belongs to a signal at a link"))
+        if self.fibre is not None and self.quantity != "strain":
+            found.append((("fibre",), f"{self.quantity} has no fibre; only strain has"))
+        if self.frame and self.quantity not in ("position", "orientation"):
+            found.append((("frame",), f"{self.quantity} has no frame; only position and orientation have"))
+        return found
+
+
+class Sensor(Measurement):
+    """A virtual sensor of a model.
+
+    Parameters
+    ----------
+    rate_hz : float
+        Samples a second.
+    start : float
+        Time of the first sample after the start of the run [s].
+    latency_s : float
+        Age of a value at its stamp [s]: the stamp is late by so much.
+    drop_out : float
+        Share of samples that are lost, 0 to 1.
+    step : float
+        Quantisation, in `unit`; 0: none.
+    """
+
+    rate_hz: Number = value_in("Hz", "samples a second", gt=0)
+    start: Number = value_in("s", "time of the first sample", 0.0, ge=0)
+    latency_s: Number = value_in("s", "delay of the stamp", 0.0, ge=0)
+    drop_out: Number = value_in("-", "share of lost samples", 0.0, ge=0, lt=1)
+    step: Number = value_in("unit", "quantisation", 0.0, ge=0)

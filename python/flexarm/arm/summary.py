@@ -1,0 +1,32 @@
+"""An arm told in a few lines, for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexarm.arm.link import Beam, Link, RigidLink
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+
+def summary(arm: Arm) -> str:
+    """What the arm is: joints, links, what they carry, effects."""
+    lines = [repr(arm).strip("<>")]
+    for joint in arm.joints:
+        ratio = f", ratio {joint.gear_ratio:g}" if joint.gear_ratio != 1 else ""
+        lines.append(f"  joint {joint.name}: {joint.type}, {joint.parent} -> {joint.child}{ratio}")
+    lines += [f"  gear {gear.name}: {gear.input} = {gear.ratio:g} x {gear.output}" for gear in arm.gears]
+    lines += [f"  link {link.name}: {_link(link)}" for link in arm.links]
+    lines += [f"  payload {load.name}: {load.mass:g} kg on {load.link}" for load in arm.payloads]
+    lines += [f"  effect {effect}" for effect in arm.effects]
+    if arm.sensors:
+        lines.append(f"  sensors: {', '.join(f'{s.name} ({s.quantity})' for s in arm.sensors)}")
+    return "\n".join(lines)
+
+
+def _link(link: Link) -> str:
+    if isinstance(link, Beam):
+        return (f"beam, {link.length:g} m, {link.section.shape}, E = {link.material.youngs_modulus / 1e9:g} GPa, "
+                f"{link.theory}, {link.elements} elements")
+    return f"rigid, {link.mass:g} kg" if isinstance(link, RigidLink) else f"super-element from {link.file}"

@@ -1,0 +1,93 @@
+"""Uncertainty of nominal values: which value a key means, and 1 sigma in SI.
+
+A key is a dotted path with names, `links.rod.material.youngs_modulus`; its number is relative. With a unit at
+the end, `points.tip.position_m`, the number is absolute; it then holds for each component of a vector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from flexarm.tables.table import Path, Table, unit_of
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+_SUFFIXES = {"m": "m", "rad": "rad", "kg": "kg", "kgm2": "kg m2", "Pa": "Pa", "kg_m3": "kg/m3", "m2": "m2", "m4": "m4",
+             "Nm_rad": "N m/rad", "Nms_rad": "N m s/rad", "Nm": "N m"}
+_TABLES = ("links", "joints", "gears", "payloads", "points", "motors", "effects")
+
+
+def sigma_of(arm: Arm, key: str) -> tuple[Any, float]:
+    """The nominal value that a key of `[uncertainty]` means, and its 1 sigma in the value's own unit.
+
+    Raises
+    ------
+    ValueError
+        If the key means nothing in this model.
+    """
+    owner, field, unit = _owner(arm, key)
+    nominal = getattr(owner, field)
+    given = arm.uncertainty[key]
+    return nominal, given if unit else abs(float(nominal)) * given
+
+
+def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
+    """Keys that mean nothing, and sigmas that are negative."""
+    for key, sigma in arm.uncertainty.items():
+        if sigma < 0:
+            yield ("uncertainty", key), f"1 sigma must not be negative, got {sigma:g}"
+        try:
+            owner, field, unit = _owner(arm, key)
+        except ValueError as error:
+            yield ("uncertainty", key), str(error)
+            continue
+        if not unit and not isinstance(getattr(owner, field), float):
+            options = " or ".join(f"{field}_{s}" for s, u in _SUFFIXES.items()
+                                  if u == unit_of(type(owner).model_fields[field]))
+            yield ("uncertainty", key), (f"{field} is not one number, so 1 sigma cannot be relative; "
+                                         + (f"write {options}" if options else "it cannot have an uncertainty"))
+
+
+def _owner(arm: Arm, key: str) -> tuple[Table, str, str]:
+    """The table that holds the value, the field's name, and the unit (empty: relative)."""
+    words = key.split(".")
+    if len(words) < 3 or words[0] not in _TABLES:
+        raise ValueError(f"must read TABLE.NAME.VALUE with TABLE one of {', '.join(_TABLES)}, got {key!r}")
+    owner, rest = _entry(arm, words)
+    for step in rest[:-1]:
+        inner = getattr(owner, step, None) if step in type(owner).model_fields else None
+        if not isinstance(inner, Table):
+            raise ValueError(f"there is no {step!r} in {key!r}; there are {', '.join(type(owner).model_fields)}")
+        owner = inner
+    return owner, *_field(owner, rest[-1])
+
+
+def _entry(arm: Arm, words: list[str]) -> tuple[Table, list[str]]:
+    table, name, *rest = words
+    entries: dict[str, Table] = {}
+    for entry in getattr(arm, table):
+        if table == "effects":
+            entries[f"{entry.name}.{entry.at}"] = entry
+        else:
+            entries[entry.joint if table == "motors" else entry.name] = entry
+    if table == "effects" and rest:
+        name, rest = f"{name}.{rest[0]}", rest[1:]
+    if name not in entries or not rest:
+        raise ValueError(f"there is no {name!r} in {table}; there are {', '.join(entries) or 'none'}")
+    return entries[name], rest
+
+
+def _field(owner: Table, word: str) -> tuple[str, str]:
+    fields = type(owner).model_fields
+    if word in fields and unit_of(fields[word]):
+        if getattr(owner, word) is None:
+            raise ValueError(f"{word} is not given in the model")
+        return word, ""
+    for suffix, unit in _SUFFIXES.items():
+        stem = word.removesuffix(f"_{suffix}")
+        if stem != word and stem in fields and unit_of(fields[stem]) == unit:
+            return stem, unit
+    uncertain = [name for name in fields if unit_of(fields[name])]
+    raise ValueError(f"there is no value {word!r}; there are {', '.join(uncertain)}, each also with its unit at the end")

@@ -1,0 +1,62 @@
+"""What a model may say and yet looks wrong: each doubt with its place and what would agree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import hypot
+from typing import TYPE_CHECKING
+
+from flexarm.arm.link import Beam
+from flexarm.arm.names import link_of
+from flexarm.arm.section import General, contradiction
+from flexarm.errors import Problem
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+
+def doubts(arm: Arm) -> Iterable[Problem]:
+    """All doubts about a model."""
+    for link in arm.links:
+        if isinstance(link, Beam):
+            yield from _beam(link)
+    yield from _beyond_the_beam(arm)
+    if not 9.5 < hypot(*arm.gravity) < 10 and hypot(*arm.gravity) > 0:
+        yield Problem("gravity", f"has a magnitude of {hypot(*arm.gravity):g} m/s2; on Earth it is 9.81 m/s2")
+
+
+def _beam(link: Beam) -> Iterable[Problem]:
+    section = f"links.{link.name}.section"
+    if isinstance(link.section, General):
+        found = contradiction(link.section)
+        if found:
+            yield Problem(section, found)
+        iy, iz = link.section.second_moments
+        if 6.2832 * (iy + iz) < 0.999 * link.section.area**2:  # a solid disc has the least: Iy + Iz = A^2 / (2 pi)
+            yield Problem(section, f"no section of area {link.section.area:g} m2 has second moments as small as {iy:g} and "
+                          f"{iz:g} m4; their sum is at least {link.section.area**2 / 6.2832:.3g} m4")
+    width = max(link.section.second_moments) ** 0.25
+    if width > link.length:
+        yield Problem(f"links.{link.name}.end", f"the beam is {link.length:g} m long and about as thick; lengths are in m")
+    modulus = link.material.youngs_modulus
+    if modulus < 1e6:
+        yield Problem(f"links.{link.name}.material.youngs_modulus",
+                      f"is {modulus:g} Pa, softer than rubber; moduli are in Pa (steel 210e9)")
+    if 0 < link.material.density < 50:
+        yield Problem(f"links.{link.name}.material.density",
+                      f"is {link.material.density:g} kg/m3; densities are in kg/m3 (steel 7850)")
+
+
+def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
+    """Payloads and points whose projection lies outside their beam."""
+    beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
+    for table in ("payloads", "points"):
+        for entry in getattr(arm, table):
+            beam = beams.get(link_of(entry.link))
+            if beam is None:
+                continue
+            along = sum(p * e for p, e in zip(entry.position, beam.end, strict=True)) / beam.length
+            if not -1e-6 * beam.length <= along <= beam.length * (1 + 1e-6):
+                yield Problem(f"{table}.{entry.name}.position",
+                              f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to {beam.length:g} m; "
+                              "it sits rigidly on the nearer end")

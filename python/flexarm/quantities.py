@@ -1,0 +1,61 @@
+"""What can be measured: SI unit, where it is measured and how many channels it has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+PlaceKind = Literal["joint", "point", "link", "payload"]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One row of the table of quantities.
+
+    Attributes
+    ----------
+    units : tuple of str
+        SI units; the second one is for prismatic joints.
+    places : tuple of str
+        Kinds of place, one of which a signal names.
+    channels : int or None
+        Number of channels; None: one for each of `axes`.
+    has_side : bool
+        Whether it can be taken before (motor) or after (output) the reducer.
+    one_axis : bool
+        Whether it needs exactly one entry in `axes`.
+    only_static : bool
+        Whether it belongs to records of poses only.
+    """
+
+    units: tuple[str, ...]
+    places: tuple[PlaceKind, ...]
+    channels: int | None = 1
+    has_side: bool = False
+    one_axis: bool = False
+    only_static: bool = False
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "joint_angle": Quantity(("rad", "m"), ("joint",), has_side=True),
+    "joint_rate": Quantity(("rad/s", "m/s"), ("joint",), has_side=True),
+    "joint_command": Quantity(("rad", "m"), ("joint",)),
+    "motor_torque": Quantity(("N m", "N"), ("joint",), has_side=True),
+    "motor_voltage": Quantity(("V",), ("joint",)),
+    "position": Quantity(("m",), ("point",), channels=None),
+    "orientation": Quantity(("1",), ("point",), channels=4),
+    "inclination": Quantity(("rad",), ("point",), one_axis=True),
+    "angular_rate": Quantity(("rad/s",), ("point",), channels=None),
+    "acceleration": Quantity(("m/s2",), ("point",), channels=None),
+    "strain": Quantity(("1",), ("link",)),
+    "deflection": Quantity(("m",), ("point", "link"), channels=None),
+    "force": Quantity(("N",), ("point",), channels=None),
+    "payload_mass": Quantity(("kg",), ("payload",), only_static=True),
+}
+
+QuantityName = Literal["joint_angle", "joint_rate", "joint_command", "motor_torque", "motor_voltage", "position",
+                       "orientation", "inclination", "angular_rate", "acceleration", "strain", "deflection", "force",
+                       "payload_mass"]
+
+DRIVES = ("joint_angle", "joint_command", "motor_torque", "motor_voltage")
+"""Quantities that can drive a simulation."""

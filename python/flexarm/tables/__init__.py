@@ -1,0 +1,22 @@
+"""Tables of a TOML file: strict fields with units, and errors that name file, place and value.
+
+`Table` is the base of everything that stands in a model or a record; `read_toml` and `check_table` turn a file
+into tables or into one `InvalidFile` that lists all that is wrong.
+"""
+
+from flexarm.tables.check import check_table, parameter_error
+from flexarm.tables.table import (
+    FrozenDict,
+    Inconsistent,
+    Name,
+    Number,
+    Table,
+    Vector2,
+    Vector3,
+    value_in,
+    unit_of,
+)
+from flexarm.tables.toml import read_toml, toml_text
+
+__all__ = ["FrozenDict", "Inconsistent", "Name", "Number", "Table", "Vector2", "Vector3", "check_table",
+           "parameter_error", "value_in", "read_toml", "toml_text", "unit_of"]

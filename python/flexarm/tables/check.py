@@ -1,0 +1,72 @@
+"""From a dictionary to a table, or to one error that lists every problem with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.tables.messages import sentence
+from flexarm.tables.place import dotted, field_at, line_in, without_tags
+from flexarm.tables.table import Inconsistent, Nested, Path, Table
+
+AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+def check_table(table: type[AnyTable], data: dict[str, Any], file: str | FilePath | None = None,
+                text: str = "") -> AnyTable:
+    """`data` as a `table`.
+
+    Parameters
+    ----------
+    table : type
+        A subclass of `Table`.
+    data : dict
+        What the TOML file holds.
+    file, text : optional
+        The file and its text, for the message; without a file the error is an `InvalidParameter`.
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        With all problems found.
+    """
+    try:
+        return table.model_validate(data)
+    except ValidationError as error:
+        if file is None:
+            raise parameter_error(table, error, data) from None
+        problems = tuple(Problem(dotted(path, data), what, line_in(text, path))
+                         for path, what in problems_of(table, error, data))
+        first = problems[0]
+        raise InvalidFile(file, first.where, first.what, line=first.line, problems=problems) from None
+
+
+def parameter_error(table: type[Table], error: ValidationError, data: Any) -> InvalidParameter:
+    """The error of a table that was made in Python."""
+    problems = tuple(Problem(dotted(path, data), what) for path, what in problems_of(table, error, data))
+    label = getattr(table, "name", None)  # effects carry their name on the class
+    first = problems[0]
+    where = ".".join(word for word in (label if isinstance(label, str) else "", first.where) if word)
+    return InvalidParameter(first.what, where=where or table.__name__, problems=problems)
+
+
+def problems_of(table: type[Table], error: ValidationError, data: Any, prefix: Path = ()) -> list[tuple[Path, str]]:
+    """Pairs of place and sentence."""
+    found: list[tuple[Path, str]] = []
+    for entry in error.errors(include_url=False):
+        path = prefix + without_tags(entry["loc"], data, entry["type"] == "missing")
+        context = entry.get("ctx", {})
+        cause = context.get("error")
+        if isinstance(cause, Inconsistent):
+            found += [(path + below, what) for below, what in cause.problems]
+        elif isinstance(cause, Nested):
+            found += problems_of(cause.table, cause.error, cause.data, path)
+        else:
+            if entry["type"].startswith("union_tag"):
+                path = (*path, context["discriminator"].strip("'"))
+            field, allowed = field_at(table, entry["loc"])
+            found.append((path, sentence(dict(entry), field, allowed)))
+    return found

@@ -1,0 +1,141 @@
+"""The base of all tables: frozen, no unknown keys, numbers that are numbers and have a unit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Hashable
+from typing import Annotated, Any, Literal, NoReturn, Self, TypeVar, get_origin
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
+from pydantic.fields import FieldInfo
+
+from flexarm.errors import InvalidParameter
+
+Key = TypeVar("Key", bound=Hashable)
+Value = TypeVar("Value")
+Path = tuple[str | int, ...]
+
+
+class FrozenDict(dict[Key, Value]):
+    """A dictionary that cannot be changed, so that a frozen table really is, and can be hashed."""
+
+    def _refuse(self, *args: Any, **kwargs: Any) -> NoReturn:
+        raise TypeError("this dictionary belongs to a frozen object; make a changed copy with replace()")
+
+    __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = _refuse
+    __ior__ = _refuse  # type: ignore[assignment]
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+    def __reduce__(self) -> tuple[type[Self], tuple[dict[Key, Value]]]:
+        return type(self), (dict(self),)
+
+
+class Inconsistent(ValueError):
+    """Values that are fine alone and impossible together: a list of (place, what is wrong)."""
+
+    def __init__(self, *problems: tuple[Path, str]) -> None:
+        self.problems = problems
+        super().__init__("; ".join(what for _, what in problems))
+
+
+class Nested(ValueError):
+    """The error of a table that a registry checks, with its class and what was checked."""
+
+    def __init__(self, table: type[Table], error: ValidationError, data: Any) -> None:
+        super().__init__(str(error))
+        self.table, self.error, self.data = table, error, data
+
+
+def _plain(value: Any) -> Any:
+    """NumPy scalars and arrays as Python numbers and lists, anything else unchanged."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _list_of(count: int) -> BeforeValidator:
+    def check(value: Any) -> Any:
+        value = _plain(value)
+        if not isinstance(value, list | tuple) or len(value) != count:
+            raise ValueError(f"must be a list of {count} numbers, got {value!r}")
+        return tuple(value)
+    return BeforeValidator(check)
+
+
+_FORBIDDEN_IN_NAME = re.compile(r"[\s.:=,\"'\[\]{}#/\\\x00-\x1f\x7f]")
+
+
+def check_name(name: str) -> str:
+    if not name or (found := _FORBIDDEN_IN_NAME.search(name)):
+        why = f"contains {found.group()!r}" if name else "is empty"
+        raise ValueError(f"name {name!r} {why}; allowed are letters, digits, '_' and '-'")
+    return name
+
+
+Number = Annotated[float, BeforeValidator(_plain), Strict()]
+Whole = Annotated[int, BeforeValidator(_plain), Strict()]
+Name = Annotated[str, AfterValidator(check_name)]
+Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
+Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
+
+
+def value_in(unit: str, description: str, default: Any = ..., **limits: float) -> Any:
+    """A field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
+    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)  # type: ignore[arg-type]
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Unit that `value_in` gave a field, empty if none."""
+    extra = field.json_schema_extra
+    return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+
+
+class Table(BaseModel):
+    """A frozen table. Made wrongly in Python, it raises `InvalidParameter`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            from flexarm.tables.check import parameter_error
+            raise parameter_error(type(self), error, values) from None
+
+    # Tells pydantic that nested tables need not pass through this __init__, so that a file's error keeps its place.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def to_plain(self) -> dict[str, Any]:
+        """Plain dictionary for TOML: what differs from the defaults, and the keys that tell the kind."""
+        out: dict[str, Any] = {}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            tells_kind = get_origin(field.annotation) is Literal and field.default == value
+            if value is not None and (tells_kind or field.is_required() or value != field.get_default()):
+                out[name] = _to_plain(value)
+        return out
+
+    def replace(self, **changes: Any) -> Self:
+        """A changed copy, checked like a new one.
+
+        Raises
+        ------
+        InvalidParameter
+            If the changed table is not allowed.
+        """
+        unknown = sorted(set(changes) - set(type(self).model_fields))
+        if unknown:
+            allowed = ", ".join(type(self).model_fields)
+            raise InvalidParameter(f"{type(self).__name__} has no {unknown[0]!r}; it has {allowed}")
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        return type(self)(**{**fields, **changes})
+
+
+def _to_plain(value: Any) -> Any:
+    if isinstance(value, Table):
+        return value.to_plain()
+    if isinstance(value, dict):
+        return {key: _to_plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [_to_plain(item) for item in value]
+    return value

@@ -1,0 +1,63 @@
+"""Units that files may use, as factors to SI.
+
+A unit is read for what is measured: `g` is a gram for a mass and 9.80665 m/s2 for an acceleration. Spaces,
+dots, stars and `^` do not matter: "N m", "N*m" and "Nm" are one unit, as are "m/s2" and "m/s^2".
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+from flexarm.errors import InvalidParameter
+
+_DEGREE = pi / 180
+FACTORS: dict[str, dict[str, float]] = {
+    "m": {"m": 1, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "km": 1e3, "in": 0.0254},
+    "rad": {"rad": 1, "mrad": 1e-3, "urad": 1e-6, "µrad": 1e-6, "deg": _DEGREE, "°": _DEGREE, "arcmin": _DEGREE / 60,
+            "arcsec": _DEGREE / 3600, "rev": 2 * pi, "turn": 2 * pi},
+    "rad/s": {"rad/s": 1, "mrad/s": 1e-3, "deg/s": _DEGREE, "°/s": _DEGREE, "rpm": pi / 30, "rev/s": 2 * pi},
+    "m/s": {"m/s": 1, "mm/s": 1e-3, "cm/s": 1e-2},
+    "m/s2": {"m/s2": 1, "m/s²": 1, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    "N m": {"N m": 1, "mN m": 1e-3, "kN m": 1e3},
+    "N": {"N": 1, "mN": 1e-3, "kN": 1e3},
+    "V": {"V": 1, "mV": 1e-3},
+    "kg": {"kg": 1, "g": 1e-3, "t": 1e3},
+    "s": {"s": 1, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60},
+    "1": {"1": 1, "-": 1, "": 1, "%": 1e-2, "um/m": 1e-6, "µm/m": 1e-6, "ustrain": 1e-6, "mm/m": 1e-3},
+}
+
+
+def _normal(unit: str) -> str:
+    return unit.translate(str.maketrans("", "", " ·.*^"))
+
+
+def factor_to(si: str, unit: str) -> float | None:
+    """Factor from `unit` to the SI unit `si`, or None if it is not a unit of that kind.
+
+    >>> factor_to("m", "mm"), factor_to("m", "rad")
+    (0.001, None)
+    """
+    return {_normal(name): factor for name, factor in FACTORS[si].items()}.get(_normal(unit))
+
+
+def si_factor(unit: str, allowed: tuple[str, ...]) -> tuple[str, float]:
+    """The SI unit among `allowed` that `unit` belongs to, and the factor to it.
+
+    Parameters
+    ----------
+    unit : str
+        What the file says.
+    allowed : tuple of str
+        SI units that fit, such as ("rad", "m") for the angle of a joint that may be prismatic.
+
+    Raises
+    ------
+    InvalidParameter
+        If `unit` belongs to none of them.
+    """
+    for si in allowed:
+        factor = factor_to(si, unit)
+        if factor is not None:
+            return si, factor
+    known = ", ".join(name for si in allowed for name in FACTORS[si] if name)
+    raise InvalidParameter(f"unit {unit!r} does not fit; allowed are {known}")
