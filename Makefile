@@ -7,7 +7,6 @@ MAKEFLAGS += --no-print-directory
 
 PYTHON ?= python3
 BIN := .venv/bin
-STAMPS := .venv/stamps
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export CMAKE_BUILD_PARALLEL_LEVEL ?= $(shell nproc 2> /dev/null || echo 2)
 unexport PYTHONPATH
@@ -17,20 +16,19 @@ CXX_FILES = $(shell find cpp -name '*.hpp' -o -name '*.cpp')
 .PHONY: setup build test reproduce check format stubs clean
 
 ## Set-up: compiler and libraries, then .venv; each is touched again only when its list changed.
-$(STAMPS)/system: scripts/system-packages.txt scripts/install_system_packages.sh
+build/stamps/system: scripts/system-packages.txt scripts/install_system_packages.sh
 	@scripts/install_system_packages.sh "$(PYTHON)"
 	@mkdir -p $(@D) && touch $@
 
-$(STAMPS)/python: pyproject.toml scripts/install_python_packages.sh $(STAMPS)/system
+.venv/stamps/python: pyproject.toml scripts/install_python_packages.sh build/stamps/system
 	@scripts/install_python_packages.sh "$(PYTHON)" .venv
 	@mkdir -p $(@D) && touch $@
 
-setup: $(STAMPS)/python
+setup: .venv/stamps/python
 
 ## Builds: build/<preset>, incremental. The release build puts flexarm._core beside the Python sources.
-build/%/build.ninja: CMakePresets.json $(STAMPS)/python
-	@$(BIN)/cmake --preset $* --no-warn-unused-cli \
-	  -DPython_EXECUTABLE=$(CURDIR)/$(BIN)/python -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(BIN)/ninja
+build/%/build.ninja: CMakePresets.json .venv/stamps/python
+	@VIRTUAL_ENV="$(CURDIR)/.venv" PATH="$(CURDIR)/$(BIN):$$PATH" cmake --preset $*
 	@touch $@
 
 build: build/release/build.ninja

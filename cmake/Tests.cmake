@@ -6,9 +6,7 @@ add_executable(flexarm_tests ${PROJECT_SOURCE_DIR}/cpp/tests/main.cpp ${test_sou
 target_link_libraries(flexarm_tests PRIVATE flexarm_core flexarm_options doctest::doctest)
 target_include_directories(flexarm_tests PRIVATE ${PROJECT_SOURCE_DIR}/cpp/tests)
 if(FLEXARM_PCH)
-  # main.cpp compiles doctest itself and so must read its header with another macro set.
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/cpp/tests/main.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
-  target_precompile_headers(flexarm_tests PRIVATE <doctest/doctest.h> <Eigen/Dense> <Eigen/SparseCore> <functional> <string> <vector>)
+  target_precompile_headers(flexarm_tests REUSE_FROM flexarm_core)
 endif()
 
 foreach(source IN LISTS test_sources)
