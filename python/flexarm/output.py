@@ -1,0 +1,104 @@
+"""Output that is whole or not there: written beside its place, moved there at the end."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from flexarm.errors import InvalidFile
+
+
+@contextmanager
+def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
+    """A directory to write into, which becomes `path` when the block ends well and vanishes when it does not.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the output shall be; parents are made.
+    force : bool
+        Write into a directory that holds files. Files of the same name are replaced, others stay.
+
+    Yields
+    ------
+    Path
+        A hidden directory beside `path`.
+
+    Raises
+    ------
+    InvalidFile
+        If `path` is a file, holds files without `force`, or cannot be written.
+
+    Examples
+    --------
+    >>> with output_directory("results") as directory:               # doctest: +SKIP
+    ...     (directory / "summary.json").write_text("{}")
+    """
+    target = Path(path)
+    _refuse_occupied(target, force)
+    made = _make_parents(target)
+    try:
+        partial = Path(tempfile.mkdtemp(prefix=f".{target.resolve().name}.partial-", dir=target.resolve().parent))
+    except OSError as error:
+        _remove_empty(made)
+        raise InvalidFile(path, "output", f"cannot be written: {error.strerror}") from None
+    try:
+        partial.chmod(0o755)
+        yield partial
+        _move(partial, target, path)
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        _remove_empty(made)
+        raise
+
+
+def _refuse_occupied(target: Path, force: bool) -> None:
+    try:
+        if target.exists() and not target.is_dir():
+            raise InvalidFile(target, "output", "is a file, a directory is needed")
+        if target.is_dir() and not force and next(target.iterdir(), None) is not None:
+            raise InvalidFile(target, "output", "holds files already; allowed is a new or empty directory, or --force")
+    except (OSError, ValueError) as error:
+        if isinstance(error, InvalidFile):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InvalidFile(target, "output", f"cannot be written: {reason}") from None
+
+
+def _make_parents(target: Path) -> list[Path]:
+    """Makes the missing parents; returns those made, deepest first."""
+    missing = [parent for parent in target.resolve().parents if not parent.exists()]
+    try:
+        target.resolve().parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        _remove_empty(missing)
+        raise InvalidFile(target, "output", f"cannot be written: {error.strerror}") from None
+    return missing
+
+
+def _remove_empty(directories: list[Path]) -> None:
+    for directory in directories:
+        try:
+            directory.rmdir()
+        except OSError:
+            return
+
+
+def _move(partial: Path, target: Path, named: str | Path) -> None:
+    """Puts the finished directory in its place; into an existing one file by file."""
+    try:
+        if not target.exists():
+            partial.rename(target)
+            return
+        for item in sorted(partial.rglob("*")):
+            place = target / item.relative_to(partial)
+            if item.is_dir():
+                place.mkdir(exist_ok=True)
+            else:
+                item.replace(place)
+        shutil.rmtree(partial)
+    except OSError as error:
+        raise InvalidFile(named, "output", f"cannot be written: {error.strerror}") from None

@@ -1,0 +1,7 @@
+"""What was measured, or would be: a directory with `record.toml` and CSV files as frozen objects."""
+
+from flexarm.record.record import Record
+from flexarm.record.signal import Signal
+from flexarm.record.table import CarriedPayload, Clock, Frame
+
+__all__ = ["CarriedPayload", "Clock", "Frame", "Record", "Signal"]

@@ -1,0 +1,72 @@
+"""What in a record does not fit a model: names it does not have, values beyond its reach."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import hypot
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.consistency import missing
+from flexarm.arm.link import Beam
+from flexarm.errors import Problem
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.record.record import Record
+
+
+def unknown_names(record: Record, arm: Arm) -> list[Problem]:
+    """Joints, points, links and payloads that the model does not have."""
+    known = {"joint": [joint.name for joint in arm.moving_joints], "point": [point.name for point in arm.points],
+             "link": [link.name for link in arm.links], "payload": [load.name for load in arm.payloads]}
+    found = [Problem(f"signals.{signal.name}.{kind}", missing(kind, place, names))
+             for signal in record.signals.values() for kind, names in known.items()
+             if (place := getattr(signal, kind)) is not None and place not in names]
+    found += [Problem(f"joints.{name}", missing("joint", name, known["joint"]))
+              for name in record.joints if name not in known["joint"]]
+    return found + [Problem(f"payloads.{name}", missing("payload", name, known["payload"]))
+                    for name in record.payloads if name not in known["payload"]]
+
+
+def doubts(record: Record, arm: Arm) -> list[Problem]:
+    """Values that contradict their unit, seen from the size of the arm."""
+    return [*_positions(record, arm), *_angles(record, arm)]
+
+
+def reach(arm: Arm) -> float:
+    """An upper bound of the distance from the base to any point [m]: all lengths added up."""
+    lengths = [hypot(*joint.origin.xyz) for joint in arm.joints]
+    lengths += [link.length for link in arm.links if isinstance(link, Beam)]
+    offsets = [hypot(*point.position) for point in arm.points]
+    return sum(lengths) + max(offsets, default=0.0)
+
+
+def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
+    limit = reach(arm)
+    for signal in record.of_quantity("position").values():
+        frame = record.frame_of(signal)
+        if not signal.valid.any() or not limit:
+            continue
+        span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
+        far = float(np.nanmax(np.abs(signal.values)))
+        own = frame.unknown or any(frame.xyz)
+        value, what = (span, "moves over") if own else (far, "reaches")
+        if value > 10 * limit:
+            yield Problem(f"signals.{signal.name}", f"{what} {value:g} m, the arm reaches {limit:g} m; "
+                          "if the file holds millimetres, say unit = \"mm\"")
+        elif not own and len(signal.axes) == 3 and far < limit / 200:
+            yield Problem(f"signals.{signal.name}", f"stays within {far:g} m of the base, the arm reaches {limit:g} m; "
+                          "is the unit right?")
+
+
+def _angles(record: Record, arm: Arm) -> Iterable[Problem]:
+    for signal in record.signals.values():
+        if signal.joint is None or signal.quantity not in ("joint_angle", "joint_rate", "joint_command"):
+            continue
+        prismatic = arm.joint(signal.joint).type == "prismatic"
+        if prismatic != signal.unit.startswith("m"):
+            wanted = "m" if prismatic else "rad"
+            yield Problem(f"signals.{signal.name}.unit", f"is {signal.unit}, but joint {signal.joint!r} is "
+                          f"{arm.joint(signal.joint).type} and needs a unit like {wanted}")

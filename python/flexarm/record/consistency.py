@@ -1,0 +1,74 @@
+"""Do the tables of `record.toml` fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from flexarm.arm.consistency import missing
+from flexarm.quantities import DRIVES
+from flexarm.tables.table import Path
+from flexarm.units import factor_to
+
+if TYPE_CHECKING:
+    from flexarm.record.table import RecordTable
+
+Found = Iterable[tuple[Path, str]]
+
+
+def inconsistencies(record: RecordTable) -> list[tuple[Path, str]]:
+    """Pairs of place and sentence for all that does not fit."""
+    if not record.signals:
+        return [(("signals",), "is missing; a record needs at least one signal")]
+    return [*_names(record), *_clocks_and_frames(record), *_stamps(record), *_drive(record)]
+
+
+def _names(record: RecordTable) -> Found:
+    seen: set[str] = set()
+    for i, signal in enumerate(record.signals):
+        if signal.name in seen:
+            yield ("signals", i, "name"), f"{signal.name!r} is used twice; names of signals must differ"
+        seen.add(signal.name)
+
+
+def _clocks_and_frames(record: RecordTable) -> Found:
+    if record.clocks and next(iter(record.clocks.values())).unknown:
+        yield ("clocks", next(iter(record.clocks))), "is the reference, the first clock, and cannot be unknown"
+    for i, signal in enumerate(record.signals):
+        if signal.clock is not None and signal.clock not in record.clocks:
+            yield ("signals", i, "clock"), missing("clock", signal.clock, record.clocks)
+        if signal.frame not in (None, "base", *record.frames):
+            yield ("signals", i, "frame"), missing("frame", str(signal.frame), ["base", *record.frames])
+
+
+def _stamps(record: RecordTable) -> Found:
+    for i, signal in enumerate(record.signals):
+        static = record.kind == "static"
+        needed, unwanted = ("pose", "time") if static else ("time", "pose")
+        if getattr(signal, needed) is None:
+            yield ("signals", i, needed), f"is missing; needed is the name of the column of {needed}s"
+        if getattr(signal, unwanted) is not None:
+            yield ("signals", i, unwanted), f"does not belong to a record of kind {record.kind!r}; use {needed}"
+        if signal.spec.only_static and not static:
+            yield ("signals", i, "quantity"), (f"{signal.quantity} belongs to records of kind \"static\"; "
+                                               "what a run carried stands in [payloads]")
+        if factor_to("s", signal.time_unit) is None:
+            yield ("signals", i, "time_unit"), f"unit {signal.time_unit!r} does not fit; allowed are s, ms, us, ns, min"
+
+
+def _drive(record: RecordTable) -> Found:
+    signals = {signal.name: signal for signal in record.signals}
+    driven: dict[str | None, str] = {}
+    for name in record.drive:
+        if name not in signals:
+            yield ("drive",), missing("signal", name, signals)
+            continue
+        signal = signals[name]
+        if signal.quantity not in DRIVES:
+            yield ("drive",), f"signal {name!r} is a {signal.quantity}; a drive is one of {', '.join(DRIVES)}"
+        elif signal.joint in driven:
+            yield ("drive",), f"signals {driven[signal.joint]!r} and {name!r} both drive joint {signal.joint!r}"
+        driven[signal.joint] = name
+    for joint in record.joints:
+        if joint in driven:
+            yield ("joints", joint), f"is driven by signal {driven[joint]!r} and cannot stand at a fixed value"

@@ -1,0 +1,150 @@
+"""From a directory to a record, in SI units."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from flexarm.arm.consistency import missing
+from flexarm.errors import InvalidFile, Problem
+from flexarm.record.columns import CsvFile, Floats
+from flexarm.record.record import Record
+from flexarm.record.signal import Signal
+from flexarm.record.table import Clock, RecordTable, SignalTable
+from flexarm.tables import check_table, read_toml
+from flexarm.tables.place import line_in
+from flexarm.units import si_factor
+
+
+def load(path: Path) -> Record:
+    """The record in a directory, or beside the `record.toml` that `path` names."""
+    toml = path / "record.toml" if path.is_dir() else path
+    if not toml.exists() and toml.name != "record.toml":
+        raise InvalidFile(path, "record", "there is no such directory; a record is a directory with record.toml")
+    data, text = read_toml(toml, "flexarm-record/1")
+    table = check_table(RecordTable, data, toml, text)
+    reader = _Reader(toml, table, text)
+    clocks = dict(table.clocks) or {"clock": Clock()}
+    signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
+    return Record(signals={signal.name: signal for signal in signals}, drive=table.drive,
+                  description=table.description, kind=table.kind, initial=table.initial, joints=table.joints,
+                  payloads=table.payloads, clocks=clocks, frames=table.frames, path=toml.parent,
+                  notes=tuple(reader.notes))
+
+
+class _Reader:
+    """Reads the signals of one record; those that share a file share the read."""
+
+    def __init__(self, toml: Path, table: RecordTable, text: str) -> None:
+        self.toml, self.table, self.text = toml, table, text
+        self.notes: list[Problem] = []
+        self._files: dict[str, CsvFile] = {}
+        self._columns: dict[str, dict[str, Floats]] = {}
+        self._times: dict[tuple[str, str, str], Floats] = {}
+
+    def signal(self, i: int, table: SignalTable, reference: str) -> Signal:
+        """One signal in SI units."""
+        self._check_columns(i, table)
+        unit, factor = table.si
+        values = np.stack([self._column(table.file, name) for name in table.channels], axis=1) * factor
+        motion = self.table.kind == "motion"
+        side = table.side or ("motor" if table.spec.has_side else None)
+        if side and table.side is None:
+            self.notes.append(Problem(f"signals.{table.name}.side", "is not given, taken as \"motor\""))
+        self._compare_suffix(table)
+        return Signal(
+            name=table.name, quantity=table.quantity, values=values, unit=unit,
+            time=self._time(table) if motion else np.array([]),
+            pose=None if motion else self._pose(table),
+            noise_std=None if table.noise_std is None else table.noise_std * factor, jitter_std=table.jitter_std,
+            clock=table.clock or reference, frame=table.frame or "base", joint=table.joint, point=table.point,
+            link=table.link, payload=table.payload, side=side, axes=_axes(table), position=table.position,
+            fibre=table.fibre, channels=table.channels, file=table.file, time_column=table.time or "")
+
+    def _check_columns(self, i: int, table: SignalTable) -> None:
+        """Opens the file of a signal and looks for its columns."""
+        if table.file not in self._files:
+            path = self.toml.parent / table.file
+            if not path.exists():
+                others = ", ".join(sorted(p.name for p in self.toml.parent.glob("*.csv")))
+                raise self._error(i, table, "file", f"there is no file {table.file!r}; there are {others or 'none'}")
+            self._files[table.file] = CsvFile(path)
+        header = self._files[table.file].header
+        stamp = "time" if self.table.kind == "motion" else "pose"
+        for key, columns in ((stamp, (getattr(table, stamp),)), ("channels", table.channels)):
+            for column in columns:
+                if column not in header:
+                    raise self._error(i, table, key, missing("column", column, header) + f" in {table.file}")
+
+    def _error(self, i: int, table: SignalTable, key: str, what: str) -> InvalidFile:
+        line = line_in(self.text, ("signals", i, key))
+        return InvalidFile(self.toml, f"signals.{table.name}.{key}", what, line=line)
+
+    def _column(self, file: str, name: str) -> Floats:
+        """A column of numbers; the first call reads all that the record needs from the file."""
+        if file not in self._columns:
+            motion = self.table.kind == "motion"
+            users = [signal for signal in self.table.signals if signal.file == file]
+            header = self._files[file].header
+            wanted = dict.fromkeys(c for s in users for c in ((s.time,) if motion else ()) + s.channels if c in header)
+            names = [name for name in wanted if name is not None]
+            self._columns[file] = dict(zip(names, self._files[file].numbers(names).T, strict=True))
+        return self._columns[file][name]
+
+    def _time(self, table: SignalTable) -> Floats:
+        """Stamps [s]; they must rise."""
+        assert table.time is not None
+        key = (table.file, table.time, table.time_unit)
+        if key not in self._times:
+            _, factor = si_factor(table.time_unit, ("s",))
+            stamps = self._column(table.file, table.time)
+            self._check_rising(table, stamps)
+            self._times[key] = stamps * factor
+        return self._times[key]
+
+    def _check_rising(self, table: SignalTable, stamps: Floats) -> None:
+        csv = self._files[table.file]
+        empty = np.flatnonzero(np.isnan(stamps))
+        if len(empty):
+            raise InvalidFile(csv.file, f"line {csv.line(int(empty[0]))}, column {table.time}", "a row needs a time, got none")
+        falls = np.flatnonzero(np.diff(stamps) <= 0)
+        if len(falls):
+            row = int(falls[0]) + 1
+            kind = "repeats" if stamps[row] == stamps[row - 1] else "goes back behind"
+            raise InvalidFile(csv.file, f"line {csv.line(row)}, column {table.time}",
+                              f"{stamps[row]:.9g} {kind} {stamps[row - 1]:.9g} of line {csv.line(row - 1)}; times must rise")
+
+    def _pose(self, table: SignalTable) -> list[str]:
+        assert table.pose is not None
+        csv = self._files[table.file]
+        poses = csv.texts(table.pose)
+        if "" in poses:
+            raise InvalidFile(csv.file, f"line {csv.line(poses.index(''))}, column {table.pose}", "a row needs a pose, got none")
+        return [_canonical(pose) for pose in poses]
+
+    def _compare_suffix(self, table: SignalTable) -> None:
+        """Columns are often named after their unit; a name that says another one is worth a word."""
+        for column, unit in [*((name, table.unit or table.si[0]) for name in table.channels),
+                             (table.time or "", table.time_unit)]:
+            suffix = column.rpartition("_")[2]
+            wanted = _SUFFIXES.get(suffix)
+            if wanted and unit not in wanted:
+                self.notes.append(Problem(f"signals.{table.name}", f"column {column!r} ends in {suffix!r}, but its unit "
+                                          f"is {unit!r}"))
+
+
+_SUFFIXES = {"mm": ("mm",), "deg": ("deg", "°"), "rad": ("rad",), "ms": ("ms",), "us": ("us", "µs"), "mrad": ("mrad",)}
+
+
+def _axes(table: SignalTable) -> tuple[str, ...]:
+    return table.axes or () if table.spec.one_axis else (table.directions if table.spec.channels is None else ())
+
+
+def _canonical(pose: str) -> str:
+    """One spelling for a pose: "3" for 3, 3.0 and 03."""
+    try:
+        number = float(pose)
+    except ValueError:
+        return pose
+    return str(int(number)) if number.is_integer() else pose

@@ -1,0 +1,191 @@
+"""A record: signals with their clocks and frames, measured or simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.consistency import missing
+from flexarm.errors import InvalidParameter, Problem
+from flexarm.record.signal import Signal
+from flexarm.record.table import CarriedPayload, Clock, Frame
+from flexarm.tables import FrozenDict
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """Signals of one run, or of a set of static poses.
+
+    Attributes
+    ----------
+    signals : dict of str to Signal
+        Each on its own instants; an iterable of signals is taken too.
+    drive : tuple of str
+        Signals that drive a simulation; empty: nothing moves.
+    description, kind, initial : str
+        `kind` is "motion" or "static" (poses), `initial` "equilibrium" or "moving".
+    joints : dict of str to float
+        Where joints stand that nothing drives [rad or m].
+    payloads : dict of str to CarriedPayload
+        What this run carried, where it differs from the model.
+    clocks : dict of str to Clock
+        The first one is the reference.
+    frames : dict of str to Frame
+        Frames of measurement; "base" is always there.
+    path : Path or None
+        The directory it was read from; not compared.
+    notes : tuple of Problem
+        What reading it found strange; not compared.
+    """
+
+    signals: Mapping[str, Signal]
+    drive: tuple[str, ...] = ()
+    description: str = ""
+    kind: str = "motion"
+    initial: str = "equilibrium"
+    joints: Mapping[str, float] = field(default_factory=FrozenDict)
+    payloads: Mapping[str, CarriedPayload] = field(default_factory=FrozenDict)
+    clocks: Mapping[str, Clock] = field(default_factory=FrozenDict)
+    frames: Mapping[str, Frame] = field(default_factory=FrozenDict)
+    path: Path | None = field(default=None, compare=False)
+    notes: tuple[Problem, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        given: Any = self.signals
+        signals: Iterable[Signal] = given.values() if isinstance(given, Mapping) else given
+        clocks = self.clocks or {"clock": Clock()}
+        reference = next(iter(clocks))
+        named = FrozenDict({s.name: s if s.clock else s.replace(clock=reference) for s in signals})
+        drive = (self.drive,) if isinstance(self.drive, str) else tuple(self.drive)
+        for name, value in (("signals", named), ("drive", drive), ("clocks", FrozenDict(clocks))):
+            object.__setattr__(self, name, value)
+        for name in ("joints", "payloads", "frames"):
+            object.__setattr__(self, name, FrozenDict(getattr(self, name)))
+        self._check_names()
+
+    def _check_names(self) -> None:
+        for name in self.drive:
+            if name not in self.signals:
+                raise InvalidParameter(missing("signal", name, self.signals), where="drive")
+        for signal in self.signals.values():
+            if signal.clock not in self.clocks:
+                raise InvalidParameter(missing("clock", signal.clock, self.clocks), where=f"signals.{signal.name}.clock")
+            if signal.frame not in ("base", *self.frames):
+                raise InvalidParameter(missing("frame", signal.frame, ["base", *self.frames]),
+                                       where=f"signals.{signal.name}.frame")
+
+    # ------------------------------------------------------------------ files
+
+    @classmethod
+    def load(cls, path: str | Path) -> Record:
+        """The record in a directory.
+
+        Parameters
+        ----------
+        path : str or Path
+            The directory that holds `record.toml`, or that file.
+
+        Raises
+        ------
+        InvalidFile
+            With the place and value of what is wrong.
+        """
+        from flexarm.record.load import load
+        return load(Path(path))
+
+    def save(self, path: str | Path, force: bool = False) -> None:
+        """Writes `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
+
+        Parameters
+        ----------
+        path : str or Path
+            A new or empty directory.
+        force : bool
+            Write into a directory that holds files.
+
+        Raises
+        ------
+        InvalidFile
+            If the directory holds files, or cannot be written.
+        """
+        from flexarm.output import output_directory
+        from flexarm.record.save import write
+        with output_directory(path, force) as directory:
+            write(self, directory)
+
+    # ------------------------------------------------------------------- parts
+
+    @property
+    def reference_clock(self) -> str:
+        """Name of the clock that the others are measured against."""
+        return next(iter(self.clocks))
+
+    def frame_of(self, signal: Signal) -> Frame:
+        """The frame of a signal; the base's own is exact."""
+        return self.frames.get(signal.frame, Frame())
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Poses of a static record, in the order in which they appear."""
+        return tuple(dict.fromkeys(str(p) for s in self.signals.values() if s.pose is not None for p in s.pose))
+
+    def of_quantity(self, quantity: str) -> dict[str, Signal]:
+        """The signals of one quantity."""
+        return {name: signal for name, signal in self.signals.items() if signal.quantity == quantity}
+
+    def replace(self, **changes: Any) -> Record:
+        """A changed copy."""
+        return replace(self, **changes)
+
+    def check(self) -> list[Problem]:
+        """What looks wrong in the record by itself: units, dead channels, gaps."""
+        from flexarm.record.doubts import doubts
+        return [*self.notes, *doubts(self)]
+
+    def check_against(self, arm: Arm) -> list[Problem]:
+        """What does not fit a model.
+
+        Parameters
+        ----------
+        arm : Arm
+            The model.
+
+        Returns
+        -------
+        list of Problem
+            Values that look wrong for this arm, such as positions far beyond its reach.
+
+        Raises
+        ------
+        InvalidParameter
+            If the record names joints, points, links or payloads that the model has not; an `InvalidFile` if the
+            record was read from a file.
+        """
+        from flexarm.record.against_arm import doubts, unknown_names
+        unknown = unknown_names(self, arm)
+        if unknown:
+            raise self._error(unknown)
+        return doubts(self, arm)
+
+    def _error(self, problems: list[Problem]) -> InvalidParameter:
+        from flexarm.errors import InvalidFile
+        first = problems[0]
+        if self.path is None:
+            return InvalidParameter(first.what, where=first.where, problems=tuple(problems))
+        return InvalidFile(self.path / "record.toml", first.where, first.what, problems=tuple(problems))
+
+    def __repr__(self) -> str:
+        what = f"{len(self.poses)} poses" if self.kind == "static" else f"{self.duration:.6g} s"
+        label = f" {self.description!r}" if self.description else ""
+        return f"<Record{label}: {what}, signals {', '.join(self.signals)}>"
+
+    @property
+    def duration(self) -> float:
+        """From the first stamp to the last [s]."""
+        ends = [(s.time[0], s.time[-1]) for s in self.signals.values() if len(s.time)]
+        return float(max(b for _, b in ends) - min(a for a, _ in ends)) if ends else 0.0

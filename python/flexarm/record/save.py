@@ -1,0 +1,122 @@
+"""From a record to a directory: `record.toml` and one CSV file for each set of instants."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexarm.record.record import Record
+from flexarm.record.signal import Signal
+from flexarm.tables.toml import toml_text
+
+_UNIT_SUFFIX = {"m": "m", "rad": "rad", "rad/s": "rad_s", "m/s": "m_s", "m/s2": "m_s2", "N m": "Nm", "N": "N",
+                "V": "V", "kg": "kg"}
+
+
+def write(record: Record, directory: Path) -> None:
+    """Writes `record.toml` and the CSV files into a directory."""
+    placed = [_place(signal) for signal in record.signals.values()]
+    files = _share_out(placed)
+    tables = []
+    for file, signals in files.items():
+        _write_csv(directory / file, signals)
+        tables += [_signal_table(signal, file) for signal in signals]
+    order = {name: i for i, name in enumerate(record.signals)}
+    tables.sort(key=lambda table: order[table["name"]])
+    (directory / "record.toml").write_text(toml_text(_record_table(record, tables)), encoding="utf-8")
+
+
+def _place(signal: Signal) -> Signal:
+    """The signal with a file and names for its columns, where it has none."""
+    suffix = _UNIT_SUFFIX.get(signal.unit)
+    directions = signal.axes if signal.spec.channels is None else ()
+    directions = ("x", "y", "z", "w") if signal.quantity == "orientation" else directions
+    names = [f"{signal.name}_{d}" for d in directions] or [signal.name]
+    made = tuple(f"{name}_{suffix}" if suffix else name for name in names)
+    channels = signal.channels if signal.channels and not any(map(_names_other_unit, signal.channels)) else made
+    stamps = signal.time_column or ("pose" if signal.pose is not None else "time_s")
+    stamps = "time_s" if _names_other_unit(stamps) else stamps
+    plain = Path(signal.file).name if signal.file else f"{signal.name}.csv"
+    return signal.replace(channels=channels, file=plain, time_column=stamps)
+
+
+def _names_other_unit(column: str) -> bool:
+    """Whether a column's name ends in a unit that is not SI: values are written in SI."""
+    return column.rpartition("_")[2] in ("mm", "cm", "um", "deg", "mrad", "ms", "us", "rpm", "g", "kN", "mV")
+
+
+def _share_out(signals: list[Signal]) -> dict[str, list[Signal]]:
+    """Signals by file: those that name one file share it if they have its instants and other columns."""
+    files: dict[str, list[Signal]] = {}
+    for signal in signals:
+        file = signal.file
+        number = 1
+        while file in files and not _can_join(files[file], signal):
+            number += 1
+            file = f"{Path(signal.file).stem}-{number}.csv"
+        files.setdefault(file, []).append(signal)
+    return files
+
+
+def _can_join(others: list[Signal], signal: Signal) -> bool:
+    first = others[0]
+    taken = {channel for other in others for channel in other.channels}
+    same_stamps = np.array_equal(_stamps(first), _stamps(signal)) and first.time_column == signal.time_column
+    return same_stamps and not taken & set(signal.channels)
+
+
+def _stamps(signal: Signal) -> Any:
+    return signal.time if signal.pose is None else signal.pose
+
+
+def _write_csv(path: Path, signals: list[Signal]) -> None:
+    """Numbers in the shortest form that reads back exactly; drop-outs as empty cells."""
+    first = signals[0]
+    stamps = [repr(t) for t in first.time.tolist()] if first.pose is None else first.pose.tolist()
+    columns = [stamps] + [[_cell(v) for v in column.tolist()] for s in signals for column in s.values.T]
+    header = ",".join([first.time_column, *(c for s in signals for c in s.channels)])
+    rows = map(",".join, zip(*columns, strict=True))
+    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+
+
+def _cell(value: float) -> str:
+    return "" if value != value else repr(value)  # NaN differs from itself
+
+
+def _record_table(record: Record, signals: list[dict[str, Any]]) -> dict[str, Any]:
+    table: dict[str, Any] = {"format": "flexarm-record/1"}
+    for name, default in (("description", ""), ("kind", "motion"), ("initial", "equilibrium")):
+        if getattr(record, name) != default:
+            table[name] = getattr(record, name)
+    if record.drive:
+        table["drive"] = record.drive[0] if len(record.drive) == 1 else list(record.drive)
+    table["joints"] = dict(record.joints)
+    table["payloads"] = {name: load.to_plain() for name, load in record.payloads.items()}
+    table["clocks"] = {name: _clock(clock.to_plain()) for name, clock in record.clocks.items()}
+    table["frames"] = {name: _frame(frame.to_plain()) for name, frame in record.frames.items()}
+    return {**{key: value for key, value in table.items() if value or key == "format"}, "signals": signals}
+
+
+def _clock(plain: dict[str, Any]) -> Any:
+    if plain.get("unknown"):
+        return "unknown" if len(plain) == 1 else plain
+    return plain if "offset" in plain else plain.get("sigma", 0.0)
+
+
+def _frame(plain: dict[str, Any]) -> Any:
+    return "unknown" if plain == {"unknown": True} else plain
+
+
+def _signal_table(signal: Signal, file: str) -> dict[str, Any]:
+    """The signal's table; keys that say nothing are left out."""
+    where = {key: getattr(signal, key) for key in ("joint", "point", "link", "payload", "side")}
+    stamp = "time" if signal.pose is None else "pose"
+    axes = {"axes": list(signal.axes)} if signal.axes else {}
+    rest = {"position": signal.position, "fibre": list(signal.fibre) if signal.fibre else None,
+            "frame": None if signal.frame == "base" else signal.frame, "file": file, stamp: signal.time_column,
+            "channels": list(signal.channels), "unit": signal.unit, "noise_std": signal.noise_std,
+            "jitter_std": signal.jitter_std or None, "clock": signal.clock}
+    table = {"name": signal.name, "quantity": signal.quantity, **where, **axes, **rest}
+    return {key: value for key, value in table.items() if value is not None}

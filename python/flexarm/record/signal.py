@@ -1,0 +1,149 @@
+"""A signal: what one sensor gave, on its own instants, in SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.errors import InvalidParameter
+from flexarm.quantities import QUANTITIES, Quantity
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Signal:
+    """Samples of one quantity at one place.
+
+    Attributes
+    ----------
+    name, quantity : str
+        Name of the signal, and a key of `flexarm.quantities.QUANTITIES`.
+    time : ndarray, shape (n,)
+        Stamps [s] of the signal's clock, rising; empty in a record of poses.
+    values : ndarray, shape (n, channels)
+        Values in `unit`; NaN is a drop-out. One-dimensional input becomes one channel.
+    unit : str
+        SI unit of the values.
+    noise_std : float or None
+        1 sigma per channel, in `unit`; None: not stated.
+    jitter_std : float
+        1 sigma of the stamps [s].
+    clock, frame : str
+        Names in the record's clocks and frames; "base" is the base's own frame.
+    joint, point, link, payload : str or None
+        Where it was measured.
+    side : {"motor", "output"} or None
+        Before the reducer (divided by the ratio) or after it.
+    axes : tuple of str
+        Directions of the channels; for an inclination the body axis.
+    position, fibre : optional
+        Place along the link [m] and fibre [y, z] of a strain [m].
+    channels : tuple of str
+        Names of the columns in the file.
+    file, time_column : str
+        Where it is stored; empty: chosen when saved.
+    pose : ndarray of str, shape (n,), or None
+        In a record of poses: the pose of each row.
+    """
+
+    name: str
+    quantity: str
+    values: Floats
+    time: Floats = None  # type: ignore[assignment]
+    unit: str = ""
+    noise_std: float | None = None
+    jitter_std: float = 0.0
+    clock: str = ""
+    frame: str = "base"
+    joint: str | None = None
+    point: str | None = None
+    link: str | None = None
+    payload: str | None = None
+    side: str | None = None
+    axes: tuple[str, ...] = ()
+    position: float | None = None
+    fibre: tuple[float, float] | None = None
+    channels: tuple[str, ...] = ()
+    file: str = ""
+    time_column: str = "time_s"
+    pose: NDArray[np.str_] | None = None
+
+    def __post_init__(self) -> None:
+        if self.quantity not in QUANTITIES:
+            raise InvalidParameter(f"unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}",
+                                   where=f"signals.{self.name}.quantity")
+        values = np.array(self.values, dtype=float)
+        values = values[:, None] if values.ndim == 1 else values
+        time = np.array([] if self.time is None else self.time, dtype=float)
+        for name, array in (("values", values), ("time", time)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.pose is not None:
+            pose = np.array(self.pose, dtype=str)
+            pose.setflags(write=False)
+            object.__setattr__(self, "pose", pose)
+        object.__setattr__(self, "unit", self.unit or self.spec.units[0])
+        if self.spec.channels is None and not self.axes:
+            object.__setattr__(self, "axes", ("x", "y", "z"))
+        self._check_shapes()
+
+    def _check_shapes(self) -> None:
+        stamps = self.pose if self.pose is not None else self.time
+        if self.values.ndim != 2 or stamps.shape != (len(self.values),):
+            raise InvalidParameter(f"values of shape {self.values.shape} do not fit {stamps.shape} stamps",
+                                   where=f"signals.{self.name}")
+        wanted = self.spec.channels or len(self.axes)
+        if self.values.shape[1] != wanted:
+            raise InvalidParameter(f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}",
+                                   where=f"signals.{self.name}")
+        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) <= 0):
+            raise InvalidParameter("stamps must be finite and rise", where=f"signals.{self.name}.time")
+
+    @property
+    def spec(self) -> Quantity:
+        """The row of the table of quantities."""
+        return QUANTITIES[self.quantity]
+
+    @property
+    def place(self) -> str:
+        """Name of the joint, point, link or payload."""
+        return self.joint or self.point or self.link or self.payload or ""
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Rows of which every channel holds a value, shape (n,)."""
+        return np.asarray(np.isfinite(self.values).all(axis=1))
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples a second, from the median interval; NaN below two samples."""
+        return float(1 / np.median(np.diff(self.time))) if len(self.time) > 1 else float("nan")
+
+    def replace(self, **changes: Any) -> Signal:
+        """A changed copy."""
+        return replace(self, **changes)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Signal):
+            return NotImplemented
+        return all(_same(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        lost = len(self) - int(self.valid.sum())
+        return (f"<Signal {self.name!r}: {self.quantity} at {self.place}, {len(self)} x {self.values.shape[1]} "
+                f"[{self.unit}]" + (f", {lost} drop-outs" if lost else "") + ">")
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f"))
+    return bool(a == b)
