@@ -1,0 +1,1 @@
+"""What an experiment sees: sensors, clocks and frames, and the smoothing of measured drives."""
