@@ -1,0 +1,92 @@
+"""The motion that equation (1), equation (2) or the rigid arm predicts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from flexarm.analytic.nonlinear_modal import Array, ModalArm
+
+
+@dataclass(frozen=True)
+class ArmMotion:
+    """A simulated motion; one row a time, arrays are read-only.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Time [s].
+    coordinates, rates : ndarray, shape (n, n_modes)
+        q [kg^½ m] and its derivative [kg^½ m/s].
+    drive_angle : ndarray, shape (n,)
+        Motor angle φ [rad]; the hub angle where a torque drives the joint.
+    joint_angle : ndarray, shape (n,)
+        Hub angle [rad].
+    joint_torque : ndarray, shape (n,)
+        Torque of the drive on the hub, bearing friction excluded [N m].
+    tip : ndarray, shape (n, 2)
+        Tip position x, z [m], z up.
+    tangential, radial : ndarray, shape (n,)
+        Tip offset from the rigid arm at `drive_angle` [m]: towards rising angle, and outward along the arm.
+    """
+
+    time: Array
+    coordinates: Array
+    rates: Array
+    drive_angle: Array
+    joint_angle: Array
+    joint_torque: Array
+    tip: Array
+    tangential: Array
+    radial: Array
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            getattr(self, item.name).setflags(write=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"ArmMotion({len(self.time)} times, {self.time[0]:g} to {self.time[-1]:g} s, "
+            f"{self.coordinates.shape[1]} coordinates, "
+            f"largest tangential offset {1e3 * np.abs(self.tangential).max():.3f} mm)"
+        )
+
+
+def directions(angle: Array | float) -> tuple[Array, Array]:
+    """Radial and tangential unit vectors (x, z) at an angle from the upright vertical; shape (..., 2)."""
+    s, c = np.sin(angle), np.cos(angle)
+    return np.stack([s, c], axis=-1), np.stack([c, -s], axis=-1)
+
+
+def tip_position(arm: ModalArm, q: Array) -> Array:
+    """Tip x, z [m] for coordinates of shape (..., n + 1), eq. (B1) of `modal_basis`."""
+    basis = arm.basis
+    radial, tangential = directions(arm.frame_angle(q))
+    deflection = q[..., 1:] @ basis.tip_shape[1:]
+    shortening = np.einsum("...i,ij,...j", q, basis.foreshortening, q) / 2
+    along = (basis.link.length - shortening)[..., None]
+    position: Array = along * radial + deflection[..., None] * tangential
+    return position
+
+
+def make_motion(
+    arm: ModalArm, time: Array, q: Array, v: Array, drive_angle: Array | None, joint_torque: Array
+) -> ArmMotion:
+    """Derive angles, tip and offsets from the coordinates."""
+    joint_angle = q @ arm.basis.hub_slope
+    reference = joint_angle if drive_angle is None else drive_angle
+    tip = tip_position(arm, q)
+    radial, tangential = directions(reference + arm.zero_angle)
+    offset = tip - arm.basis.link.length * radial
+    return ArmMotion(
+        time=np.array(time, dtype=float),
+        coordinates=q,
+        rates=v,
+        drive_angle=np.array(reference, dtype=float),
+        joint_angle=joint_angle,
+        joint_torque=joint_torque,
+        tip=tip,
+        tangential=np.sum(offset * tangential, axis=-1),
+        radial=np.sum(offset * radial, axis=-1),
+    )
