@@ -26,7 +26,9 @@ done < scripts/system-packages.txt
 [[ ${#missing[@]} -eq 0 ]] && exit 0
 
 install="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
-if [[ "$(id -u)" -eq 0 ]] && command -v apt-get > /dev/null; then
+if ! command -v apt-get > /dev/null; then
+  echo "Not seen here, by their Debian names: ${missing[*]}. Going on; CMake tells what it cannot find." >&2
+elif [[ "$(id -u)" -eq 0 ]]; then
   echo "Installing ${missing[*]}"
   export DEBIAN_FRONTEND=noninteractive
   apt-get update -qq
