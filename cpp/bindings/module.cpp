@@ -2,6 +2,7 @@
 /// flexarm._core: the C++ core as Python sees it. Each folder of the core binds itself in its own bind_*.cpp.
 #include <pybind11/pybind11.h>
 
+#include "bindings.hpp"
 #include "flexarm/build_info.hpp"
 #include "flexarm/errors.hpp"
 
@@ -49,4 +50,9 @@ PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of flexarm (private).";
   py::register_exception_translator(&translate);
   bind_build_info(m);
+  bind_geometry(m);
+  bind_joints(m);
+  bind_model(m);
+  bind_assembly(m);
+  bind_simulation(m);
 }

@@ -1,0 +1,43 @@
+#include <pybind11/eigen.h>
+#include <pybind11/native_enum.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "flexarm/assembly/system.hpp"
+
+namespace py = pybind11;
+using namespace flexarm::assembly;
+
+void bind_assembly(py::module_& m) {
+  py::native_enum<DriveKind>(m, "DriveKind", "enum.Enum")
+      .value("motor_angle", DriveKind::motor_angle)
+      .value("link_angle", DriveKind::link_angle)
+      .value("torque", DriveKind::torque)
+      .value("free", DriveKind::free)
+      .value("locked", DriveKind::locked)
+      .finalize();
+  py::class_<PointLoad>(m, "PointLoad", "Force and moment at a point, in base axes, or in the link's if it follows.")
+      .def(py::init([](int point, const Vector3d& force, const Vector3d& moment, bool follows) {
+             return PointLoad{point, force, moment, follows};
+           }),
+           py::kw_only(), py::arg("point"), py::arg("force") = Vector3d::Zero(), py::arg("moment") = Vector3d::Zero(),
+           py::arg("follows") = false);
+  py::class_<Loads>(m, "Loads", "What acts from outside: gravity and point loads.")
+      .def(py::init([](const Vector3d& gravity, std::vector<PointLoad> points) {
+             return Loads{gravity, std::move(points), {}};
+           }),
+           py::kw_only(), py::arg("gravity"), py::arg("points") = std::vector<PointLoad>{})
+      .def_readwrite("gravity", &Loads::gravity);
+  py::class_<State>(m, "State", "State of an arm at one instant.")
+      .def_readonly("t", &State::t)
+      .def_readonly("frames", &State::frames, "Node frames in the base frame.")
+      .def_readonly("v", &State::v)
+      .def_readonly("multipliers", &State::multipliers);
+  py::class_<System>(m, "System", "An arm, assembled.")
+      .def(py::init<const flexarm::model::Arm&, const std::map<std::string, DriveKind>&>(), py::arg("arm"), py::arg("drives"))
+      .def_property_readonly("n_nodes", &System::n_nodes)
+      .def_property_readonly("n_unknowns", &System::n_unknowns)
+      .def_property_readonly("mass", &System::mass, "Mass of everything [kg].")
+      .def("rigid_state", &System::rigid_state, "The undeformed arm.", py::arg("joint_values"))
+      .def("point_frame", &System::point_frame, "Frame of a point.", py::arg("state"), py::arg("point"));
+}

@@ -1,0 +1,83 @@
+#include <pybind11/eigen.h>
+#include <pybind11/native_enum.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "flexarm/model/arm.hpp"
+
+namespace py = pybind11;
+using namespace flexarm::model;
+
+void bind_model(py::module_& m) {
+  py::class_<Section>(m, "Section", "Properties of a cross-section, shear factors included in the shear areas.")
+      .def(py::init([](double A, double Iy, double Iz, double J, double Ay, double Az) {
+             return Section{A, Iy, Iz, J, Ay, Az};
+           }),
+           py::kw_only(), py::arg("area"), py::arg("second_moment_y"), py::arg("second_moment_z"),
+           py::arg("torsion_constant"), py::arg("shear_area_y") = std::numeric_limits<double>::infinity(),
+           py::arg("shear_area_z") = std::numeric_limits<double>::infinity())
+      .def_readonly("area", &Section::area)
+      .def_readonly("second_moment_y", &Section::second_moment_y)
+      .def_readonly("second_moment_z", &Section::second_moment_z)
+      .def_readonly("torsion_constant", &Section::torsion_constant)
+      .def_readonly("shear_area_y", &Section::shear_area_y)
+      .def_readonly("shear_area_z", &Section::shear_area_z);
+  m.def("tube_section", &tube_section, "Section of a tube.", py::arg("outer_diameter"), py::arg("thickness"));
+  m.def("round_section", &round_section, "Section of a solid rod.", py::arg("diameter"));
+  m.def("rectangle_section", &rectangle_section, "Rectangular section.", py::arg("width"), py::arg("height"));
+  py::class_<Material>(m, "Material", "Isotropic linear elastic material.")
+      .def(py::init([](double E, double G, double rho) { return Material{E, G, rho}; }), py::kw_only(),
+           py::arg("youngs_modulus"), py::arg("shear_modulus"), py::arg("density"));
+  py::native_enum<BeamTheory>(m, "BeamTheory", "enum.Enum")
+      .value("timoshenko", BeamTheory::timoshenko)
+      .value("euler_bernoulli", BeamTheory::euler_bernoulli)
+      .finalize();
+  py::class_<BeamLink>(m, "BeamLink", "A straight beam.")
+      .def(py::init([](std::string name, const Vector3d& end, const Vector3d& up, const Section& section,
+                       const Material& material, BeamTheory theory, int elements, double damping_ratio) {
+             return BeamLink{std::move(name), end, up, section, material, theory, elements, damping_ratio};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("end"), py::arg("up") = Vector3d::Zero(), py::arg("section"),
+           py::arg("material"), py::arg("theory") = BeamTheory::timoshenko, py::arg("elements") = 4,
+           py::arg("damping_ratio") = 0.0);
+  py::class_<RigidLink>(m, "RigidLink", "A rigid body.")
+      .def(py::init([](std::string name, double mass, const Vector3d& com, const Matrix3d& inertia) {
+             return RigidLink{std::move(name), mass, com, inertia};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("mass") = 0.0, py::arg("com") = Vector3d::Zero(),
+           py::arg("inertia") = Matrix3d::Zero());
+  py::class_<Payload>(m, "Payload", "A concentrated mass.")
+      .def(py::init([](std::string name, std::string link, const Vector3d& position, double mass, const Matrix3d& inertia,
+                       const Vector3d& offset) {
+             return Payload{std::move(name), std::move(link), position, mass, inertia, offset};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(), py::arg("mass"),
+           py::arg("inertia") = Matrix3d::Zero(), py::arg("offset") = Vector3d::Zero());
+  py::class_<Point>(m, "Point", "A place to look at, or to push at.")
+      .def(py::init([](std::string name, std::string link, const Vector3d& position, bool loaded) {
+             return Point{std::move(name), std::move(link), position, loaded};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
+           py::arg("loaded") = false);
+  py::class_<Joint>(m, "Joint", "A joint with its drive train.")
+      .def(py::init([](std::string name, flexarm::joints::JointType type, std::string parent, std::string child, bool at_end,
+                       const flexarm::geometry::Frame& origin, const Vector3d& axis,
+                       const flexarm::joints::DriveTrain& drive_train) {
+             return Joint{std::move(name), type, std::move(parent), std::move(child), at_end, origin, axis, drive_train};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("type"), py::arg("parent"), py::arg("child"), py::arg("at_end") = false,
+           py::arg("origin"), py::arg("axis"), py::arg("drive_train"));
+  py::class_<Gear>(m, "Gear", "theta of input = ratio times theta of output.")
+      .def(py::init([](std::string name, std::string input, std::string output, double ratio) {
+             return Gear{std::move(name), std::move(input), std::move(output), ratio};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("input"), py::arg("output"), py::arg("ratio"));
+  py::class_<Arm>(m, "Arm", "An arm as plain data.")
+      .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links, std::vector<Joint> joints,
+                       std::vector<Payload> payloads, std::vector<Point> points, std::vector<Gear> gears) {
+             return Arm{std::move(name), gravity, std::move(links), std::move(joints), std::move(payloads),
+                        std::move(points), std::move(gears)};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("gravity"), py::arg("links"), py::arg("joints"), py::arg("payloads"),
+           py::arg("points"), py::arg("gears"));
+}

@@ -1,0 +1,140 @@
+#include <pybind11/eigen.h>
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "flexarm/simulation/modal.hpp"
+#include "flexarm/simulation/reactions.hpp"
+#include "flexarm/simulation/sampled_run.hpp"
+#include "flexarm/simulation/transient.hpp"
+
+namespace py = pybind11;
+using namespace flexarm::simulation;
+
+namespace {
+
+/// Runs without the interpreter's lock; takes it now and then for signals (Ctrl-C) and the caller's progress.
+Transient run(const System& system, const Equilibrium& equilibrium, const std::vector<PiecewisePolynomial>& drives,
+              const TransientOptions& options, const py::object& progress) {
+  const Progress poll = [&](double done) {
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return progress.is_none() || !progress(done).is(py::bool_(false));
+  };
+  const py::gil_scoped_release unlock;
+  return simulate(system, equilibrium, drives, options, poll);
+}
+
+void bind_statics(py::module_& m) {
+  py::class_<Equilibrium>(m, "Equilibrium", "An equilibrium at rest.")
+      .def_readonly("state", &Equilibrium::state)
+      .def_readonly("iterations", &Equilibrium::iterations)
+      .def_readonly("load_steps", &Equilibrium::load_steps)
+      .def_readonly("residual", &Equilibrium::residual, "Largest unbalanced force [N].");
+  m.def(
+      "static_equilibrium",
+      [](const System& system, const std::vector<double>& joint_values, const Loads& loads) {
+        return static_equilibrium(system, joint_values, loads);
+      },
+      "Equilibrium of the loaded arm, drives held.", py::arg("system"), py::arg("joint_values"), py::arg("loads"),
+      py::call_guard<py::gil_scoped_release>());
+  py::class_<Modes>(m, "Modes", "Modes about an equilibrium.")
+      .def_readonly("frequency_hz", &Modes::frequency_hz)
+      .def_readonly("damping_ratio", &Modes::damping_ratio)
+      .def_readonly("damped_frequency_hz", &Modes::damped_frequency_hz)
+      .def_readonly("shapes", &Modes::shapes)
+      .def_readonly("iterations", &Modes::iterations);
+  m.def("modes", &modes, "Lowest modes about an equilibrium.", py::arg("system"), py::arg("equilibrium"),
+        py::arg("count"), py::call_guard<py::gil_scoped_release>());
+
+  py::class_<SectionForces>(m, "SectionForces", "Section forces at both ends of a beam.")
+      .def_readonly("start", &SectionForces::start)
+      .def_readonly("end", &SectionForces::end);
+  m.def("section_forces", &section_forces, "Section forces of a link.", py::arg("system"), py::arg("state"),
+        py::arg("loads"), py::arg("link"));
+  m.def("joint_torque", &joint_torque, "Torque on the child about the axis.", py::arg("system"), py::arg("state"),
+        py::arg("joint"));
+  m.def("motor_torques", &motor_torques, "Motor torques, output-referred.", py::arg("system"), py::arg("state"),
+        py::arg("friction"));
+  m.def("base_wrench", &base_wrench, "What the arm puts on the base.", py::arg("system"), py::arg("state"));
+  m.def(
+      "joint_angles",
+      [](const System& system, const State& state) {
+        Eigen::VectorXd theta = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system.joints().size()));
+        for (std::size_t j = 0; j < system.joints().size(); ++j) {
+          if (system.joints()[j].theta >= 0) theta[static_cast<Eigen::Index>(j)] = state.s[system.joints()[j].theta];
+        }
+        return theta;
+      },
+      "Angle of every link about its joint.", py::arg("system"), py::arg("state"));
+}
+
+void bind_transient(py::module_& m) {
+  using flexarm::solvers::HhtStatistics;
+  py::class_<PiecewisePolynomial>(m, "PiecewisePolynomial", "Piecewise polynomial as scipy.interpolate.PPoly.")
+      .def(py::init<std::vector<double>, Eigen::MatrixXd>(), py::arg("breaks"), py::arg("coefficients"))
+      .def_static("constant", &PiecewisePolynomial::constant, py::arg("value"))
+      .def("__call__", &PiecewisePolynomial::operator(), "Value and two derivatives.", py::arg("t"));
+  py::class_<HhtStatistics>(m, "HhtStatistics", "Counts of a run.")
+      .def_readonly("steps", &HhtStatistics::steps)
+      .def_readonly("iterations", &HhtStatistics::iterations)
+      .def_readonly("factorisations", &HhtStatistics::factorisations)
+      .def_readonly("halvings", &HhtStatistics::halvings);
+  py::class_<TransientOptions>(m, "TransientOptions", "Options of a run.")
+      .def(py::init<>())
+      .def_readwrite("start", &TransientOptions::start)
+      .def_readwrite("end", &TransientOptions::end)
+      .def_readwrite("step", &TransientOptions::step)
+      .def_readwrite("alpha", &TransientOptions::alpha)
+      .def_readwrite("tolerance", &TransientOptions::tolerance)
+      .def_readwrite("record_points", &TransientOptions::record_points)
+      .def_readwrite("record_rotations", &TransientOptions::record_rotations)
+      .def_readwrite("record_joints", &TransientOptions::record_joints)
+      .def_readwrite("record_energies", &TransientOptions::record_energies)
+      .def_readwrite("record_forces", &TransientOptions::record_forces);
+  py::class_<Transient>(m, "Transient", "A run: one column an instant.")
+      .def_readonly("time", &Transient::time)
+      .def_readonly("position", &Transient::position)
+      .def_readonly("velocity", &Transient::velocity)
+      .def_readonly("orientation", &Transient::orientation)
+      .def_readonly("angular_rate", &Transient::angular_rate)
+      .def_readonly("joint_angle", &Transient::joint_angle)
+      .def_readonly("joint_rate", &Transient::joint_rate)
+      .def_readonly("drive_angle", &Transient::drive_angle)
+      .def_readonly("drive_rate", &Transient::drive_rate)
+      .def_readonly("joint_torque", &Transient::joint_torque)
+      .def_readonly("motor_torque", &Transient::motor_torque)
+      .def_readonly("kinetic", &Transient::kinetic)
+      .def_readonly("elastic", &Transient::elastic)
+      .def_readonly("gravity", &Transient::gravity)
+      .def_readonly("damped", &Transient::damped)
+      .def_readonly("work", &Transient::work)
+      .def_readonly("section_forces", &Transient::section_forces)
+      .def_readonly("base_wrench", &Transient::base_wrench)
+      .def_readonly("statistics", &Transient::statistics)
+      .def_readonly("final_state", &Transient::final_state)
+      .def_readonly("seconds", &Transient::seconds)
+      .def_readonly("cancelled", &Transient::cancelled);
+  m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),
+        py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
+  py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")
+      .def(py::init<const System&, const Equilibrium&, double, double>(), py::arg("system"), py::arg("equilibrium"),
+           py::arg("step"), py::arg("alpha") = -0.05, py::keep_alive<1, 2>())
+      .def("advance", &SampledRun::advance, "Steps with motor torques held.", py::arg("motor_torque"), py::arg("n_steps"))
+      .def_property_readonly("time", &SampledRun::time)
+      .def_property_readonly("state", &SampledRun::state)
+      .def_property_readonly("drive_angles", &SampledRun::drive_angles)
+      .def_property_readonly("drive_rates", &SampledRun::drive_rates)
+      .def_property_readonly("joint_angles", &SampledRun::joint_angles)
+      .def_property_readonly("joint_rates", &SampledRun::joint_rates)
+      .def("point_position", &SampledRun::point_position, py::arg("point"))
+      .def("point_velocity", &SampledRun::point_velocity, py::arg("point"))
+      .def_property_readonly("statistics", &SampledRun::statistics);
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& m) {
+  bind_statics(m);
+  bind_transient(m);
+}

@@ -1,0 +1,11 @@
+/// @file
+/// One function a folder of the core, called in the order of the layers.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+void bind_geometry(pybind11::module_& m);
+void bind_joints(pybind11::module_& m);
+void bind_model(pybind11::module_& m);
+void bind_assembly(pybind11::module_& m);
+void bind_simulation(pybind11::module_& m);

@@ -1,0 +1,27 @@
+/// @file
+/// The state of an arm at one instant: a value, copied and restored freely.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "flexarm/geometry/se3.hpp"
+#include "flexarm/joints/joint_law.hpp"
+
+namespace flexarm::assembly {
+
+using Eigen::VectorXd;
+
+/// Velocities and accelerations hold six entries a node, in the node's axes, then one for each scalar coordinate.
+struct State {
+  double t = 0;                           ///< time [s]
+  std::vector<geometry::Frame> frames;    ///< nodes in the base frame
+  VectorXd s;                             ///< scalar coordinates: angles φ, θ of the joints
+  VectorXd v;                             ///< velocities
+  VectorXd v_dot;                         ///< accelerations
+  VectorXd a;                             ///< algorithmic accelerations of the time stepping
+  VectorXd multipliers;                   ///< λ, joint wrenches
+  std::vector<joints::LawMemory> laws;    ///< internal states of the joint laws
+};
+
+}  // namespace flexarm::assembly

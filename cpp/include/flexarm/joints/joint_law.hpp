@@ -1,0 +1,54 @@
+/// @file
+/// The laws that act on one scalar deflection x of a drive train, and their common face.
+///
+/// A law resists the deflection with a force Q(x, x', memory); Q is a torque for revolute joints [N m] and a force for
+/// prismatic ones [N]. Laws with an internal state (friction, hysteresis) carry it in a `LawMemory` that is renewed
+/// when a step is accepted, so that an iterate can be abandoned without trace. A new law is one file in `laws/`
+/// with a function `respond`, listed in `JointLaw` below; the assembly and the solvers do not change.
+#pragma once
+
+#include <variant>
+
+namespace flexarm::joints {
+
+/// What a law remembers from the last accepted instant.
+struct LawMemory {
+  double x = 0;  ///< deflection there
+  double z = 0;  ///< internal state there [-]
+};
+
+/// Answer of a law at a trial deflection.
+struct LawResponse {
+  double force = 0;      ///< Q: what the law puts against the deflection
+  double stiffness = 0;  ///< ∂Q/∂x
+  double damping = 0;    ///< ∂Q/∂x'
+  double energy = 0;     ///< stored [J]
+  double loss = 0;       ///< the part of Q that dissipates
+  double z = 0;          ///< internal state at the trial
+};
+
+}  // namespace flexarm::joints
+
+#include "flexarm/joints/laws/cubic_spring.hpp"
+#include "flexarm/joints/laws/dahl_friction.hpp"
+#include "flexarm/joints/laws/linear_spring.hpp"
+#include "flexarm/joints/laws/viscous_friction.hpp"
+
+namespace flexarm::joints {
+
+using JointLaw = std::variant<LinearSpring, CubicSpring, ViscousFriction, DahlFriction>;
+
+inline LawResponse respond(const JointLaw& law, double x, double x_dot, const LawMemory& memory) {
+  return std::visit([&](const auto& l) { return l.respond(x, x_dot, memory); }, law);
+}
+
+/// Whether the law has a part in statics and modes: friction has none, an arm settles where no friction holds it.
+inline bool acts_at_rest(const JointLaw& law) {
+  return std::visit([](const auto& l) { return l.acts_at_rest; }, law);
+}
+
+inline void check(const JointLaw& law) {
+  std::visit([](const auto& l) { l.check(); }, law);
+}
+
+}  // namespace flexarm::joints

@@ -1,0 +1,28 @@
+/// @file
+/// Piecewise polynomial in time, as SciPy's PPoly: on [x_k, x_{k+1}) the value is Σ c_j (t − x_k)^(m − j), j = 0..m, and
+/// before the first and after the last break the end value is held, at rest.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace flexarm::simulation {
+
+class PiecewisePolynomial {
+ public:
+  PiecewisePolynomial() = default;
+  /// @param breaks rising, n + 1 of them [s]; @param coefficients (order + 1, n), highest power first.
+  /// @throws InvalidParameter if the shapes do not fit or breaks do not rise.
+  PiecewisePolynomial(std::vector<double> breaks, Eigen::MatrixXd coefficients);
+  static PiecewisePolynomial constant(double value);
+
+  /// Value and its first two derivatives.
+  std::array<double, 3> operator()(double t) const;
+
+ private:
+  std::vector<double> breaks_;
+  Eigen::MatrixXd coefficients_;
+};
+
+}  // namespace flexarm::simulation

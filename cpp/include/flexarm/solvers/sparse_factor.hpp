@@ -1,0 +1,39 @@
+/// @file
+/// LU factors of a sparse matrix whose pattern stays while its numbers change: analyse once, refactor often.
+///
+/// KLU (SuiteSparse) where the build has it, Eigen's SparseLU otherwise. KLU keeps its pivots from one set of numbers to
+/// the next and pivots anew when their growth tells that it must.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+
+namespace flexarm::solvers {
+
+class SparseFactor {
+ public:
+  SparseFactor();
+  ~SparseFactor();
+  SparseFactor(SparseFactor&&) noexcept;
+  SparseFactor& operator=(SparseFactor&&) noexcept;
+
+  /// Factors a compressed square matrix. The first call, or `analyse()` before it, fixes the pattern.
+  /// @return false if the matrix is singular to working precision.
+  bool factor(const Eigen::SparseMatrix<double>& matrix);
+
+  /// x := A⁻¹ x for every column, in place.
+  void solve(Eigen::Ref<Eigen::VectorXd> x) const;
+  void solve(Eigen::MatrixXd& X) const;
+
+  int factorisations() const { return factorisations_; }
+
+  /// "KLU" or "Eigen SparseLU".
+  static const char* backend();
+
+ private:
+  struct Backend;
+  std::unique_ptr<Backend> backend_;
+  int factorisations_ = 0;
+};
+
+}  // namespace flexarm::solvers

@@ -1,0 +1,40 @@
+#include "flexarm/simulation/piecewise_polynomial.hpp"
+
+#include <algorithm>
+
+#include "flexarm/errors.hpp"
+
+namespace flexarm::simulation {
+
+PiecewisePolynomial::PiecewisePolynomial(std::vector<double> breaks, Eigen::MatrixXd coefficients)
+    : breaks_(std::move(breaks)), coefficients_(std::move(coefficients)) {
+  if (breaks_.size() < 2 || coefficients_.rows() < 1 ||
+      coefficients_.cols() + 1 != static_cast<Eigen::Index>(breaks_.size())) {
+    throw InvalidParameter("a piecewise polynomial needs one column of coefficients between two breaks, got " +
+                           std::to_string(coefficients_.cols()) + " columns and " + std::to_string(breaks_.size()) + " breaks");
+  }
+  if (!std::is_sorted(breaks_.begin(), breaks_.end(), std::less_equal<>())) {
+    throw InvalidParameter("the breaks of a piecewise polynomial must rise");
+  }
+}
+
+PiecewisePolynomial PiecewisePolynomial::constant(double value) {
+  return {{0.0, 1.0}, Eigen::MatrixXd::Constant(1, 1, value)};
+}
+
+std::array<double, 3> PiecewisePolynomial::operator()(double t) const {
+  const double held = std::clamp(t, breaks_.front(), breaks_.back());
+  const auto after = std::upper_bound(breaks_.begin() + 1, breaks_.end() - 1, held);
+  const auto k = after - breaks_.begin() - 1;
+  const double x = held - breaks_[k];
+  double value = 0, first = 0, second = 0;  // Horner's scheme with derivatives
+  for (Eigen::Index j = 0; j < coefficients_.rows(); ++j) {
+    second = second * x + 2 * first;
+    first = first * x + value;
+    value = value * x + coefficients_(j, k);
+  }
+  if (held != t) return {value, 0.0, 0.0};
+  return {value, first, second};
+}
+
+}  // namespace flexarm::simulation

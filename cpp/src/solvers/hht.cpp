@@ -1,0 +1,216 @@
+#include "flexarm/solvers/hht.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "flexarm/errors.hpp"
+#include "flexarm/solvers/increment.hpp"
+
+namespace flexarm::solvers {
+namespace {
+
+// A contraction measured this many steps ago is measured again before it is trusted.
+constexpr long trusted_steps = 16;
+
+bool has_memory(const System& system) {
+  return std::any_of(system.laws().begin(), system.laws().end(),
+                     [](const assembly::PlacedLaw& law) { return !joints::acts_at_rest(law.law); });
+}
+
+}  // namespace
+
+HhtCoefficients HhtCoefficients::from_alpha(double alpha) {
+  if (!(alpha >= -1.0 / 3 - 1e-12 && alpha <= 0)) {
+    throw InvalidParameter("alpha of the HHT method must lie in [-1/3, 0], got " + std::to_string(alpha));
+  }
+  return {alpha, (1 - alpha) * (1 - alpha) / 4, 0.5 - alpha};
+}
+
+HhtCoefficients HhtCoefficients::from_spectral_radius(double rho) {
+  if (!(rho >= 0.5 && rho <= 1)) {
+    throw InvalidParameter("spectral radius of the HHT method must lie in [1/2, 1], got " + std::to_string(rho));
+  }
+  return from_alpha((rho - 1) / (rho + 1));
+}
+
+HhtStepper::HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads, HhtOptions options)
+    : system_(system),
+      coefficients_(coefficients),
+      loads_(loads),
+      options_(options),
+      matrix_(system),
+      mass_scale_(std::max(system.mass(), 1e-12) / std::max(1, system.n_nodes())),
+      exponent_(VectorXd::Zero(system.n_free())),
+      r_(system.n_velocities()),
+      phi_(system.n_constraints()),
+      dx_(system.n_unknowns()),
+      kept_tangents_(VectorXd::Zero(system.laws().size())),
+      law_solutions_(system.n_unknowns(), system.laws().size()) {
+  const VectorXd zero = VectorXd::Zero(system.n_scalars());
+  drive_ = {zero, zero, zero, zero};
+}
+
+void HhtStepper::advance(State& state, double h, const Drives& drives) {
+  if (step(state, h, drives)) return;
+  const State before = state;
+  try {
+    halve(state, h, drives, 1);
+  } catch (const NotConverged&) {
+    state = before;
+    throw;
+  }
+}
+
+void HhtStepper::halve(State& state, double h, const Drives& drives, int depth) {
+  if (depth > options_.max_halvings) {
+    const double residual = r_.head(system_.n_free()).cwiseAbs().maxCoeff();
+    char text[200];
+    std::snprintf(text, sizeof text, "step %ld, t = %.6g s: residual %.1e N left after %d iterations with the step halved %d times to %.1e s",
+                  statistics_.steps + 1, state.t + h, residual, options_.max_iterations, options_.max_halvings, h);
+    throw NotConverged(text, state.t + h, options_.max_iterations, residual);
+  }
+  ++statistics_.halvings;
+  for (int half = 0; half < 2; ++half) {
+    if (!step(state, 0.5 * h, drives)) halve(state, 0.5 * h, drives, depth + 1);
+  }
+}
+
+bool HhtStepper::step(State& state, double h, const Drives& drives) {
+  before_ = state;
+  state.t = before_.t + h;
+  drives(state.t, drive_);
+  loads_.torques = drive_.torques;
+  if (factored_h_ != h && !factor(state, h)) {
+    state = before_;
+    return false;
+  }
+  predict(state, h);
+  configure(before_, state, h);
+  if (!iterate(state, h)) {
+    state = before_;
+    factored_h_ = 0;
+    return false;
+  }
+  for (std::size_t k = 0; k < state.laws.size(); ++k) {  // the laws remember the accepted state
+    const auto& law = system_.laws()[k];
+    const double x = system_.deflection(law, state.s);
+    const double z = joints::respond(law.law, x, system_.deflection(law, state.v.tail(system_.n_scalars())), state.laws[k]).z;
+    state.laws[k] = {x, z};
+  }
+  ++statistics_.steps;
+  return true;
+}
+
+/// Accelerations of state 1 start at those of state 0.
+void HhtStepper::predict(const State& before, double h) {
+  const auto [alpha, beta, gamma] = coefficients_;
+  const int n = system_.n_free();
+  const auto a1 = (1 + alpha) * before.v_dot.head(n) - alpha * before_.v_dot.head(n);  // eq. (2)
+  exponent_ = h * before_.v.head(n) + h * h * ((0.5 - beta) * before_.a.head(n) + beta * a1);  // eq. (3)
+}
+
+/// State 1 from the exponent: (3), (2) and (4) solved for a₁, v̇₁, v₁; prescribed coordinates from the drives.
+void HhtStepper::configure(const State& before, State& state, double h) const {
+  const auto [alpha, beta, gamma] = coefficients_;
+  const int n = system_.n_free(), n_scalars = system_.n_scalars(), offset = system_.scalar_offset();
+  for (int k = 0; k < system_.n_nodes(); ++k) {
+    state.frames[k] = before.frames[k] * geometry::exp6(exponent_.segment<6>(6 * k));  // eq. (3)
+  }
+  const auto v0 = before.v.head(n), a0 = before.a.head(n);
+  state.a.head(n) = (exponent_ - h * v0) / (beta * h * h) - (0.5 - beta) / beta * a0;
+  state.v.head(n) = v0 + h * ((1 - gamma) * a0 + gamma * state.a.head(n));                          // eq. (4)
+  state.v_dot.head(n) = (state.a.head(n) + alpha * before.v_dot.head(n)) / (1 + alpha);             // eq. (2)
+  const int n_free_scalars = n - offset;
+  state.s.head(n_free_scalars) = before.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
+  const int n_driven = n_scalars - n_free_scalars;
+  state.s.tail(n_driven) = drive_.s.tail(n_driven);
+  state.v.tail(n_driven) = drive_.v.tail(n_driven);
+  state.v_dot.tail(n_driven) = drive_.v_dot.tail(n_driven);
+}
+
+bool HhtStepper::iterate(State& state, double h) {
+  const int n = system_.n_free();
+  const bool cautious = has_memory(system_) || statistics_.steps % trusted_steps == 0;
+  bool fresh = false;
+  double previous = 0;
+  for (int k = 0; k < options_.max_iterations; ++k) {
+    system_.residual(state, loads_, true, r_);
+    system_.violation(state, phi_);
+    solve(state, h);  // eq. (5)
+    ++statistics_.iterations;
+    const double size = increment_norm(system_, dx_);
+    if (!std::isfinite(size)) return false;
+
+    exponent_ += dx_.head(n);
+    state.multipliers += mass_scale_ / (coefficients_.beta * h * h) * dx_.tail(system_.n_constraints());
+    configure(before_, state, h);
+
+    const double rate = previous > 0 ? size / previous : contraction_;
+    if (k > 0) contraction_ = std::clamp(rate, 1e-3, 0.9);
+    const double error = rate < 1 ? rate / (1 - rate) * size : size;
+    if (error < options_.tolerance && (k > 0 || !cautious)) return true;
+    if (size < 1e-3 * options_.tolerance) return true;
+    if (k > 0 && rate > options_.slow_contraction && !fresh) {
+      if (!factor(state, h)) return false;
+      fresh = true;
+      previous = 0;
+      contraction_ = 0.5;
+      continue;
+    }
+    if (rate > 2) return false;
+    previous = size;
+  }
+  return false;
+}
+
+bool HhtStepper::factor(const State& state, double h) {
+  const auto [alpha, beta, gamma] = coefficients_;
+  const double per_h2 = 1 / (beta * h * h);
+  const assembly::TangentFactors c{per_h2 / (1 + alpha), gamma / (beta * h), 1, mass_scale_ * per_h2};
+  kept_tangents_ = system_.law_tangents(state, c, true);
+  ++statistics_.factorisations;
+  if (!factor_.factor(matrix_.assemble(state, loads_, c, kept_tangents_))) {
+    factored_h_ = 0;
+    return false;
+  }
+  factored_h_ = h;
+  law_solutions_.setZero();
+  for (std::size_t k = 0; k < system_.laws().size(); ++k) {
+    const auto& law = system_.laws()[k];
+    if (system_.is_free(law.plus)) law_solutions_(system_.scalar_offset() + law.plus, k) += 1;
+    if (law.minus >= 0 && system_.is_free(law.minus)) law_solutions_(system_.scalar_offset() + law.minus, k) -= 1;
+  }
+  if (law_solutions_.cols() > 0) factor_.solve(law_solutions_);
+  return true;
+}
+
+/// dx := S⁻¹ (−r, −s Φ), with the joint laws' present tangents by the Woodbury identity.
+void HhtStepper::solve(const State& state, double h) {
+  const auto [alpha, beta, gamma] = coefficients_;
+  const double per_h2 = 1 / (beta * h * h);
+  dx_.head(system_.n_free()) = -r_.head(system_.n_free());
+  dx_.tail(system_.n_constraints()) = -mass_scale_ * per_h2 * phi_;
+  factor_.solve(dx_);
+
+  const auto n_laws = static_cast<int>(system_.laws().size());
+  if (n_laws == 0) return;
+  const VectorXd change = system_.law_tangents(state, {0, gamma / (beta * h), 1}, true) - kept_tangents_;
+  if ((change.cwiseAbs().array() <= 1e-12 * kept_tangents_.cwiseAbs().array()).all()) return;
+  const auto along = [&](const auto& x, int k) {  // the law's deflection in an increment
+    const auto& law = system_.laws()[k];
+    double d = system_.is_free(law.plus) ? x[system_.scalar_offset() + law.plus] : 0.0;
+    if (law.minus >= 0 && system_.is_free(law.minus)) d -= x[system_.scalar_offset() + law.minus];
+    return d;
+  };
+  Eigen::MatrixXd small = Eigen::MatrixXd::Identity(n_laws, n_laws);
+  VectorXd rhs(n_laws);
+  for (int i = 0; i < n_laws; ++i) {
+    for (int j = 0; j < n_laws; ++j) small(i, j) += change[i] * along(law_solutions_.col(j), i);
+    rhs[i] = change[i] * along(dx_, i);
+  }
+  dx_ -= law_solutions_ * small.partialPivLu().solve(rhs);
+}
+
+}  // namespace flexarm::solvers
