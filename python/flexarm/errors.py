@@ -70,8 +70,15 @@ class InvalidFile(InvalidParameter):
         All problems found, in the order of the file's format.
     """
 
-    def __init__(self, file: str | Path, where: str, what: str, *, line: int | None = None,
-                 problems: tuple[Problem, ...] = ()) -> None:
+    def __init__(
+        self,
+        file: str | Path,
+        where: str,
+        what: str,
+        *,
+        line: int | None = None,
+        problems: tuple[Problem, ...] = (),
+    ) -> None:
         first = Problem(where, what, line)
         super().__init__(f"{file}: {first}", problems=problems or (first,))
         self.file = str(file)
@@ -97,8 +104,14 @@ class NotConverged(RuntimeError):
         Norm of the residual [N or N m].
     """
 
-    def __init__(self, message: str, *, time: float | None = None, iteration: int | None = None,
-                 residual: float | None = None) -> None:
+    def __init__(
+        self,
+        message: str,
+        *,
+        time: float | None = None,
+        iteration: int | None = None,
+        residual: float | None = None,
+    ) -> None:
         super().__init__(message)
         self.time = time
         self.iteration = iteration

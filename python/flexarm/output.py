@@ -34,14 +34,16 @@ def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
 
     Examples
     --------
-    >>> with output_directory("results") as directory:               # doctest: +SKIP
+    >>> with output_directory("results") as directory:  # doctest: +SKIP
     ...     (directory / "summary.json").write_text("{}")
     """
     target = Path(path)
     _refuse_occupied(target, force)
     made = _make_parents(target)
     try:
-        partial = Path(tempfile.mkdtemp(prefix=f".{target.resolve().name}.partial-", dir=target.resolve().parent))
+        partial = Path(
+            tempfile.mkdtemp(prefix=f".{target.resolve().name}.partial-", dir=target.resolve().parent)
+        )
     except OSError as error:
         _remove_empty(made)
         raise InvalidFile(path, "output", f"cannot be written: {error.strerror}") from None
@@ -60,7 +62,9 @@ def _refuse_occupied(target: Path, force: bool) -> None:
         if target.exists() and not target.is_dir():
             raise InvalidFile(target, "output", "is a file, a directory is needed")
         if target.is_dir() and not force and next(target.iterdir(), None) is not None:
-            raise InvalidFile(target, "output", "holds files already; allowed is a new or empty directory, or --force")
+            raise InvalidFile(
+                target, "output", "holds files already; allowed is a new or empty directory, or --force"
+            )
     except (OSError, ValueError) as error:
         if isinstance(error, InvalidFile):
             raise

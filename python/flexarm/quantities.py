@@ -53,9 +53,22 @@ QUANTITIES: dict[str, Quantity] = {
     "payload_mass": Quantity(("kg",), ("payload",), only_static=True),
 }
 
-QuantityName = Literal["joint_angle", "joint_rate", "joint_command", "motor_torque", "motor_voltage", "position",
-                       "orientation", "inclination", "angular_rate", "acceleration", "strain", "deflection", "force",
-                       "payload_mass"]
+QuantityName = Literal[
+    "joint_angle",
+    "joint_rate",
+    "joint_command",
+    "motor_torque",
+    "motor_voltage",
+    "position",
+    "orientation",
+    "inclination",
+    "angular_rate",
+    "acceleration",
+    "strain",
+    "deflection",
+    "force",
+    "payload_mass",
+]
 
 DRIVES = ("joint_angle", "joint_command", "motor_torque", "motor_voltage")
 """Quantities that can drive a simulation."""

@@ -13,8 +13,18 @@ from flexarm.errors import InvalidParameter
 _DEGREE = pi / 180
 FACTORS: dict[str, dict[str, float]] = {
     "m": {"m": 1, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "km": 1e3, "in": 0.0254},
-    "rad": {"rad": 1, "mrad": 1e-3, "urad": 1e-6, "µrad": 1e-6, "deg": _DEGREE, "°": _DEGREE, "arcmin": _DEGREE / 60,
-            "arcsec": _DEGREE / 3600, "rev": 2 * pi, "turn": 2 * pi},
+    "rad": {
+        "rad": 1,
+        "mrad": 1e-3,
+        "urad": 1e-6,
+        "µrad": 1e-6,
+        "deg": _DEGREE,
+        "°": _DEGREE,
+        "arcmin": _DEGREE / 60,
+        "arcsec": _DEGREE / 3600,
+        "rev": 2 * pi,
+        "turn": 2 * pi,
+    },
     "rad/s": {"rad/s": 1, "mrad/s": 1e-3, "deg/s": _DEGREE, "°/s": _DEGREE, "rpm": pi / 30, "rev/s": 2 * pi},
     "m/s": {"m/s": 1, "mm/s": 1e-3, "cm/s": 1e-2},
     "m/s2": {"m/s2": 1, "m/s²": 1, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},

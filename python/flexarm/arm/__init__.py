@@ -11,6 +11,31 @@ from flexarm.arm.motor import Motor
 from flexarm.arm.section import General, Rectangle, Round, Section, Tube
 from flexarm.arm.sensor import Measurement, Sensor
 
-__all__ = ["KNOWN_EFFECTS", "Arm", "Beam", "Cascade", "Controller", "Effect", "Gear", "General", "Joint", "Link",
-           "Material", "Measurement", "Motor", "Origin", "Payload", "Point", "Rectangle", "RigidLink", "Round",
-           "Section", "Sensor", "StateFeedback", "SuperElement", "Tube", "effect_class", "inertia_matrix"]
+__all__ = [
+    "KNOWN_EFFECTS",
+    "Arm",
+    "Beam",
+    "Cascade",
+    "Controller",
+    "Effect",
+    "Gear",
+    "General",
+    "Joint",
+    "Link",
+    "Material",
+    "Measurement",
+    "Motor",
+    "Origin",
+    "Payload",
+    "Point",
+    "Rectangle",
+    "RigidLink",
+    "Round",
+    "Section",
+    "Sensor",
+    "StateFeedback",
+    "SuperElement",
+    "Tube",
+    "effect_class",
+    "inertia_matrix",
+]

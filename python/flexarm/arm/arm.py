@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
@@ -19,8 +19,19 @@ from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import sigma_of, uncertainty_problems
 from flexarm.arm.warnings import doubts
 from flexarm.errors import InvalidParameter, Problem
-from flexarm.tables import FrozenDict, Inconsistent, Number, Table, Vector3, check_table, value_in, read_toml, toml_text
+from flexarm.tables import (
+    FrozenDict,
+    Inconsistent,
+    Number,
+    Table,
+    Vector3,
+    check_table,
+    read_toml,
+    toml_text,
+    value_in,
+)
 
+Entry = TypeVar("Entry", Joint, Link, Point)
 AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(read_effect)]
 Sigmas = Annotated[dict[str, Number], AfterValidator(FrozenDict)]
 
@@ -46,8 +57,8 @@ class Arm(Table):
 
     Examples
     --------
-    >>> arm = Arm.from_toml("arm.toml")                              # doctest: +SKIP
-    >>> softer = arm.with_effect(JointCompliance(at="hinge", stiffness=5e4))   # doctest: +SKIP
+    >>> arm = Arm.from_toml("arm.toml")  # doctest: +SKIP
+    >>> softer = arm.with_effect(JointCompliance(at="hinge", stiffness=5e4))  # doctest: +SKIP
     """
 
     format: Literal["flexarm-arm/1"] = "flexarm-arm/1"
@@ -68,8 +79,13 @@ class Arm(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.urdf is not None:
-            raise Inconsistent((("urdf",), f"reading URDF is not supported yet, got {self.urdf!r}; "
-                                "write the joints and links as tables"))
+            raise Inconsistent(
+                (
+                    ("urdf",),
+                    f"reading URDF is not supported yet, got {self.urdf!r}; "
+                    "write the joints and links as tables",
+                )
+            )
         found = inconsistencies(self)
         if not self.joints:
             found = [(("joints",), "is missing; a model needs at least one joint and one link"), *found]
@@ -119,7 +135,7 @@ class Arm(Table):
     # ---------------------------------------------------------------- effects
 
     def with_effect(self, effect: Effect) -> Self:
-        """This arm with an effect; one of the same name at the same place is replaced.
+        """The arm with an effect; one of the same name at the same place is replaced.
 
         Raises
         ------
@@ -129,7 +145,7 @@ class Arm(Table):
         return self.replace(effects=(*self.effects, effect))
 
     def without_effect(self, name: str, at: str) -> Self:
-        """This arm without the effect `name` at `at`.
+        """The arm without the effect `name` at `at`.
 
         Raises
         ------
@@ -159,22 +175,15 @@ class Arm(Table):
         InvalidParameter
             If there is none, listing those that exist.
         """
-        return self._named("joint", self.joints, name)
+        return _named("joint", self.joints, name)
 
     def link(self, name: str) -> Link:
         """The link of that name; errors as `joint`."""
-        return self._named("link", self.links, name)
+        return _named("link", self.links, name)
 
     def point(self, name: str) -> Point:
         """The point of that name; errors as `joint`."""
-        return self._named("point", self.points, name)
-
-    @staticmethod
-    def _named(kind: str, entries: tuple[Any, ...], name: str) -> Any:
-        for entry in entries:
-            if entry.name == name:
-                return entry
-        raise InvalidParameter(missing(kind, name, [entry.name for entry in entries]))
+        return _named("point", self.points, name)
 
     @property
     def moving_joints(self) -> tuple[Joint, ...]:
@@ -193,16 +202,27 @@ class Arm(Table):
     # -------------------------------------------------------------------- text
 
     def __repr__(self) -> str:
-        return (f"<Arm {self.name!r}: {_count(self.moving_joints, 'moving joint')}, {_count(self.links, 'link')}, "
-                f"{_count(self.payloads, 'payload')}, {_count(self.effects, 'effect')}>")
+        return (
+            f"<Arm {self.name!r}: {_count(self.moving_joints, 'moving joint')}, "
+            f"{_count(self.links, 'link')}, {_count(self.payloads, 'payload')}, "
+            f"{_count(self.effects, 'effect')}>"
+        )
 
     __str__ = __repr__
 
     def summary(self) -> str:
         """What the arm is, in a few lines."""
         from flexarm.arm.summary import summary
+
         return summary(self)
 
 
 def _count(entries: tuple[Any, ...], word: str) -> str:
     return f"{len(entries)} {word}" + ("" if len(entries) == 1 else "s")
+
+
+def _named(kind: str, entries: tuple[Entry, ...], name: str) -> Entry:
+    for entry in entries:
+        if entry.name == name:
+            return entry
+    raise InvalidParameter(missing(kind, name, [entry.name for entry in entries]))

@@ -26,7 +26,9 @@ def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
 def missing(kind: str, name: str, known: Iterable[str]) -> str:
     """Sentence on a name that nothing has, with those that exist."""
     listed = ", ".join(known)
-    return f"there is no {kind} {name!r}; " + (f"there are {listed}" if listed else f"the model has no {kind}s")
+    return f"there is no {kind} {name!r}; " + (
+        f"there are {listed}" if listed else f"the model has no {kind}s"
+    )
 
 
 def _duplicates(arm: Arm) -> Found:
@@ -58,7 +60,10 @@ def _joint_ends(arm: Arm) -> Found:
             if name not in links:
                 yield ("joints", i, end), missing("link", name, links)
             elif ":" in place and not isinstance(links[name], SuperElement):
-                yield ("joints", i, end), f"{place!r}: only a super-element has interfaces, {name!r} is a {links[name].type}"
+                yield (
+                    ("joints", i, end),
+                    f"{place!r}: only a super-element has interfaces, {name!r} is a {links[name].type}",
+                )
         parent = links.get(link_of(joint.parent))
         if joint.at == "end" and not isinstance(parent, Beam):
             yield ("joints", i, "at"), f'"end" needs a beam as parent, got {joint.parent!r}'
@@ -72,8 +77,13 @@ def _tree(arm: Arm) -> Found:
         if child == link_of(joint.parent):
             yield ("joints", i, "child"), f"joins {child!r} to itself"
         elif child in holder:
-            yield ("joints", i, "child"), (f"link {child!r} is already the child of joint {holder[child].name!r}; "
-                                           "joints must form a tree, closed loops are not supported")
+            yield (
+                ("joints", i, "child"),
+                (
+                    f"link {child!r} is already the child of joint {holder[child].name!r}; "
+                    "joints must form a tree, closed loops are not supported"
+                ),
+            )
         holder.setdefault(child, joint)
     for i, link in enumerate(arm.links):
         if link.name not in holder:
@@ -83,7 +93,7 @@ def _tree(arm: Arm) -> Found:
 
 
 def _loop_above(link: str, holder: dict[str, Joint]) -> list[str]:
-    """The chain from a link to a link met twice; empty if it ends at the base or at a link without a joint."""
+    """The chain from a link to one met twice; empty if it ends at the base or at a link without a joint."""
     chain = [link]
     while chain[-1] in holder:
         parent = link_of(holder[chain[-1]].parent)
@@ -104,8 +114,13 @@ def _gears(arm: Arm) -> Found:
                 yield ("gears", i, end), f"joint {name!r} is fixed; a gear couples joints that move"
         output = joints.get(gear.output)
         if output is not None and output.gear_ratio != 1:
-            yield ("gears", i, "output"), (f"joint {gear.output!r} has gear_ratio = {output.gear_ratio:g} already; "
-                                           "give either the gear or the joint's gear_ratio")
+            yield (
+                ("gears", i, "output"),
+                (
+                    f"joint {gear.output!r} has gear_ratio = {output.gear_ratio:g} already; "
+                    "give either the gear or the joint's gear_ratio"
+                ),
+            )
 
 
 def _attachments(arm: Arm) -> Found:
@@ -117,13 +132,19 @@ def _attachments(arm: Arm) -> Found:
                 yield (table, i, "link"), missing("link", name, links)
             elif (":" in entry.link) != isinstance(links[name], SuperElement):
                 wanted = "LINK:INTERFACE" if isinstance(links[name], SuperElement) else "LINK"
-                yield (table, i, "link"), f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}"
+                yield (
+                    (table, i, "link"),
+                    f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}",
+                )
 
 
 def _sensors(arm: Arm) -> Found:
     for i, sensor in enumerate(arm.sensors):
         if sensor.spec.only_static:
-            yield ("sensors", i, "quantity"), f"{sensor.quantity} belongs to a record of poses, it is not a sensor"
+            yield (
+                ("sensors", i, "quantity"),
+                f"{sensor.quantity} belongs to a record of poses, it is not a sensor",
+            )
         for key in ("joint", "point", "link"):
             name = getattr(sensor, key)
             known = [entry.name for entry in getattr(arm, f"{key}s")]
@@ -144,18 +165,29 @@ def _drives(arm: Arm) -> Found:
         if controller.type != "state_feedback":
             continue
         if controller.joint not in motors:
-            yield ("controllers", i, "joint"), f"state feedback sets a voltage, but joint {controller.joint!r} has no motor"
+            yield (
+                ("controllers", i, "joint"),
+                f"state feedback sets a voltage, but joint {controller.joint!r} has no motor",
+            )
         name = controller.deflection
         if name is not None and name not in sensors:
             yield ("controllers", i, "deflection"), missing("sensor", name, sensors)
         elif name is not None and sensors[name].quantity != "deflection":
-            yield ("controllers", i, "deflection"), f"sensor {name!r} measures {sensors[name].quantity}, not a deflection"
+            yield (
+                ("controllers", i, "deflection"),
+                f"sensor {name!r} measures {sensors[name].quantity}, not a deflection",
+            )
 
 
 def _effects(arm: Arm) -> Found:
     moving = [joint.name for joint in arm.joints if joint.moves]
-    places = {"joint": moving, "link": [link.name for link in arm.links], "base": ["base"],
-              "payload": [load.name for load in arm.payloads], "point": [point.name for point in arm.points]}
+    places = {
+        "joint": moving,
+        "link": [link.name for link in arm.links],
+        "base": ["base"],
+        "payload": [load.name for load in arm.payloads],
+        "point": [point.name for point in arm.points],
+    }
     for i, effect in enumerate(arm.effects):
         known = places.get(effect.place)
         if known is not None and effect.at not in known:

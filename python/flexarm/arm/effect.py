@@ -16,13 +16,39 @@ from flexarm.tables import Table, unit_of
 from flexarm.tables.table import Nested
 
 KNOWN_EFFECTS: dict[str, str] = {
-    **dict.fromkeys(("joint_compliance", "joint_stiffening", "joint_hysteresis", "backlash", "coulomb_friction",
-                     "viscous_friction", "motor_friction", "transmission_error", "gear_ratio", "cable_torque"), "joint"),
+    **dict.fromkeys(
+        (
+            "joint_compliance",
+            "joint_stiffening",
+            "joint_hysteresis",
+            "backlash",
+            "coulomb_friction",
+            "viscous_friction",
+            "motor_friction",
+            "transmission_error",
+            "gear_ratio",
+            "cable_torque",
+        ),
+        "joint",
+    ),
     **dict.fromkeys(("payload_mass", "payload_offset", "payload_inertia"), "payload"),
     **dict.fromkeys(("link_stiffness", "link_mass", "link_length", "link_damping", "link_bow"), "link"),
     **dict.fromkeys(("base_tilt", "base_compliance", "external_vibration"), "base"),
-    **dict.fromkeys(("encoder_offset", "encoder_scale", "encoder_eccentricity", "encoder_quantisation",
-                     "dead_channel", "sign_error", "unit_error", "saturation", "outliers", "sensor_offset"), "signal"),
+    **dict.fromkeys(
+        (
+            "encoder_offset",
+            "encoder_scale",
+            "encoder_eccentricity",
+            "encoder_quantisation",
+            "dead_channel",
+            "sign_error",
+            "unit_error",
+            "saturation",
+            "outliers",
+            "sensor_offset",
+        ),
+        "signal",
+    ),
     **dict.fromkeys(("time_delay", "clock_drift"), "signal or clock"),
     **dict.fromkeys(("frame_registration", "frame_drift"), "frame"),
     "reflector_offset": "point",
@@ -49,7 +75,9 @@ class Effect(Table):
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
             if isinstance(value, tuple):
-                found += [(f"{name}.{axis}", item, unit_of(field)) for axis, item in zip("xyz", value, strict=False)]
+                found += [
+                    (f"{name}.{axis}", item, unit_of(field)) for axis, item in zip("xyz", value, strict=False)
+                ]
             elif name != "at":
                 found.append((name, value, unit_of(field)))
         return found
@@ -91,6 +119,7 @@ def effect_class(name: str) -> type[Effect]:
     if name in KNOWN_EFFECTS:
         raise InvalidParameter(f"the effect {name!r} is known but cannot be simulated yet; {_simulated()}")
     from difflib import get_close_matches  # only on the way to an error
+
     close = get_close_matches(name, KNOWN_EFFECTS, n=1)
     hint = f", did you mean {close[0]!r}?" if close else ""
     raise InvalidParameter(f"unknown effect {name!r}{hint}; known are {', '.join(KNOWN_EFFECTS)}")

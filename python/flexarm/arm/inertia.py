@@ -5,7 +5,8 @@ A body of positive mass has
 
 .. math:: \Sigma = \tfrac12 \operatorname{tr}(J) \, 1 - J = \int r r^T dm \succeq 0                  (1)
 
-which says at once that J is positive semidefinite and that its principal values satisfy the triangle inequality.
+which says at once that J is positive semidefinite and that its principal values satisfy the triangle
+inequality.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ def impossible(inertia: tuple[float, ...]) -> str | None:
     slack = _ROUNDING * trace
     a, b, c = trace / 2 - xx + slack, trace / 2 - yy + slack, trace / 2 - zz + slack  # diagonal of (1)
     if min(a, b, c) < 0:
-        return f"no body has these moments: each must be at most the sum of the others, got {list(inertia)} kg m2"
+        return f"no body has these moments: none may exceed the sum of the others, got {list(inertia)} kg m2"
     determinant = a * (b * c - yz * yz) + xy * (-xy * c - yz * xz) - xz * (xy * yz + b * xz)
     minors = (a * b - xy * xy, a * c - xz * xz, b * c - yz * yz)
     if min(minors) < 0 or determinant < -1e-9 * trace**3:

@@ -30,7 +30,8 @@ class Joint(Table):
     parent, child : str
         "base" or a link; `link:interface` on a super-element.
     at : {"start", "end"}
-        From where on the parent `origin` is measured: its frame, or the far end of a beam, which moves with it.
+        From where on the parent `origin` is measured: its frame, or the far end of a beam, which moves with
+        it.
     origin : Origin
         From there to the joint's frame.
     axis : (3,)
@@ -54,7 +55,9 @@ class Joint(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.type != "fixed" and "axis" not in self.model_fields_set:
-            raise Inconsistent((("axis",), f"is missing; a {self.type} joint needs an axis such as [0, 1, 0]"))
+            raise Inconsistent(
+                (("axis",), f"is missing; a {self.type} joint needs an axis such as [0, 1, 0]")
+            )
         if self.type != "fixed" and hypot(*self.axis) == 0:
             raise Inconsistent((("axis",), f"must not be zero, got {list(self.axis)}"))
         if self.gear_ratio == 0:
@@ -68,7 +71,7 @@ class Joint(Table):
 
 
 class Gear(Table):
-    """Couples two joints: angle of `input` = ratio x angle of `output`, in place of a joint's `gear_ratio`."""
+    """Couples two joints: angle of `input` = ratio x angle of `output`, instead of its `gear_ratio`."""
 
     name: Name = Field(description="name of the gear")
     input: Name = Field(description="name of the joint on the motor's side")
@@ -80,5 +83,7 @@ class Gear(Table):
         if self.ratio == 0:
             raise Inconsistent((("ratio",), "must not be zero, got 0; input angle over output angle"))
         if self.input == self.output:
-            raise Inconsistent((("output",), f"must be another joint than input, got {self.output!r} for both"))
+            raise Inconsistent(
+                (("output",), f"must be another joint than input, got {self.output!r} for both")
+            )
         return self

@@ -36,7 +36,8 @@ class Beam(Table):
     end : (3,)
         From the link's frame to its far end [m]; local x runs along it.
     up : (3,), optional
-        Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from Iz.
+        Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from
+        Iz.
     section, material
         What it is made of.
     theory : {"timoshenko", "euler-bernoulli"}
@@ -51,7 +52,9 @@ class Beam(Table):
     type: Literal["beam"] = "beam"
     end: Vector3 = value_in("m", "far end in the link's frame")
     up: Vector3 | None = value_in("-", "direction that local z leans to", None)
-    section: Section = Field(description="a table such as { shape = \"tube\", outer_diameter = 0.06, thickness = 0.003 }")
+    section: Section = Field(
+        description='a table such as { shape = "tube", outer_diameter = 0.06, thickness = 0.003 }'
+    )
     material: Material = Field(description="a table with youngs_modulus, poisson_ratio, density")
     theory: Literal["timoshenko", "euler-bernoulli"] = "timoshenko"
     elements: Whole = value_in("-", "number of elements", 4, ge=1, le=100_000)
@@ -64,10 +67,17 @@ class Beam(Table):
         if self.up is None:
             iy, iz = self.section.second_moments
             if abs(iy - iz) > 1e-9 * max(iy, iz):
-                raise Inconsistent((("up",), f"is missing; the section bends differently in its two planes (Iy = {iy:.4g}, "
-                                    f"Iz = {iz:.4g} m4), so say where local z points"))
+                raise Inconsistent(
+                    (
+                        ("up",),
+                        f"is missing; the section bends differently in its two planes (Iy = {iy:.4g}, "
+                        f"Iz = {iz:.4g} m4), so say where local z points",
+                    )
+                )
         elif _sine(self.up, self.end) < 1e-6:
-            raise Inconsistent((("up",), f"must not be zero or along end = {list(self.end)}, got {list(self.up)}"))
+            raise Inconsistent(
+                (("up",), f"must not be zero or along end = {list(self.end)}, got {list(self.up)}")
+            )
         return self
 
     @property

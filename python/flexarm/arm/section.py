@@ -46,8 +46,13 @@ class Tube(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.thickness >= self.outer_diameter / 2:
-            raise Inconsistent((("thickness",), f"must be less than half the outer diameter of {self.outer_diameter:g} m, "
-                                f"got {self.thickness:g} m; a solid bar is shape = \"round\""))
+            raise Inconsistent(
+                (
+                    ("thickness",),
+                    f"must be less than half the outer diameter of {self.outer_diameter:g} m, "
+                    f'got {self.thickness:g} m; a solid bar is shape = "round"',
+                )
+            )
         return self
 
     @property
@@ -118,8 +123,13 @@ class General(Table):
         if min(self.second_moment) <= 0:
             raise Inconsistent((("second_moment",), f"must be positive, got {list(self.second_moment)} m4"))
         if self.shear_area and min(self.shear_area) <= 0:
-            raise Inconsistent((("shear_area",), f"must be positive, got {list(self.shear_area)} m2; "
-                                "leave it out for a section rigid in shear"))
+            raise Inconsistent(
+                (
+                    ("shear_area",),
+                    f"must be positive, got {list(self.shear_area)} m2; "
+                    "leave it out for a section rigid in shear",
+                )
+            )
         return self
 
     @property
@@ -132,11 +142,11 @@ Section = Annotated[Round | Tube | Rectangle | General, Field(discriminator="sha
 
 
 def contradiction(section: General) -> str | None:
-    """What contradicts in a section's numbers, and what would agree; None if nothing does.
+    r"""What contradicts in a section's numbers, and what would agree; None if nothing does.
 
     Wall t and second moment I of a round tube give its mean diameter m and so its area:
 
-    .. math:: I = \\pi t m (m^2 + t^2)/8, \\qquad A = \\pi t m                                        (3)
+    .. math:: I = \pi t m (m^2 + t^2)/8, \qquad A = \pi t m                                        (3)
     """
     if section.thickness is None:
         return None
@@ -147,15 +157,18 @@ def contradiction(section: General) -> str | None:
         return None
     from_area = section.area / (pi * t)
     agree = pi * t * from_area * (from_area**2 + t**2) / 8  # eq. (3)
-    return (f"wall {t:g} m, area {section.area:g} m2 and second moment {inertia:g} m4 contradict one another: wall and "
-            f"second moment belong to a tube of outer diameter {1e3 * (mean + t):.2f} mm and area {area:.3g} m2; "
-            f"wall and area to one of outer diameter {1e3 * (from_area + t):.2f} mm and second moment {agree:.3g} m4")
+    return (
+        f"wall {t:g} m, area {section.area:g} m2 and second moment {inertia:g} m4 contradict one another: "
+        f"wall and second moment belong to a tube of outer diameter {1e3 * (mean + t):.2f} mm and area "
+        f"{area:.3g} m2; wall and area to one of outer diameter {1e3 * (from_area + t):.2f} mm and second "
+        f"moment {agree:.3g} m4"
+    )
 
 
 def _mean_diameter(t: float, inertia: float) -> float:
     """Root m of (3) by Newton's method from above, where the cubic is convex."""
     c = 8 * inertia / (pi * t)
-    m = c ** (1 / 3)
+    m: float = c ** (1 / 3)
     for _ in range(60):
         step = (m**3 + t**2 * m - c) / (3 * m**2 + t**2)
         m -= step

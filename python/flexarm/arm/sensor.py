@@ -1,7 +1,7 @@
 """What a signal says about itself, measured or virtual, and the sensors of a model.
 
-`Measurement` holds the keys that a sensor of a model and a signal of a record share. Values are in `unit` where
-the file says one, else in SI.
+`Measurement` holds the keys that a sensor of a model and a signal of a record share. Values are in `unit`
+where the file says one, else in SI.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from flexarm.units import si_factor
 
 def _check_axes(axes: tuple[str, ...]) -> tuple[str, ...]:
     if not axes or len(set(axes)) < len(axes):
-        raise ValueError(f"must name each of x, y, z at most once and at least one, got {list(axes)}")
+        raise ValueError(f"must name at least one of x, y, z and none twice, got {list(axes)}")
     return axes
 
 
@@ -46,7 +46,7 @@ class Measurement(Table):
         Directions of the channels, default all three; for an inclination the one body axis whose angle to the
         horizontal is measured.
     frame, clock : str, optional
-        Default: the base's frame, the reference clock.
+        Default: "base", the base's own frame, and the reference clock.
     unit : str, optional
         Unit of the values, noise_std and step; default SI.
     noise_std : float, optional
@@ -60,14 +60,14 @@ class Measurement(Table):
     """
 
     name: Name = Field(description="name of the signal")
-    quantity: QuantityName = Field(description="what is measured, such as \"position\"")
+    quantity: QuantityName = Field(description='what is measured, such as "position"')
     joint: Name | None = None
     point: Name | None = None
     link: Name | None = None
     payload: Name | None = None
     side: Literal["motor", "output"] | None = None
-    axes: Axes | None = None
-    frame: Name | None = None
+    axes: Axes = ()
+    frame: Name = "base"
     clock: Name | None = None
     unit: str | None = None
     noise_std: Number | None = value_in("unit", "1 sigma of the noise per channel", None, ge=0)
@@ -84,6 +84,10 @@ class Measurement(Table):
             problems.append((("unit",), str(error)))
         if problems:
             raise Inconsistent(*problems)
+        if self.spec.channels is None and not self.axes:
+            object.__setattr__(self, "axes", ("x", "y", "z"))
+        if self.spec.has_side and self.side is None:
+            object.__setattr__(self, "side", "motor")
         return self
 
     @property
@@ -106,15 +110,19 @@ class Measurement(Table):
         """Names of the channels: axes, "x y z w" of a quaternion, or none for a scalar."""
         if self.quantity == "orientation":
             return ("x", "y", "z", "w")
-        return (self.axes or ("x", "y", "z")) if self.spec.channels is None else ()
+        return self.axes if self.spec.channels is None else ()
 
     def _place_problems(self) -> list[tuple[tuple[str, ...], str]]:
         given = [kind for kind in ("joint", "point", "link", "payload") if getattr(self, kind) is not None]
         wrong = [kind for kind in given if kind not in self.spec.places]
         needed = " or ".join(self.spec.places)
-        found = [((kind,), f"{self.quantity} is not measured at a {kind}, but at a {needed}") for kind in wrong]
+        found: list[tuple[tuple[str, ...], str]] = [
+            ((kind,), f"{self.quantity} is not measured at a {kind}, but at a {needed}") for kind in wrong
+        ]
         if not given:
-            found.append(((self.spec.places[0],), f"is missing; {self.quantity} needs the name of a {needed}"))
+            found.append(
+                ((self.spec.places[0],), f"is missing; {self.quantity} needs the name of a {needed}")
+            )
         elif len(given) > 1 and not wrong:
             found.append(((given[1],), f"give either {' or '.join(given)}, not both"))
         return found
@@ -122,19 +130,28 @@ class Measurement(Table):
     def _detail_problems(self) -> list[tuple[tuple[str, ...], str]]:
         found: list[tuple[tuple[str, ...], str]] = []
         if self.side and not self.spec.has_side:
-            found.append((("side",), f"{self.quantity} has no side; only joint_angle, joint_rate and motor_torque have"))
-        if self.spec.one_axis and (self.axes is None or len(self.axes) != 1):
-            found.append((("axes",), f"{self.quantity} needs the one body axis it measures, such as [\"x\"]"))
+            found.append(
+                (
+                    ("side",),
+                    f"{self.quantity} has no side; only joint_angle, joint_rate and motor_torque have",
+                )
+            )
+        if self.spec.one_axis and len(self.axes) != 1:
+            found.append((("axes",), f'{self.quantity} needs the one body axis it measures, such as ["x"]'))
         if self.axes and self.spec.channels is not None and not self.spec.one_axis:
             found.append((("axes",), f"{self.quantity} has no axes"))
         if self.quantity == "strain" and (self.position is None or self.fibre is None):
-            found.append((("position" if self.position is None else "fibre",),
-                          "is missing; strain needs position along the link [m] and fibre [y, z] [m]"))
+            found.append(
+                (
+                    ("position" if self.position is None else "fibre",),
+                    "is missing; strain needs position along the link [m] and fibre [y, z] [m]",
+                )
+            )
         if self.position is not None and self.link is None:
             found.append((("position",), "belongs to a signal at a link"))
         if self.fibre is not None and self.quantity != "strain":
             found.append((("fibre",), f"{self.quantity} has no fibre; only strain has"))
-        if self.frame and self.quantity not in ("position", "orientation"):
+        if self.frame != "base" and self.quantity not in ("position", "orientation"):
             found.append((("frame",), f"{self.quantity} has no frame; only position and orientation have"))
         return found
 

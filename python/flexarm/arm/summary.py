@@ -27,6 +27,8 @@ def summary(arm: Arm) -> str:
 
 def _link(link: Link) -> str:
     if isinstance(link, Beam):
-        return (f"beam, {link.length:g} m, {link.section.shape}, E = {link.material.youngs_modulus / 1e9:g} GPa, "
-                f"{link.theory}, {link.elements} elements")
+        return (
+            f"beam, {link.length:g} m, {link.section.shape}, E = {link.material.youngs_modulus / 1e9:g} GPa, "
+            f"{link.theory}, {link.elements} elements"
+        )
     return f"rigid, {link.mass:g} kg" if isinstance(link, RigidLink) else f"super-element from {link.file}"

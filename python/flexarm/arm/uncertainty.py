@@ -14,8 +14,19 @@ from flexarm.tables.table import Path, Table, unit_of
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
-_SUFFIXES = {"m": "m", "rad": "rad", "kg": "kg", "kgm2": "kg m2", "Pa": "Pa", "kg_m3": "kg/m3", "m2": "m2", "m4": "m4",
-             "Nm_rad": "N m/rad", "Nms_rad": "N m s/rad", "Nm": "N m"}
+_SUFFIXES = {
+    "m": "m",
+    "rad": "rad",
+    "kg": "kg",
+    "kgm2": "kg m2",
+    "Pa": "Pa",
+    "kg_m3": "kg/m3",
+    "m2": "m2",
+    "m4": "m4",
+    "Nm_rad": "N m/rad",
+    "Nms_rad": "N m s/rad",
+    "Nm": "N m",
+}
 _TABLES = ("links", "joints", "gears", "payloads", "points", "motors", "effects")
 
 
@@ -44,10 +55,16 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
             yield ("uncertainty", key), str(error)
             continue
         if not unit and not isinstance(getattr(owner, field), float):
-            options = " or ".join(f"{field}_{s}" for s, u in _SUFFIXES.items()
-                                  if u == unit_of(type(owner).model_fields[field]))
-            yield ("uncertainty", key), (f"{field} is not one number, so 1 sigma cannot be relative; "
-                                         + (f"write {options}" if options else "it cannot have an uncertainty"))
+            options = " or ".join(
+                f"{field}_{s}" for s, u in _SUFFIXES.items() if u == unit_of(type(owner).model_fields[field])
+            )
+            yield (
+                ("uncertainty", key),
+                (
+                    f"{field} is not one number, so 1 sigma cannot be relative; "
+                    + (f"write {options}" if options else "it cannot have an uncertainty")
+                ),
+            )
 
 
 def _owner(arm: Arm, key: str) -> tuple[Table, str, str]:
@@ -59,7 +76,9 @@ def _owner(arm: Arm, key: str) -> tuple[Table, str, str]:
     for step in rest[:-1]:
         inner = getattr(owner, step, None) if step in type(owner).model_fields else None
         if not isinstance(inner, Table):
-            raise ValueError(f"there is no {step!r} in {key!r}; there are {', '.join(type(owner).model_fields)}")
+            raise ValueError(
+                f"there is no {step!r} in {key!r}; there are {', '.join(type(owner).model_fields)}"
+            )
         owner = inner
     return owner, *_field(owner, rest[-1])
 
@@ -90,4 +109,6 @@ def _field(owner: Table, word: str) -> tuple[str, str]:
         if stem != word and stem in fields and unit_of(fields[stem]) == unit:
             return stem, unit
     uncertain = [name for name in fields if unit_of(fields[name])]
-    raise ValueError(f"there is no value {word!r}; there are {', '.join(uncertain)}, each also with its unit at the end")
+    raise ValueError(
+        f"there is no value {word!r}; there are {', '.join(uncertain)}, each also with its unit at the end"
+    )

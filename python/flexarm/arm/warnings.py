@@ -32,19 +32,31 @@ def _beam(link: Beam) -> Iterable[Problem]:
         if found:
             yield Problem(section, found)
         iy, iz = link.section.second_moments
-        if 6.2832 * (iy + iz) < 0.999 * link.section.area**2:  # a solid disc has the least: Iy + Iz = A^2 / (2 pi)
-            yield Problem(section, f"no section of area {link.section.area:g} m2 has second moments as small as {iy:g} and "
-                          f"{iz:g} m4; their sum is at least {link.section.area**2 / 6.2832:.3g} m4")
+        if (
+            6.2832 * (iy + iz) < 0.999 * link.section.area**2
+        ):  # a solid disc has the least: Iy + Iz = A^2 / (2 pi)
+            yield Problem(
+                section,
+                f"no section of area {link.section.area:g} m2 has second moments as small as {iy:g} and "
+                f"{iz:g} m4; their sum is at least {link.section.area**2 / 6.2832:.3g} m4",
+            )
     width = max(link.section.second_moments) ** 0.25
     if width > link.length:
-        yield Problem(f"links.{link.name}.end", f"the beam is {link.length:g} m long and about as thick; lengths are in m")
+        yield Problem(
+            f"links.{link.name}.end",
+            f"the beam is {link.length:g} m long and about as thick; lengths are in m",
+        )
     modulus = link.material.youngs_modulus
     if modulus < 1e6:
-        yield Problem(f"links.{link.name}.material.youngs_modulus",
-                      f"is {modulus:g} Pa, softer than rubber; moduli are in Pa (steel 210e9)")
+        yield Problem(
+            f"links.{link.name}.material.youngs_modulus",
+            f"is {modulus:g} Pa, softer than rubber; moduli are in Pa (steel 210e9)",
+        )
     if 0 < link.material.density < 50:
-        yield Problem(f"links.{link.name}.material.density",
-                      f"is {link.material.density:g} kg/m3; densities are in kg/m3 (steel 7850)")
+        yield Problem(
+            f"links.{link.name}.material.density",
+            f"is {link.material.density:g} kg/m3; densities are in kg/m3 (steel 7850)",
+        )
 
 
 def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
@@ -57,6 +69,8 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
                 continue
             along = sum(p * e for p, e in zip(entry.position, beam.end, strict=True)) / beam.length
             if not -1e-6 * beam.length <= along <= beam.length * (1 + 1e-6):
-                yield Problem(f"{table}.{entry.name}.position",
-                              f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to {beam.length:g} m; "
-                              "it sits rigidly on the nearer end")
+                yield Problem(
+                    f"{table}.{entry.name}.position",
+                    f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to "
+                    f"{beam.length:g} m; it sits rigidly on the nearer end",
+                )

@@ -9,5 +9,12 @@ from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.effects.motor_friction import MotorFriction
 from flexarm.effects.viscous_friction import ViscousFriction
 
-__all__ = ["KNOWN_EFFECTS", "CoulombFriction", "Effect", "JointCompliance", "MotorFriction", "ViscousFriction",
-           "effect_class"]
+__all__ = [
+    "KNOWN_EFFECTS",
+    "CoulombFriction",
+    "Effect",
+    "JointCompliance",
+    "MotorFriction",
+    "ViscousFriction",
+    "effect_class",
+]

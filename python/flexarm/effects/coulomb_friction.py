@@ -2,8 +2,8 @@ r"""Dry friction in the output bearing of a joint, by Dahl's law.
 
 .. math:: T \leftarrow T - T_c z, \qquad \dot z = (1 - z \operatorname{sgn}\dot\theta)\,\dot\theta / w    (1)
 
-T_c [N m] is the friction torque, \theta [rad] the link's angle, z = 0 at the equilibrium from which the motion
-starts, and w = 2e-5 rad the width over which stiction gives way. Rate-independent; z saturates at 1.
+T_c [N m] is the friction torque, \theta [rad] the link's angle, z = 0 at the equilibrium from which the
+motion starts, and w = 2e-5 rad the width over which stiction gives way. Rate-independent; z saturates at 1.
 """
 
 from __future__ import annotations
@@ -33,4 +33,5 @@ class CoulombFriction(Effect):
     torque: Number = value_in("N m", "friction torque at the output bearing", 0.0, ge=0)
 
     def bearing_laws(self, core: Any) -> list[Any]:
+        """Dahl's law, eq. (1)."""
         return [core.DahlFriction(self.torque, STICK_WIDTH)] if self.torque else []  # eq. (1)

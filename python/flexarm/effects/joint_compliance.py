@@ -2,8 +2,8 @@ r"""Compliance of a joint: a linear spring and damper between motor and link.
 
 .. math:: T = k (\varphi - \theta) + c (\dot\varphi - \dot\theta)                                    (1)
 
-T [N m] is the torque on the link about +axis, \varphi the motor's angle over the ratio, \theta the link's angle
-relative to its parent [rad]. Without this effect the drive train is rigid, \varphi = \theta.
+T [N m] is the torque on the link about +axis, \varphi the motor's angle over the ratio, \theta the link's
+angle relative to its parent [rad]. Without this effect the drive train is rigid, \varphi = \theta.
 """
 
 from __future__ import annotations
@@ -33,4 +33,5 @@ class JointCompliance(Effect):
     damping: Number = value_in("N m s/rad", "damping of the joint", 0.0, ge=0)
 
     def coupling_laws(self, core: Any) -> list[Any]:
+        """Spring and damper, eq. (1)."""
         return [core.LinearSpring(self.stiffness, self.damping)]  # eq. (1)

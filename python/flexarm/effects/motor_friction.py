@@ -1,10 +1,11 @@
 r"""Friction of the motor, referred to the output side.
 
-.. math:: T_f = T_c z + c \, \dot\varphi, \qquad \dot z = (1 - z \operatorname{sgn}\dot\varphi)\,\dot\varphi / w    (1)
+.. math:: T_f = T_c z + c \, \dot\varphi, \qquad \dot z = (1 - z \operatorname{sgn}\dot\varphi)\,\dot\varphi /
+w    (1)
 
 \varphi [rad] is the motor's angle over the ratio; T_f [N m], the motor's own friction torque times the ratio,
-opposes \dot\varphi; w = 2e-5 rad as in the output bearing. It acts on the motor and not on T, the torque on the link:
-where the motor's angle is imposed it is seen only in the motor's torque.
+opposes \dot\varphi; w = 2e-5 rad as in the output bearing. It acts on the motor and not on T, the torque on
+the link: where the motor's angle is imposed it is seen only in the motor's torque.
 """
 
 from __future__ import annotations
@@ -35,5 +36,6 @@ class MotorFriction(Effect):
     viscous: Number = value_in("N m s/rad", "viscous friction of the motor, output-referred", 0.0, ge=0)
 
     def motor_laws(self, core: Any) -> list[Any]:
+        """Dahl's law and a damper, eq. (1)."""
         dry = [core.DahlFriction(self.coulomb, STICK_WIDTH)] if self.coulomb else []
         return dry + ([core.ViscousFriction(self.viscous)] if self.viscous else [])  # eq. (1)

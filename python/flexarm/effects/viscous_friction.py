@@ -29,4 +29,5 @@ class ViscousFriction(Effect):
     coefficient: Number = value_in("N m s/rad", "viscous friction of the output bearing", 0.0, ge=0)
 
     def bearing_laws(self, core: Any) -> list[Any]:
+        """A damper, eq. (1)."""
         return [core.ViscousFriction(self.coefficient)] if self.coefficient else []  # eq. (1)

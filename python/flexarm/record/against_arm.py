@@ -10,7 +10,7 @@ import numpy as np
 
 from flexarm.arm.consistency import missing
 from flexarm.arm.link import Beam
-from flexarm.errors import Problem
+from flexarm.errors import InvalidParameter, Problem
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -19,20 +19,47 @@ if TYPE_CHECKING:
 
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
     """Joints, points, links and payloads that the model does not have."""
-    known = {"joint": [joint.name for joint in arm.moving_joints], "point": [point.name for point in arm.points],
-             "link": [link.name for link in arm.links], "payload": [load.name for load in arm.payloads]}
-    found = [Problem(f"signals.{signal.name}.{kind}", missing(kind, place, names))
-             for signal in record.signals.values() for kind, names in known.items()
-             if (place := getattr(signal, kind)) is not None and place not in names]
-    found += [Problem(f"joints.{name}", missing("joint", name, known["joint"]))
-              for name in record.joints if name not in known["joint"]]
-    return found + [Problem(f"payloads.{name}", missing("payload", name, known["payload"]))
-                    for name in record.payloads if name not in known["payload"]]
+    known = {
+        "joint": [joint.name for joint in arm.moving_joints],
+        "point": [point.name for point in arm.points],
+        "link": [link.name for link in arm.links],
+        "payload": [load.name for load in arm.payloads],
+    }
+    found = [
+        Problem(f"signals.{signal.name}.{kind}", missing(kind, place, names))
+        for signal in record.signals.values()
+        for kind, names in known.items()
+        if (place := getattr(signal, kind)) is not None and place not in names
+    ]
+    found += [
+        Problem(f"joints.{name}", missing("joint", name, known["joint"]))
+        for name in record.joints
+        if name not in known["joint"]
+    ]
+    return found + [
+        Problem(f"payloads.{name}", missing("payload", name, known["payload"]))
+        for name in record.payloads
+        if name not in known["payload"]
+    ]
 
 
 def doubts(record: Record, arm: Arm) -> list[Problem]:
     """Values that contradict their unit, seen from the size of the arm."""
     return [*_positions(record, arm), *_angles(record, arm)]
+
+
+def carrying(record: Record, arm: Arm) -> Arm:
+    """The arm with the payloads that a run carried; a weighed mass wins over an effect `payload_mass`."""
+    if not record.payloads:
+        return arm
+    loads = {load.name: load for load in arm.payloads}
+    for name, carried in record.payloads.items():
+        if name not in loads:
+            raise InvalidParameter(missing("payload", name, loads), where=f"payloads.{name}")
+        loads[name] = loads[name].replace(**carried.to_plain())
+    weighed = {name for name, carried in record.payloads.items() if carried.mass is not None}
+    effects = [e for e in arm.effects if not (e.name == "payload_mass" and e.at in weighed)]
+    return arm.replace(payloads=tuple(loads.values()), effects=tuple(effects))
 
 
 def reach(arm: Arm) -> float:
@@ -54,11 +81,16 @@ def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
         own = frame.unknown or any(frame.xyz)
         value, what = (span, "moves over") if own else (far, "reaches")
         if value > 10 * limit:
-            yield Problem(f"signals.{signal.name}", f"{what} {value:g} m, the arm reaches {limit:g} m; "
-                          "if the file holds millimetres, say unit = \"mm\"")
+            yield Problem(
+                f"signals.{signal.name}",
+                f"{what} {value:g} m, the arm reaches {limit:g} m; "
+                'if the file holds millimetres, say unit = "mm"',
+            )
         elif not own and len(signal.axes) == 3 and far < limit / 200:
-            yield Problem(f"signals.{signal.name}", f"stays within {far:g} m of the base, the arm reaches {limit:g} m; "
-                          "is the unit right?")
+            yield Problem(
+                f"signals.{signal.name}",
+                f"stays within {far:g} m of the base, the arm reaches {limit:g} m; is the unit right?",
+            )
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:
@@ -68,5 +100,8 @@ def _angles(record: Record, arm: Arm) -> Iterable[Problem]:
         prismatic = arm.joint(signal.joint).type == "prismatic"
         if prismatic != signal.unit.startswith("m"):
             wanted = "m" if prismatic else "rad"
-            yield Problem(f"signals.{signal.name}.unit", f"is {signal.unit}, but joint {signal.joint!r} is "
-                          f"{arm.joint(signal.joint).type} and needs a unit like {wanted}")
+            yield Problem(
+                f"signals.{signal.name}.unit",
+                f"is {signal.unit}, but joint {signal.joint!r} is "
+                f"{arm.joint(signal.joint).type} and needs a unit like {wanted}",
+            )

@@ -43,7 +43,9 @@ class CsvFile:
             problem = error.problems[0]
             raise InvalidFile(self.file, problem.where, problem.what) from None
         lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-        self._numbers = [i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
+        self._numbers = [
+            i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")
+        ]
         if not self._numbers:
             raise InvalidFile(self.file, "line 1", "has no header; the first line must name the columns")
         self.header = self._header(lines[self._numbers.pop(0)])
@@ -110,8 +112,11 @@ class CsvFile:
         for row, line in enumerate(self._lines):
             cells = self._cells(line)
             if len(cells) != len(self.header):
-                raise InvalidFile(self.file, f"line {self.line(row)}",
-                                  f"has {len(cells)} cells, the header has {len(self.header)}: {line[:60]!r}")
+                raise InvalidFile(
+                    self.file,
+                    f"line {self.line(row)}",
+                    f"has {len(cells)} cells, the header has {len(self.header)}: {line[:60]!r}",
+                )
             yield self.line(row), cells
 
     def _number(self, line: int, row: list[str], column: int) -> float:
@@ -126,8 +131,11 @@ class CsvFile:
             raise self._bad_cell(line, column, repr(cell[:40])) from None
 
     def _bad_cell(self, line: int, column: int, got: str) -> InvalidFile:
-        return InvalidFile(self.file, f"line {line}, column {self.header[column]}",
-                           f"must be a number, got {got}; a drop-out is an empty cell or nan")
+        return InvalidFile(
+            self.file,
+            f"line {line}, column {self.header[column]}",
+            f"must be a number, got {got}; a drop-out is an empty cell or nan",
+        )
 
 
 def _filled(lines: list[str]) -> list[str]:

@@ -33,12 +33,15 @@ def _names(record: RecordTable) -> Found:
 
 def _clocks_and_frames(record: RecordTable) -> Found:
     if record.clocks and next(iter(record.clocks.values())).unknown:
-        yield ("clocks", next(iter(record.clocks))), "is the reference, the first clock, and cannot be unknown"
+        yield (
+            ("clocks", next(iter(record.clocks))),
+            "is the reference, the first clock, and cannot be unknown",
+        )
     for i, signal in enumerate(record.signals):
         if signal.clock is not None and signal.clock not in record.clocks:
             yield ("signals", i, "clock"), missing("clock", signal.clock, record.clocks)
-        if signal.frame not in (None, "base", *record.frames):
-            yield ("signals", i, "frame"), missing("frame", str(signal.frame), ["base", *record.frames])
+        if signal.frame not in ("base", *record.frames):
+            yield ("signals", i, "frame"), missing("frame", signal.frame, ["base", *record.frames])
 
 
 def _stamps(record: RecordTable) -> Found:
@@ -48,12 +51,23 @@ def _stamps(record: RecordTable) -> Found:
         if getattr(signal, needed) is None:
             yield ("signals", i, needed), f"is missing; needed is the name of the column of {needed}s"
         if getattr(signal, unwanted) is not None:
-            yield ("signals", i, unwanted), f"does not belong to a record of kind {record.kind!r}; use {needed}"
+            yield (
+                ("signals", i, unwanted),
+                f"does not belong to a record of kind {record.kind!r}; use {needed}",
+            )
         if signal.spec.only_static and not static:
-            yield ("signals", i, "quantity"), (f"{signal.quantity} belongs to records of kind \"static\"; "
-                                               "what a run carried stands in [payloads]")
+            yield (
+                ("signals", i, "quantity"),
+                (
+                    f'{signal.quantity} belongs to records of kind "static"; '
+                    "what a run carried stands in [payloads]"
+                ),
+            )
         if factor_to("s", signal.time_unit) is None:
-            yield ("signals", i, "time_unit"), f"unit {signal.time_unit!r} does not fit; allowed are s, ms, us, ns, min"
+            yield (
+                ("signals", i, "time_unit"),
+                f"unit {signal.time_unit!r} does not fit; allowed are s, ms, us, ns, min",
+            )
 
 
 def _drive(record: RecordTable) -> Found:
@@ -67,8 +81,14 @@ def _drive(record: RecordTable) -> Found:
         if signal.quantity not in DRIVES:
             yield ("drive",), f"signal {name!r} is a {signal.quantity}; a drive is one of {', '.join(DRIVES)}"
         elif signal.joint in driven:
-            yield ("drive",), f"signals {driven[signal.joint]!r} and {name!r} both drive joint {signal.joint!r}"
+            yield (
+                ("drive",),
+                f"signals {driven[signal.joint]!r} and {name!r} both drive joint {signal.joint!r}",
+            )
         driven[signal.joint] = name
     for joint in record.joints:
         if joint in driven:
-            yield ("joints", joint), f"is driven by signal {driven[joint]!r} and cannot stand at a fixed value"
+            yield (
+                ("joints", joint),
+                f"is driven by signal {driven[joint]!r} and cannot stand at a fixed value",
+            )

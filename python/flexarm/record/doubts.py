@@ -26,19 +26,23 @@ def doubts(record: Record) -> Iterable[Problem]:
             continue
         yield from (Problem(where, what) for what in (*_unit(signal), *_dead(signal), *_gaps(signal)))
         if signal.noise_std is None and signal.name not in record.drive and signal.quantity != "payload_mass":
-            yield Problem(f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise")
+            yield Problem(
+                f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
+            )
 
 
 def _unit(signal: Signal) -> Iterable[str]:
     """Values that contradict their unit."""
     largest = float(np.nanmax(np.abs(signal.values)))
     if signal.quantity in ("joint_angle", "joint_command") and signal.unit == "rad" and largest > 2 * pi:
-        yield (f"reaches {largest:g} rad at the output, {largest / (2 * pi):.1f} turns; if the file holds degrees, say "
-               "unit = \"deg\", if it holds the motor's own angle, divide it by the ratio")
+        yield (
+            f"reaches {largest:g} rad at the output, {largest / (2 * pi):.1f} turns; if the file holds "
+            'degrees, say unit = "deg", if it holds the motor\'s own angle, divide it by the ratio'
+        )
     if signal.quantity == "position" and largest > 1000:
-        yield f"reaches {largest:g} m; if the file holds millimetres, say unit = \"mm\""
+        yield f'reaches {largest:g} m; if the file holds millimetres, say unit = "mm"'
     if signal.quantity == "inclination" and largest > 2 * pi:
-        yield f"reaches {largest:g} rad; if the file holds degrees, say unit = \"deg\""
+        yield f'reaches {largest:g} rad; if the file holds degrees, say unit = "deg"'
     if signal.quantity == "orientation":
         lengths = np.linalg.norm(signal.values[signal.valid], axis=1)
         if len(lengths) and np.max(np.abs(lengths - 1)) > 0.01:
@@ -47,8 +51,10 @@ def _unit(signal: Signal) -> Iterable[str]:
     if signal.quantity == "acceleration" and len(signal.axes) == 3:
         typical = float(np.nanmedian(np.linalg.norm(signal.values, axis=1)))
         if 0.5 < typical < 2 or typical > 500:
-            yield (f"has a typical magnitude of {typical:g} m/s2; specific force at rest is 9.81 m/s2; "
-                   "if the file holds multiples of g, say unit = \"g\"")
+            yield (
+                f"has a typical magnitude of {typical:g} m/s2; specific force at rest is 9.81 m/s2; "
+                'if the file holds multiples of g, say unit = "g"'
+            )
 
 
 def _dead(signal: Signal) -> Iterable[str]:
@@ -58,7 +64,10 @@ def _dead(signal: Signal) -> Iterable[str]:
     for name, column in zip(signal.channels or ("",) * signal.values.shape[1], signal.values.T, strict=True):
         seen = column[np.isfinite(column)]
         if len(seen) > 9 and np.ptp(seen) == 0:
-            yield f"channel {name!r} holds {seen[0]:g} {signal.unit} throughout, although its noise is {signal.noise_std:g}"
+            yield (
+                f"channel {name!r} holds {seen[0]:g} {signal.unit} throughout, although its noise is "
+                f"{signal.noise_std:g}"
+            )
 
 
 def _gaps(signal: Signal) -> Iterable[str]:
@@ -68,5 +77,7 @@ def _gaps(signal: Signal) -> Iterable[str]:
     steps = np.diff(signal.time)
     worst = int(np.argmax(steps))
     if steps[worst] > 20 * np.median(steps):
-        yield (f"has a pause of {steps[worst]:.3g} s after t = {signal.time[worst]:.6g} s; "
-               f"samples are usually {np.median(steps):.3g} s apart")
+        yield (
+            f"has a pause of {steps[worst]:.3g} s after t = {signal.time[worst]:.6g} s; "
+            f"samples are usually {np.median(steps):.3g} s apart"
+        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidFile, Problem
@@ -21,16 +22,27 @@ def load(path: Path) -> Record:
     """The record in a directory, or beside the `record.toml` that `path` names."""
     toml = path / "record.toml" if path.is_dir() else path
     if not toml.exists() and toml.name != "record.toml":
-        raise InvalidFile(path, "record", "there is no such directory; a record is a directory with record.toml")
+        raise InvalidFile(
+            path, "record", "there is no such directory; a record is a directory with record.toml"
+        )
     data, text = read_toml(toml, "flexarm-record/1")
     table = check_table(RecordTable, data, toml, text)
     reader = _Reader(toml, table, text)
     clocks = dict(table.clocks) or {"clock": Clock()}
     signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
-    return Record(signals={signal.name: signal for signal in signals}, drive=table.drive,
-                  description=table.description, kind=table.kind, initial=table.initial, joints=table.joints,
-                  payloads=table.payloads, clocks=clocks, frames=table.frames, path=toml.parent,
-                  notes=tuple(reader.notes))
+    return Record(
+        signals={signal.name: signal for signal in signals},
+        drive=table.drive,
+        description=table.description,
+        kind=table.kind,
+        initial=table.initial,
+        joints=table.joints,
+        payloads=table.payloads,
+        clocks=clocks,
+        frames=table.frames,
+        path=toml.parent,
+        notes=tuple(reader.notes),
+    )
 
 
 class _Reader:
@@ -49,18 +61,32 @@ class _Reader:
         unit, factor = table.si
         values = np.stack([self._column(table.file, name) for name in table.channels], axis=1) * factor
         motion = self.table.kind == "motion"
-        side = table.side or ("motor" if table.spec.has_side else None)
-        if side and table.side is None:
-            self.notes.append(Problem(f"signals.{table.name}.side", "is not given, taken as \"motor\""))
+        if table.spec.has_side and "side" not in table.model_fields_set:
+            self.notes.append(Problem(f"signals.{table.name}.side", 'is not given, taken as "motor"'))
         self._compare_suffix(table)
         return Signal(
-            name=table.name, quantity=table.quantity, values=values, unit=unit,
+            name=table.name,
+            quantity=table.quantity,
+            values=values,
+            unit=unit,
             time=self._time(table) if motion else np.array([]),
             pose=None if motion else self._pose(table),
-            noise_std=None if table.noise_std is None else table.noise_std * factor, jitter_std=table.jitter_std,
-            clock=table.clock or reference, frame=table.frame or "base", joint=table.joint, point=table.point,
-            link=table.link, payload=table.payload, side=side, axes=_axes(table), position=table.position,
-            fibre=table.fibre, channels=table.channels, file=table.file, time_column=table.time or "")
+            noise_std=None if table.noise_std is None else table.noise_std * factor,
+            jitter_std=table.jitter_std,
+            clock=table.clock or reference,
+            frame=table.frame,
+            joint=table.joint,
+            point=table.point,
+            link=table.link,
+            payload=table.payload,
+            side=table.side,
+            axes=table.axes,
+            position=table.position,
+            fibre=table.fibre,
+            channels=table.channels,
+            file=table.file,
+            time_column=table.time or "",
+        )
 
     def _check_columns(self, i: int, table: SignalTable) -> None:
         """Opens the file of a signal and looks for its columns."""
@@ -68,7 +94,9 @@ class _Reader:
             path = self.toml.parent / table.file
             if not path.exists():
                 others = ", ".join(sorted(p.name for p in self.toml.parent.glob("*.csv")))
-                raise self._error(i, table, "file", f"there is no file {table.file!r}; there are {others or 'none'}")
+                raise self._error(
+                    i, table, "file", f"there is no file {table.file!r}; there are {others or 'none'}"
+                )
             self._files[table.file] = CsvFile(path)
         header = self._files[table.file].header
         stamp = "time" if self.table.kind == "motion" else "pose"
@@ -87,7 +115,9 @@ class _Reader:
             motion = self.table.kind == "motion"
             users = [signal for signal in self.table.signals if signal.file == file]
             header = self._files[file].header
-            wanted = dict.fromkeys(c for s in users for c in ((s.time,) if motion else ()) + s.channels if c in header)
+            wanted = dict.fromkeys(
+                c for s in users for c in ((s.time,) if motion else ()) + s.channels if c in header
+            )
             names = [name for name in wanted if name is not None]
             self._columns[file] = dict(zip(names, self._files[file].numbers(names).T, strict=True))
         return self._columns[file][name]
@@ -107,38 +137,59 @@ class _Reader:
         csv = self._files[table.file]
         empty = np.flatnonzero(np.isnan(stamps))
         if len(empty):
-            raise InvalidFile(csv.file, f"line {csv.line(int(empty[0]))}, column {table.time}", "a row needs a time, got none")
+            raise InvalidFile(
+                csv.file,
+                f"line {csv.line(int(empty[0]))}, column {table.time}",
+                "a row needs a time, got none",
+            )
         falls = np.flatnonzero(np.diff(stamps) <= 0)
         if len(falls):
             row = int(falls[0]) + 1
             kind = "repeats" if stamps[row] == stamps[row - 1] else "goes back behind"
-            raise InvalidFile(csv.file, f"line {csv.line(row)}, column {table.time}",
-                              f"{stamps[row]:.9g} {kind} {stamps[row - 1]:.9g} of line {csv.line(row - 1)}; times must rise")
+            raise InvalidFile(
+                csv.file,
+                f"line {csv.line(row)}, column {table.time}",
+                f"{stamps[row]:.9g} {kind} {stamps[row - 1]:.9g} of line {csv.line(row - 1)}; "
+                "times must rise",
+            )
 
-    def _pose(self, table: SignalTable) -> list[str]:
+    def _pose(self, table: SignalTable) -> NDArray[np.str_]:
         assert table.pose is not None
         csv = self._files[table.file]
         poses = csv.texts(table.pose)
         if "" in poses:
-            raise InvalidFile(csv.file, f"line {csv.line(poses.index(''))}, column {table.pose}", "a row needs a pose, got none")
-        return [_canonical(pose) for pose in poses]
+            raise InvalidFile(
+                csv.file,
+                f"line {csv.line(poses.index(''))}, column {table.pose}",
+                "a row needs a pose, got none",
+            )
+        return np.array([_canonical(pose) for pose in poses])
 
     def _compare_suffix(self, table: SignalTable) -> None:
         """Columns are often named after their unit; a name that says another one is worth a word."""
-        for column, unit in [*((name, table.unit or table.si[0]) for name in table.channels),
-                             (table.time or "", table.time_unit)]:
+        for column, unit in [
+            *((name, table.unit or table.si[0]) for name in table.channels),
+            (table.time or "", table.time_unit),
+        ]:
             suffix = column.rpartition("_")[2]
             wanted = _SUFFIXES.get(suffix)
             if wanted and unit not in wanted:
-                self.notes.append(Problem(f"signals.{table.name}", f"column {column!r} ends in {suffix!r}, but its unit "
-                                          f"is {unit!r}"))
+                self.notes.append(
+                    Problem(
+                        f"signals.{table.name}",
+                        f"column {column!r} ends in {suffix!r}, but its unit is {unit!r}",
+                    )
+                )
 
 
-_SUFFIXES = {"mm": ("mm",), "deg": ("deg", "°"), "rad": ("rad",), "ms": ("ms",), "us": ("us", "µs"), "mrad": ("mrad",)}
-
-
-def _axes(table: SignalTable) -> tuple[str, ...]:
-    return table.axes or () if table.spec.one_axis else (table.directions if table.spec.channels is None else ())
+_SUFFIXES = {
+    "mm": ("mm",),
+    "deg": ("deg", "°"),
+    "rad": ("rad",),
+    "ms": ("ms",),
+    "us": ("us", "µs"),
+    "mrad": ("mrad",),
+}
 
 
 def _canonical(pose: str) -> str:

@@ -23,8 +23,8 @@ class Record:
 
     Attributes
     ----------
-    signals : dict of str to Signal
-        Each on its own instants; an iterable of signals is taken too.
+    signals : dict of str to Signal, or iterable of Signal
+        Each on its own instants; stored as a dictionary.
     drive : tuple of str
         Signals that drive a simulation; empty: nothing moves.
     description, kind, initial : str
@@ -61,7 +61,8 @@ class Record:
         clocks = self.clocks or {"clock": Clock()}
         reference = next(iter(clocks))
         named = FrozenDict({s.name: s if s.clock else s.replace(clock=reference) for s in signals})
-        drive = (self.drive,) if isinstance(self.drive, str) else tuple(self.drive)
+        drives: Any = self.drive
+        drive = (drives,) if isinstance(drives, str) else tuple(drives)
         for name, value in (("signals", named), ("drive", drive), ("clocks", FrozenDict(clocks))):
             object.__setattr__(self, name, value)
         for name in ("joints", "payloads", "frames"):
@@ -74,10 +75,14 @@ class Record:
                 raise InvalidParameter(missing("signal", name, self.signals), where="drive")
         for signal in self.signals.values():
             if signal.clock not in self.clocks:
-                raise InvalidParameter(missing("clock", signal.clock, self.clocks), where=f"signals.{signal.name}.clock")
+                raise InvalidParameter(
+                    missing("clock", signal.clock, self.clocks), where=f"signals.{signal.name}.clock"
+                )
             if signal.frame not in ("base", *self.frames):
-                raise InvalidParameter(missing("frame", signal.frame, ["base", *self.frames]),
-                                       where=f"signals.{signal.name}.frame")
+                raise InvalidParameter(
+                    missing("frame", signal.frame, ["base", *self.frames]),
+                    where=f"signals.{signal.name}.frame",
+                )
 
     # ------------------------------------------------------------------ files
 
@@ -96,6 +101,7 @@ class Record:
             With the place and value of what is wrong.
         """
         from flexarm.record.load import load
+
         return load(Path(path))
 
     def save(self, path: str | Path, force: bool = False) -> None:
@@ -115,6 +121,7 @@ class Record:
         """
         from flexarm.output import output_directory
         from flexarm.record.save import write
+
         with output_directory(path, force) as directory:
             write(self, directory)
 
@@ -132,7 +139,9 @@ class Record:
     @property
     def poses(self) -> tuple[str, ...]:
         """Poses of a static record, in the order in which they appear."""
-        return tuple(dict.fromkeys(str(p) for s in self.signals.values() if s.pose is not None for p in s.pose))
+        return tuple(
+            dict.fromkeys(str(p) for s in self.signals.values() if s.pose is not None for p in s.pose)
+        )
 
     def of_quantity(self, quantity: str) -> dict[str, Signal]:
         """The signals of one quantity."""
@@ -145,6 +154,7 @@ class Record:
     def check(self) -> list[Problem]:
         """What looks wrong in the record by itself: units, dead channels, gaps."""
         from flexarm.record.doubts import doubts
+
         return [*self.notes, *doubts(self)]
 
     def check_against(self, arm: Arm) -> list[Problem]:
@@ -163,17 +173,36 @@ class Record:
         Raises
         ------
         InvalidParameter
-            If the record names joints, points, links or payloads that the model has not; an `InvalidFile` if the
-            record was read from a file.
+            If the record names joints, points, links or payloads that the model has not; an `InvalidFile` if
+            the record was read from a file.
         """
         from flexarm.record.against_arm import doubts, unknown_names
+
         unknown = unknown_names(self, arm)
         if unknown:
             raise self._error(unknown)
         return doubts(self, arm)
 
+    def applied_to(self, arm: Arm) -> Arm:
+        """The arm as it was in this run: with the payloads that it carried.
+
+        Parameters
+        ----------
+        arm : Arm
+            The model.
+
+        Returns
+        -------
+        Arm
+            With weighed masses in place of the model's; an effect `payload_mass` there gives way to them.
+        """
+        from flexarm.record.against_arm import carrying
+
+        return carrying(self, arm)
+
     def _error(self, problems: list[Problem]) -> InvalidParameter:
         from flexarm.errors import InvalidFile
+
         first = problems[0]
         if self.path is None:
             return InvalidParameter(first.what, where=first.where, problems=tuple(problems))

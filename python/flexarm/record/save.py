@@ -11,8 +11,17 @@ from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.tables.toml import toml_text
 
-_UNIT_SUFFIX = {"m": "m", "rad": "rad", "rad/s": "rad_s", "m/s": "m_s", "m/s2": "m_s2", "N m": "Nm", "N": "N",
-                "V": "V", "kg": "kg"}
+_UNIT_SUFFIX = {
+    "m": "m",
+    "rad": "rad",
+    "rad/s": "rad_s",
+    "m/s": "m_s",
+    "m/s2": "m_s2",
+    "N m": "Nm",
+    "N": "N",
+    "V": "V",
+    "kg": "kg",
+}
 
 
 def write(record: Record, directory: Path) -> None:
@@ -35,7 +44,9 @@ def _place(signal: Signal) -> Signal:
     directions = ("x", "y", "z", "w") if signal.quantity == "orientation" else directions
     names = [f"{signal.name}_{d}" for d in directions] or [signal.name]
     made = tuple(f"{name}_{suffix}" if suffix else name for name in names)
-    channels = signal.channels if signal.channels and not any(map(_names_other_unit, signal.channels)) else made
+    channels = (
+        signal.channels if signal.channels and not any(map(_names_other_unit, signal.channels)) else made
+    )
     stamps = signal.time_column or ("pose" if signal.pose is not None else "time_s")
     stamps = "time_s" if _names_other_unit(stamps) else stamps
     plain = Path(signal.file).name if signal.file else f"{signal.name}.csv"
@@ -114,9 +125,17 @@ def _signal_table(signal: Signal, file: str) -> dict[str, Any]:
     where = {key: getattr(signal, key) for key in ("joint", "point", "link", "payload", "side")}
     stamp = "time" if signal.pose is None else "pose"
     axes = {"axes": list(signal.axes)} if signal.axes else {}
-    rest = {"position": signal.position, "fibre": list(signal.fibre) if signal.fibre else None,
-            "frame": None if signal.frame == "base" else signal.frame, "file": file, stamp: signal.time_column,
-            "channels": list(signal.channels), "unit": signal.unit, "noise_std": signal.noise_std,
-            "jitter_std": signal.jitter_std or None, "clock": signal.clock}
+    rest = {
+        "position": signal.position,
+        "fibre": list(signal.fibre) if signal.fibre else None,
+        "frame": None if signal.frame == "base" else signal.frame,
+        "file": file,
+        stamp: signal.time_column,
+        "channels": list(signal.channels),
+        "unit": signal.unit,
+        "noise_std": signal.noise_std,
+        "jitter_std": signal.jitter_std or None,
+        "clock": signal.clock,
+    }
     table = {"name": signal.name, "quantity": signal.quantity, **where, **axes, **rest}
     return {key: value for key, value in table.items() if value is not None}

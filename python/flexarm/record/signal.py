@@ -74,8 +74,10 @@ class Signal:
 
     def __post_init__(self) -> None:
         if self.quantity not in QUANTITIES:
-            raise InvalidParameter(f"unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}",
-                                   where=f"signals.{self.name}.quantity")
+            raise InvalidParameter(
+                f"unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}",
+                where=f"signals.{self.name}.quantity",
+            )
         values = np.array(self.values, dtype=float)
         values = values[:, None] if values.ndim == 1 else values
         time = np.array([] if self.time is None else self.time, dtype=float)
@@ -94,12 +96,16 @@ class Signal:
     def _check_shapes(self) -> None:
         stamps = self.pose if self.pose is not None else self.time
         if self.values.ndim != 2 or stamps.shape != (len(self.values),):
-            raise InvalidParameter(f"values of shape {self.values.shape} do not fit {stamps.shape} stamps",
-                                   where=f"signals.{self.name}")
+            raise InvalidParameter(
+                f"values of shape {self.values.shape} do not fit {stamps.shape} stamps",
+                where=f"signals.{self.name}",
+            )
         wanted = self.spec.channels or len(self.axes)
         if self.values.shape[1] != wanted:
-            raise InvalidParameter(f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}",
-                                   where=f"signals.{self.name}")
+            raise InvalidParameter(
+                f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}",
+                where=f"signals.{self.name}",
+            )
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) <= 0):
             raise InvalidParameter("stamps must be finite and rise", where=f"signals.{self.name}.time")
 
@@ -139,8 +145,10 @@ class Signal:
 
     def __repr__(self) -> str:
         lost = len(self) - int(self.valid.sum())
-        return (f"<Signal {self.name!r}: {self.quantity} at {self.place}, {len(self)} x {self.values.shape[1]} "
-                f"[{self.unit}]" + (f", {lost} drop-outs" if lost else "") + ">")
+        return (
+            f"<Signal {self.name!r}: {self.quantity} at {self.place}, {len(self)} x {self.values.shape[1]} "
+            f"[{self.unit}]" + (f", {lost} drop-outs" if lost else "") + ">"
+        )
 
 
 def _same(a: Any, b: Any) -> bool:

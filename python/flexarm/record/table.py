@@ -12,7 +12,7 @@ from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, Vector
 
 
 class Clock(Table):
-    """A clock: its stamps are late by `offset` +- `sigma` [s] against the reference, the first clock of the record.
+    """A clock: its stamps are late by `offset` +- `sigma` [s] against the reference, the first clock.
 
     An unknown one starts from a correlation of speeds.
     """
@@ -62,7 +62,7 @@ def _as_clock(value: Any) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return {"sigma": value}
     if not isinstance(value, dict | Clock):
-        raise ValueError(f"must be 1 sigma [s], {{ offset = , sigma = }} or \"unknown\", got {value!r}")
+        raise ValueError(f'must be 1 sigma [s], {{ offset = , sigma = }} or "unknown", got {value!r}')
     return value
 
 
@@ -70,8 +70,9 @@ def _as_frame(value: Any) -> Any:
     if value == "unknown":
         return Frame(unknown=True)
     if not isinstance(value, dict | Frame):
-        raise ValueError("must be a table such as { translation = 1e-3, rotation = 5e-4 } or \"unknown\", "
-                         f"got {value!r}")
+        raise ValueError(
+            f'must be a table such as {{ translation = 1e-3, rotation = 5e-4 }} or "unknown", got {value!r}'
+        )
     return value
 
 
@@ -114,8 +115,12 @@ class SignalTable(Measurement):
         wanted = self.spec.channels or len(self.directions)
         if len(self.channels) != wanted:
             what = f"axes = {list(self.directions)}" if self.directions else self.quantity
-            raise Inconsistent((("channels",), f"must be {wanted} for {what}, got {len(self.channels)}: "
-                                f"{list(self.channels)}"))
+            raise Inconsistent(
+                (
+                    ("channels",),
+                    f"must be {wanted} for {what}, got {len(self.channels)}: {list(self.channels)}",
+                )
+            )
         if len(set(self.channels)) < len(self.channels):
             raise Inconsistent((("channels",), f"a column is named twice: {list(self.channels)}"))
         return self
@@ -138,6 +143,7 @@ class RecordTable(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         from flexarm.record.consistency import inconsistencies
+
         if found := inconsistencies(self):
             raise Inconsistent(*found)
         return self

@@ -1,7 +1,7 @@
 """Tables of a TOML file: strict fields with units, and errors that name file, place and value.
 
-`Table` is the base of everything that stands in a model or a record; `read_toml` and `check_table` turn a file
-into tables or into one `InvalidFile` that lists all that is wrong.
+`Table` is the base of everything that stands in a model or a record; `read_toml` and `check_table` turn a
+file into tables or into one `InvalidFile` that lists all that is wrong.
 """
 
 from flexarm.tables.check import check_table, parameter_error
@@ -13,10 +13,23 @@ from flexarm.tables.table import (
     Table,
     Vector2,
     Vector3,
-    value_in,
     unit_of,
+    value_in,
 )
 from flexarm.tables.toml import read_toml, toml_text
 
-__all__ = ["FrozenDict", "Inconsistent", "Name", "Number", "Table", "Vector2", "Vector3", "check_table",
-           "parameter_error", "value_in", "read_toml", "toml_text", "unit_of"]
+__all__ = [
+    "FrozenDict",
+    "Inconsistent",
+    "Name",
+    "Number",
+    "Table",
+    "Vector2",
+    "Vector3",
+    "check_table",
+    "parameter_error",
+    "read_toml",
+    "toml_text",
+    "unit_of",
+    "value_in",
+]

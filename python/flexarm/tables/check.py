@@ -15,8 +15,9 @@ from flexarm.tables.table import Inconsistent, Nested, Path, Table
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
-def check_table(table: type[AnyTable], data: dict[str, Any], file: str | FilePath | None = None,
-                text: str = "") -> AnyTable:
+def check_table(
+    table: type[AnyTable], data: dict[str, Any], file: str | FilePath | None = None, text: str = ""
+) -> AnyTable:
     """`data` as a `table`.
 
     Parameters
@@ -38,8 +39,10 @@ def check_table(table: type[AnyTable], data: dict[str, Any], file: str | FilePat
     except ValidationError as error:
         if file is None:
             raise parameter_error(table, error, data) from None
-        problems = tuple(Problem(dotted(path, data), what, line_in(text, path))
-                         for path, what in problems_of(table, error, data))
+        problems = tuple(
+            Problem(dotted(path, data), what, line_in(text, path))
+            for path, what in problems_of(table, error, data)
+        )
         first = problems[0]
         raise InvalidFile(file, first.where, first.what, line=first.line, problems=problems) from None
 
@@ -53,7 +56,9 @@ def parameter_error(table: type[Table], error: ValidationError, data: Any) -> In
     return InvalidParameter(first.what, where=where or table.__name__, problems=problems)
 
 
-def problems_of(table: type[Table], error: ValidationError, data: Any, prefix: Path = ()) -> list[tuple[Path, str]]:
+def problems_of(
+    table: type[Table], error: ValidationError, data: Any, prefix: Path = ()
+) -> list[tuple[Path, str]]:
     """Pairs of place and sentence."""
     found: list[tuple[Path, str]] = []
     for entry in error.errors(include_url=False):

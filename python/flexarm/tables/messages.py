@@ -8,12 +8,27 @@ from pydantic.fields import FieldInfo
 
 from flexarm.tables.table import unit_of
 
-_LIMITS = {"greater_than": ("gt", "greater than"), "greater_than_equal": ("ge", "at least"),
-           "less_than": ("lt", "less than"), "less_than_equal": ("le", "at most")}
-_TYPES = {"float_type": "a number", "int_type": "a whole number", "int_from_float": "a whole number",
-          "string_type": "a text in quotes", "bool_type": "true or false", "bool_parsing": "true or false",
-          "tuple_type": "a list", "list_type": "a list", "dict_type": "a table", "mapping_type": "a table",
-          "model_type": "a table", "model_attributes_type": "a table", "finite_number": "a finite number"}
+_LIMITS = {
+    "greater_than": ("gt", "greater than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_TYPES = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "string_type": "a text in quotes",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a table",
+    "mapping_type": "a table",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "finite_number": "a finite number",
+}
 
 
 def sentence(error: dict[str, Any], field: FieldInfo | None, allowed: list[str]) -> str:
@@ -62,5 +77,6 @@ def _needed(field: FieldInfo | None, unit: str) -> str:
 
 def _meant(key: str, allowed: list[str]) -> str:
     from difflib import get_close_matches  # only on the way to an error
+
     close = get_close_matches(key, allowed, n=1)
     return f"; did you mean {close[0]!r}?" if close else ""

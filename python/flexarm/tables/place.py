@@ -62,7 +62,9 @@ def field_at(table: type[Table], location: Path) -> tuple[FieldInfo | None, list
             field = with_step[0].model_fields[step]
             tables = _tables_in(field)
         else:
-            tagged = [t for t in tables if any(step in get_args(f.annotation) for f in t.model_fields.values())]
+            tagged = [
+                t for t in tables if any(step in get_args(f.annotation) for f in t.model_fields.values())
+            ]
             field, tables = None, tagged or tables
             allowed = list(tables[0].model_fields) if tables else []
     return field, allowed if location else []

@@ -23,7 +23,7 @@ class FrozenDict(dict[Key, Value]):
         raise TypeError("this dictionary belongs to a frozen object; make a changed copy with replace()")
 
     __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = _refuse
-    __ior__ = _refuse  # type: ignore[assignment]
+    __ior__ = _refuse
 
     def __hash__(self) -> int:  # type: ignore[override]
         return hash(frozenset(self.items()))
@@ -59,6 +59,7 @@ def _list_of(count: int) -> BeforeValidator:
         if not isinstance(value, list | tuple) or len(value) != count:
             raise ValueError(f"must be a list of {count} numbers, got {value!r}")
         return tuple(value)
+
     return BeforeValidator(check)
 
 
@@ -66,8 +67,10 @@ _FORBIDDEN_IN_NAME = re.compile(r"[\s.:=,\"'\[\]{}#/\\\x00-\x1f\x7f]")
 
 
 def check_name(name: str) -> str:
-    if not name or (found := _FORBIDDEN_IN_NAME.search(name)):
-        why = f"contains {found.group()!r}" if name else "is empty"
+    """`name` if it is one: no spaces and none of the characters that have a meaning in files and options."""
+    found = _FORBIDDEN_IN_NAME.search(name)
+    if found or not name:
+        why = f"contains {found.group()!r}" if found else "is empty"
         raise ValueError(f"name {name!r} {why}; allowed are letters, digits, '_' and '-'")
     return name
 
@@ -79,9 +82,9 @@ Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
 
 
-def value_in(unit: str, description: str, default: Any = ..., **limits: float) -> Any:
+def value_in(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
     """A field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
-    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)  # type: ignore[arg-type]
+    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
 
 
 def unit_of(field: FieldInfo) -> str:
@@ -100,9 +103,11 @@ class Table(BaseModel):
             super().__init__(**values)
         except ValidationError as error:
             from flexarm.tables.check import parameter_error
+
             raise parameter_error(type(self), error, values) from None
 
-    # Tells pydantic that nested tables need not pass through this __init__, so that a file's error keeps its place.
+    # Tells pydantic that nested tables need not pass through this __init__, so that a file's error keeps its
+    # place.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     def to_plain(self) -> dict[str, Any]:

@@ -23,8 +23,9 @@ def read_text(file: Path) -> str:
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         byte = error.object[error.start]
-        raise InvalidFile(file, f"line {line}",
-                          f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}") from None
+        raise InvalidFile(
+            file, f"line {line}", f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
+        ) from None
     except FileNotFoundError:
         raise InvalidFile(file, "file", "there is no such file") from None
     except IsADirectoryError:
@@ -58,7 +59,7 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
 
 
 def _split_place(message: str) -> tuple[str, str]:
-    """tomllib's "Invalid value (at line 3, column 5)" as sentence and place."""
+    """Tomllib's "Invalid value (at line 3, column 5)" as sentence and place."""
     match = re.fullmatch(r"(.*?) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     return (match[1], match[2]) if match else (message, "TOML")
 

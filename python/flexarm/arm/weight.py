@@ -1,0 +1,163 @@
+r"""The weight statement: mass, centre and inertia of each link and of the whole at q = 0.
+
+A uniform beam of length L, area A and second moments I_y, I_z weighs m = \rho A L and has, about its centre
+and in its section's axes (x along the beam),
+
+.. math::
+    J_x = \rho L (I_y + I_z), \quad J_y = m L^2/12 + \rho L I_y, \quad J_z = m L^2/12 + \rho L I_z      (1)
+
+the parts \rho L I in J_y and J_z being left out with "euler-bernoulli", which has no rotary inertia. A body
+of mass m whose centre lies at d from the reference adds
+
+.. math:: m (d^T d \, 1 - d d^T)                                                                     (2)
+
+to the inertia about the reference (Steiner). Rotors turn and are no part of the statement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.inertia import Matrix, inertia_matrix
+from flexarm.arm.link import Beam, Link, RigidLink
+from flexarm.arm.names import link_of
+from flexarm.arm.rotation import (
+    IDENTITY,
+    Vector,
+    added,
+    dot,
+    from_axes,
+    from_rpy,
+    rotated,
+    scaled,
+    sum_of,
+    times,
+    transposed,
+)
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+
+@dataclass(frozen=True)
+class Body:
+    """Mass [kg], centre [m] and inertia about the centre [kg m2], all in one frame."""
+
+    mass: float
+    centre: Vector
+    inertia: Matrix
+
+    def moved(self, rotation: Matrix, translation: Vector) -> Body:
+        """The same body seen from a frame in which its own stands at (rotation, translation)."""
+        inertia = times(times(rotation, self.inertia), transposed(rotation))
+        return Body(self.mass, added(translation, rotated(rotation, self.centre)), inertia)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain lists for JSON."""
+        return {
+            "mass": self.mass,
+            "centre": list(self.centre),
+            "inertia": [list(row) for row in self.inertia],
+        }
+
+
+@dataclass(frozen=True)
+class WeightStatement:
+    """Bodies at q = 0 in the base's frame; links without their payloads, the whole with them."""
+
+    links: dict[str, Body]
+    payloads: dict[str, Body]
+    whole: Body
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain dictionary for JSON."""
+        return {
+            "links": {name: body.to_json_dict() for name, body in self.links.items()},
+            "payloads": {name: body.to_json_dict() for name, body in self.payloads.items()},
+            "whole": self.whole.to_json_dict(),
+        }
+
+
+def weight_statement(arm: Arm) -> WeightStatement:
+    """The weight statement of an arm.
+
+    Raises
+    ------
+    InvalidParameter
+        If a link is a super-element, whose mass stands in its file.
+    """
+    frames = link_frames(arm)
+    links = {link.name: body_of(link).moved(*frames[link.name]) for link in arm.links}
+    payloads = {
+        load.name: Body(load.mass, load.position, inertia_matrix(load.inertia)).moved(
+            *frames[link_of(load.link)]
+        )
+        for load in arm.payloads
+    }
+    return WeightStatement(links, payloads, combined([*links.values(), *payloads.values()]))
+
+
+def body_of(link: Link) -> Body:
+    """Mass, centre and inertia of a link in its own frame."""
+    if isinstance(link, RigidLink):
+        return Body(link.mass, link.com, inertia_matrix(link.inertia))
+    if isinstance(link, Beam):
+        return _beam(link)
+    raise InvalidParameter("super-elements are not supported yet", where=f"links.{link.name}.type")
+
+
+def _beam(link: Beam) -> Body:
+    density, length = link.material.density, link.length
+    iy, iz = link.section.second_moments
+    mass = density * link.section.area * length
+    rotary = density * length if link.theory == "timoshenko" else 0.0
+    bar = mass * length**2 / 12
+    about = (density * length * (iy + iz), bar + rotary * iy, bar + rotary * iz)  # eq. (1)
+    up = link.up or min(IDENTITY, key=lambda axis: abs(dot(axis, link.end)))  # any, as Iy = Iz
+    axes = from_axes(link.end, up)
+    return Body(mass, (0.0, 0.0, 0.0), inertia_matrix(about)).moved(axes, scaled(0.5, link.end))
+
+
+def combined(bodies: Iterable[Body]) -> Body:
+    """Several bodies as one."""
+    bodies = list(bodies)
+    mass = sum(body.mass for body in bodies)
+    if mass == 0:
+        return Body(0.0, (0.0, 0.0, 0.0), inertia_matrix((0.0, 0.0, 0.0)))
+    centre: Vector = (0.0, 0.0, 0.0)
+    for body in bodies:
+        centre = added(centre, scaled(body.mass / mass, body.centre))
+    inertia: Matrix = inertia_matrix((0.0, 0.0, 0.0))
+    for body in bodies:
+        arm = added(body.centre, scaled(-1.0, centre))
+        inertia = sum_of(inertia, sum_of(body.inertia, _steiner(body.mass, arm)))
+    return Body(mass, centre, inertia)
+
+
+def _steiner(m: float, d: Vector) -> Matrix:
+    x, y, z = d
+    return inertia_matrix(
+        (m * (y * y + z * z), m * (x * x + z * z), m * (x * x + y * y), -m * x * y, -m * x * z, -m * y * z)
+    )  # eq. (2)
+
+
+def link_frames(arm: Arm) -> dict[str, tuple[Matrix, Vector]]:
+    """Pose of every link's frame in the base at q = 0, undeformed."""
+    frames: dict[str, tuple[Matrix, Vector]] = {"base": (IDENTITY, (0.0, 0.0, 0.0))}
+    ends = {link.name: link.end for link in arm.links if isinstance(link, Beam)}
+    waiting = list(arm.joints)
+    while waiting:  # a tree: in every round the children of placed links are placed
+        placed = [joint for joint in waiting if link_of(joint.parent) in frames]
+        for joint in placed:
+            parent = link_of(joint.parent)
+            rotation, position = frames[parent]
+            offset = added(joint.origin.xyz, ends[parent]) if joint.at == "end" else joint.origin.xyz
+            frames[link_of(joint.child)] = (
+                times(rotation, from_rpy(joint.origin.rpy)),
+                added(position, rotated(rotation, offset)),
+            )
+        waiting = [joint for joint in waiting if joint not in placed]
+    return frames

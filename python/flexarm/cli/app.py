@@ -1,0 +1,65 @@
+"""The command line: its commands and what `flexarm --help` says."""
+
+from __future__ import annotations
+
+from inspect import cleandoc
+from typing import Annotated
+
+import typer
+
+from flexarm.cli.check import check
+from flexarm.cli.compare import compare
+from flexarm.cli.modes import modes
+from flexarm.cli.reproduce import reproduce
+from flexarm.cli.simulate import simulate
+from flexarm.cli.static import static
+
+HELP = """
+Flexible robot arms by finite elements, beside what was measured on them.
+
+A MODEL is a TOML file, a RECORD a directory with record.toml and CSV files. All values are in SI units and
+radians, joints on the output side (motor angle over ratio).
+
+    flexarm check arm.toml                          what is it, what does it weigh
+    flexarm static arm.toml --joint hinge=0.5       how far does it sag
+    flexarm modes arm.toml                          how does it vibrate
+    flexarm simulate arm.toml --drive swing.csv --out run
+    flexarm compare arm.toml measured               how far is the model off
+
+Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence).
+"""
+
+app = typer.Typer(
+    name="flexarm",
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        import flexarm
+
+        print(f"flexarm {flexarm.__version__}")
+        raise typer.Exit
+
+
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+def _help(text: str) -> str:
+    """Help with its indented lines kept: a backspace tells the formatter not to wrap a paragraph."""
+    paragraphs = cleandoc(text).split("\n\n")
+    return "\n\n".join(f"\b\n{part}" if part.startswith(" ") else part for part in paragraphs)
+
+
+app.callback(help=_help(HELP))(_common)
+for command in (check, static, modes, simulate, compare, reproduce):
+    app.command(help=_help(command.__doc__ or ""))(command)

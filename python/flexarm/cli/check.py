@@ -1,0 +1,178 @@
+"""`flexarm check`: what a file is, and every problem in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flexarm.cli.options import Json, print_json, warn
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arm.weight import Body, WeightStatement
+    from flexarm.record import Record
+
+
+def check(
+    path: Annotated[Path, typer.Argument(metavar="PATH", help="A model (TOML) or a record (directory).")],
+    json: Json = False,
+) -> None:
+    """Say what a file is and what is wrong with it.
+
+    For a model: joints, links, effects, and a weight statement at q = 0: mass [kg], centre [m] and inertia
+    [kg m2] of each link and of the whole, in the base's frame. For a record: its signals with rates [Hz],
+    drop-outs and clocks.
+
+        flexarm check arm.toml
+        flexarm check measured --json
+    """
+    try:
+        told, lines, warnings = _record(path) if _is_record(path) else _model(path)
+    except InvalidFile as error:
+        if json:
+            print_json({"path": str(path), "problems": [_plain(problem) for problem in error.problems]})
+        raise
+    if json:
+        print_json({"path": str(path), **told, "problems": [], "warnings": [_plain(w) for w in warnings]})
+    else:
+        print("\n".join(lines))
+    warn(path, warnings)
+
+
+def _is_record(path: Path) -> bool:
+    return path.is_dir() or path.name == "record.toml"
+
+
+def _plain(problem: Problem) -> dict[str, Any]:
+    return {"where": problem.where, "what": problem.what, "line": problem.line}
+
+
+def _model(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
+    from flexarm.arm import Arm
+    from flexarm.arm.weight import weight_statement
+
+    arm = Arm.from_toml(path)
+    warnings = list(arm.warnings)
+    try:
+        weight = weight_statement(arm)
+    except InvalidParameter as error:
+        warnings += error.problems
+        return {"kind": "model", **_outline(arm)}, [arm.summary()], warnings
+    told = {"kind": "model", **_outline(arm), "weight": weight.to_json_dict()}
+    return told, [arm.summary(), "", *_weight_lines(weight)], warnings
+
+
+def _outline(arm: Arm) -> dict[str, Any]:
+    return {
+        "name": arm.name,
+        "gravity": list(arm.gravity),
+        "joints": [joint.name for joint in arm.joints],
+        "links": [link.name for link in arm.links],
+        "payloads": [load.name for load in arm.payloads],
+        "points": [point.name for point in arm.points],
+        "sensors": [sensor.name for sensor in arm.sensors],
+        "effects": [
+            {
+                "name": effect.name,
+                "at": effect.at,
+                "parameters": [
+                    {"name": name, "value": value, "unit": unit} for name, value, unit in effect.parameters()
+                ],
+            }
+            for effect in arm.effects
+        ],
+    }
+
+
+def _weight_lines(weight: WeightStatement) -> list[str]:
+    lines = [
+        "weight at q = 0, in the base's frame; inertia about the own centre",
+        f"  {'':20} {'mass [kg]':>10}   {'centre [m]':^27}   Ixx, Iyy, Izz, Ixy, Ixz, Iyz [kg m2]",
+    ]
+    rows: list[tuple[str, Body]] = [
+        *((f"link {name}", body) for name, body in weight.links.items()),
+        *((f"payload {name}", body) for name, body in weight.payloads.items()),
+        ("whole", weight.whole),
+    ]
+    for name, body in rows:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+        centre = ", ".join(f"{_small(x):.4f}".rjust(8) for x in body.centre)
+        inertia = ", ".join(f"{_small(i):.5g}" for i in (xx, yy, zz, xy, xz, yz))
+        lines.append(f"  {name:20} {body.mass:10.4f}   {centre}   {inertia}")
+    return lines
+
+
+def _small(value: float) -> float:
+    """Zero instead of rounding errors of rotations."""
+    return 0.0 if abs(value) < 1e-12 else value
+
+
+def _record(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
+    from flexarm.record import Record
+
+    record = Record.load(path)
+    signals = {name: _signal(record, name) for name in record.signals}
+    told = {
+        "kind": "record",
+        "description": record.description,
+        "record_kind": record.kind,
+        "duration": record.duration,
+        "drive": list(record.drive),
+        "payloads": {name: load.to_plain() for name, load in record.payloads.items()},
+        "clocks": {name: clock.model_dump() for name, clock in record.clocks.items()},
+        "frames": {name: frame.model_dump() for name, frame in record.frames.items()},
+        "signals": signals,
+    }
+    return told, [*_head(record), *map(_signal_line, signals.items())], record.check()
+
+
+def _signal(record: Record, name: str) -> dict[str, Any]:
+    signal = record.signals[name]
+    stamped = len(signal.time) > 0
+    return {
+        "quantity": signal.quantity,
+        "at": signal.place,
+        "side": signal.side,
+        "axes": list(signal.axes),
+        "unit": signal.unit,
+        "rows": len(signal),
+        "rate_hz": signal.rate_hz if len(signal.time) > 1 else None,
+        "start": float(signal.time[0]) if stamped else None,
+        "end": float(signal.time[-1]) if stamped else None,
+        "drop_outs": len(signal) - int(signal.valid.sum()),
+        "noise_std": signal.noise_std,
+        "clock": signal.clock,
+        "frame": signal.frame,
+    }
+
+
+def _head(record: Record) -> list[str]:
+    lines = [repr(record).strip("<>"), f"  drive: {', '.join(record.drive) or 'none'}"]
+    lines += [f"  payload {name}: {load.to_plain()}" for name, load in record.payloads.items()]
+    for i, (name, clock) in enumerate(record.clocks.items()):
+        known = (
+            "reference"
+            if i == 0
+            else "unknown"
+            if clock.unknown
+            else f"{clock.offset:g} +- {clock.sigma:g} s"
+        )
+        lines.append(f"  clock {name}: {known}")
+    for name, frame in record.frames.items():
+        known = "unknown" if frame.unknown else f"+- {frame.translation:g} m, {frame.rotation:g} rad"
+        lines.append(f"  frame {name}: {known}")
+    return lines
+
+
+def _signal_line(entry: tuple[str, dict[str, Any]]) -> str:
+    name, s = entry
+    rate = f"{s['rate_hz']:.4g} Hz" if s["rate_hz"] else "poses"
+    noise = "not stated" if s["noise_std"] is None else f"{s['noise_std']:g}"
+    lost = f", {s['drop_outs']} drop-outs" if s["drop_outs"] else ""
+    return (
+        f"  signal {name}: {s['quantity']} at {s['at']} [{s['unit']}], {s['rows']} rows, {rate}, "
+        f"noise {noise}, clock {s['clock']}{lost}"
+    )

@@ -1,0 +1,42 @@
+"""`flexarm compare`: the gap between a model and a record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexarm.cli.options import Json, Model, blame, load_arm, print_json, warn
+
+
+def compare(
+    model: Model,
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A directory with record.toml.")],
+    json: Json = False,
+    raw: Annotated[
+        bool, typer.Option("--raw", help="Take clocks and frames as they are, align nothing.")
+    ] = False,
+) -> None:
+    """The gap between a model and a record.
+
+    The model is driven by the record's drive and seen at each signal's own instants. The gap [m, rad ...] is
+    shown per signal, direction (tangential, radial, normal; x, y, z with several joints) and frequency band,
+    beside the noise. Clocks and frames are aligned within their stated sigmas.
+
+        flexarm compare arm.toml measured
+        flexarm compare arm.toml measured --raw --json
+    """
+    arm = load_arm(model)
+    from flexarm.record import Record
+
+    measured = Record.load(record)
+    warn(record, [*measured.check(), *measured.check_against(arm)])
+    from flexarm.comparison import compare as gap
+
+    with blame(model):
+        result = gap(arm, measured, align=not raw)
+    if json:
+        print_json(result.to_json_dict())
+    else:
+        print(result.summary())

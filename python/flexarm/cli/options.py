@@ -1,0 +1,113 @@
+"""Options that several commands share, and how their values are read."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flexarm.errors import InvalidFile, InvalidParameter
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+
+Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model of the arm, a TOML file.")]
+JointValues = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--joint",
+        metavar="NAME=RAD",
+        help="Where a joint's drive stands, output side [rad, m if prismatic]; repeat it.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Force = Annotated[bool, typer.Option("--force", help="Write into a directory that holds files.")]
+Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]
+
+
+def load_arm(model: Path) -> Arm:
+    """The arm in a model file; its warnings go to standard error."""
+    from flexarm.arm import Arm
+
+    arm = Arm.from_toml(model)
+    warn(model, arm.warnings)
+    return arm
+
+
+def warn(file: Path, problems: object) -> None:
+    """Prints `warning: FILE: WHERE: ...` on standard error for each problem."""
+    for problem in problems:  # type: ignore[attr-defined]
+        print(f"warning: {file}: {problem}", file=sys.stderr)
+
+
+def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, float]:
+    """The values of --joint.
+
+    Raises
+    ------
+    InvalidFile
+        If one is not NAME=NUMBER, names no moving joint, or names one twice.
+    """
+    joints = [joint.name for joint in arm.moving_joints]
+    values: dict[str, float] = {}
+    for text in given or ():
+        name, equals, number = text.partition("=")
+        name = name.strip()
+        if not equals or not _is_finite(number):
+            raise InvalidFile(
+                "command line",
+                "--joint",
+                f"must be NAME=RAD such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}",
+            )
+        if name not in joints:
+            raise InvalidFile(
+                model, "--joint", f"there is no moving joint {name!r}; there are {', '.join(joints)}"
+            )
+        if name in values:
+            raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
+        values[name] = float(number)
+    return values
+
+
+def _is_finite(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+@contextmanager
+def blame(file: Path) -> Iterator[None]:
+    """Names the file in errors that the library raises about what it holds."""
+    try:
+        yield
+    except InvalidFile:
+        raise
+    except InvalidParameter as error:
+        problem = error.problems[0]
+        raise InvalidFile(file, problem.where or "model", problem.what, problems=error.problems) from None
+
+
+def print_json(value: object) -> None:
+    """One JSON object on standard output; numbers that are not finite become null."""
+    import json
+
+    print(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, dict):
+        return {str(key): _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def show_progress() -> bool:
+    """Whether progress is shown: only to a person at a terminal."""
+    return sys.stderr.isatty()

@@ -1,0 +1,21 @@
+"""`flexarm reproduce`: the paper's figures and claims."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from flexarm.cli.options import Force, Out, show_progress
+
+
+def reproduce(out: Out = Path("results"), force: Force = False) -> None:
+    """The paper's figures and claims, made again.
+
+    Writes figures 4, 6, 7, 8, 9 and 10 as figure-NN.png, .pdf and .csv, summary.json and index.html.
+    "Measured" curves are a virtual measurement: the authors' data are not public.
+
+        flexarm reproduce --out results
+    """
+    from flexarm.report import reproduce as make
+
+    make(out=out, force=force, progress=show_progress())
+    print(f"written to {out}: open {out / 'index.html'}")

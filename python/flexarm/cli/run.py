@@ -1,0 +1,97 @@
+"""Runs a command and turns whatever happens into an exit code and one line on standard error.
+
+0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C. Never a traceback for a user's
+mistake.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+
+INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED, TERMINATED = 2, 3, 130, 143
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Entry point of the command line."""
+    signal.signal(signal.SIGTERM, _terminate)
+    sys.exit(run(list(sys.argv[1:] if arguments is None else arguments)))
+
+
+def run(arguments: list[str]) -> int:
+    """Runs one command.
+
+    Parameters
+    ----------
+    arguments : list of str
+        As on the command line, without the program's name; none shows the help.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "true")  # looking for plugins costs 15 ms
+    try:
+        from flexarm.cli.app import app
+
+        code = app(args=arguments or ["--help"], prog_name="flexarm", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output went away, as `flexarm ... | head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        return _report(error)
+
+
+def _report(error: Exception) -> int:
+    """Prints the error; anything that is not the user's or the numbers' fault is a bug and is raised."""
+    if type(error).__name__ == "Abort":
+        return INTERRUPTED
+    if isinstance(error, InvalidFile):
+        lines, code = error.lines(), INPUT_AT_FAULT
+    elif isinstance(error, InvalidParameter):
+        lines, code = [str(error)], INPUT_AT_FAULT
+    elif isinstance(error, NotConverged):
+        lines, code = [_told(error)], NUMBERS_AT_FAULT
+    elif hasattr(error, "format_message"):  # an option that does not exist, an argument that is missing
+        lines, code = [f"command line: {_one_line(error.format_message())}"], INPUT_AT_FAULT
+    elif isinstance(error, OSError) and error.filename is not None:
+        lines, code = [f"{error.filename}: file: {error.strerror}"], INPUT_AT_FAULT
+    else:
+        raise error
+    sys.stdout.flush()
+    for line in lines:
+        print(f"error: {line}", file=sys.stderr)
+    return code
+
+
+def _told(error: NotConverged) -> str:
+    """The message with time, iteration and residual, where they are known."""
+    facts = [
+        f"{name} = {value:.6g}{unit}"
+        for name, value, unit in (
+            ("time", error.time, " s"),
+            ("iteration", error.iteration, ""),
+            ("residual", error.residual, ""),
+        )
+        if value is not None
+    ]
+    return f"{error}" + (f" ({', '.join(facts)})" if facts else "")
+
+
+def _one_line(message: str) -> str:
+    return " ".join(message.split())
+
+
+def _terminate(number: int, frame: object) -> NoReturn:
+    """SIGTERM unwinds like Ctrl-C, so that no half-written output is left behind."""
+    raise SystemExit(TERMINATED)

@@ -1,0 +1,89 @@
+"""`flexarm simulate`: a transient, and what the sensors would have seen of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
+from flexarm.errors import InvalidFile
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record
+
+Drive = Annotated[
+    Path, typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles.")
+]
+Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step [s].")]
+Alpha = Annotated[
+    float, typer.Option("--alpha", metavar="A", help="HHT's alpha, -1/3 to 0; 0 damps nothing.")
+]
+Forces = Annotated[
+    bool, typer.Option("--forces", help="Add section forces and base reactions to simulation.nc.")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Seed of the sensors' noise.")]
+
+
+def simulate(
+    model: Model,
+    drive: Drive,
+    out: Out,
+    step: Step = 2e-3,
+    alpha: Alpha = -0.05,
+    forces: Forces = False,
+    seed: Seed = 0,
+    force: Force = False,
+) -> None:
+    """Transient under a drive.
+
+    Writes simulation.nc and a record of what the sensors saw. DRIVE is a record, whose signals are then
+    simulated at their instants without noise, or a CSV file with time_s and one column per driven joint,
+    named after it: output side [rad, m if prismatic], joined by a cubic spline, held before and after. The
+    run starts at rest in equilibrium under the first value. Without sensors in the model the record holds
+    every point's position, one row a step.
+
+        flexarm simulate arm.toml --drive swing.csv --out run
+        flexarm simulate arm.toml --drive measured --out virtual --step 0.001 --forces
+    """
+    arm = load_arm(model)
+    if not 0 < step < float("inf"):
+        raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
+    if not -1 / 3 - 1e-12 <= alpha <= 0:
+        raise InvalidFile("command line", "--alpha", f"must lie between -1/3 and 0, got {alpha:g}")
+    from flexarm.cli.virtual_record import virtual_record  # NumPy and the core, not needed for --help
+    from flexarm.output import output_directory
+    from flexarm.record.save import write
+
+    with output_directory(out, force) as directory:
+        record = _record(drive, arm)
+        run = _run(arm, drive, record, model, {"step": step, "alpha": alpha, "forces": forces})
+        run.save(directory / "simulation.nc")
+        with blame(model):
+            write(virtual_record(run, arm, record, seed), directory)
+    print(f"written to {out}: simulation.nc and a record")
+
+
+def _record(drive: Path, arm: Arm) -> Record | None:
+    """The record that drives, or None for a CSV file."""
+    if not drive.is_dir() and drive.name != "record.toml":
+        return None
+    from flexarm.record import Record
+
+    record = Record.load(drive)
+    warn(drive, [*record.check(), *record.check_against(arm)])
+    return record
+
+
+def _run(arm: Arm, drive: Path, record: Record | None, model: Path, options: dict[str, Any]) -> Any:
+    """The transient."""
+    from flexarm.drive import Drive
+    from flexarm.simulation import simulate as solve
+
+    with blame(drive):
+        motion = Drive.from_csv(drive, arm) if record is None else Drive.from_record(record, arm)
+    with blame(model):
+        carried = arm if record is None else record.applied_to(arm)
+        return solve(carried, motion, progress=show_progress(), **options)
