@@ -10,7 +10,7 @@ from scipy.signal import StateSpace, lsim
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.smoothing import interpolate, smooth
 
-TRACKER_NOISE = 5e-5      # m, the laser tracker of the paper
+TRACKER_NOISE = 5e-5  # m, the laser tracker of the paper
 LENGTH, MODE_HZ, DAMPING = 3.0, 2.5, 0.005
 
 
@@ -25,10 +25,16 @@ def slow_sine(t):
 
 def stop_and_go(t, start=2.0, acceleration=1.0, ramp=0.3, cruise=1.0):
     """Trapezoid of velocity: four jumps of the acceleration."""
+
     def ramped(s):
         return np.where(s < 0, 0.0, 0.5 * acceleration * s**2)
-    return (ramped(t - start) - ramped(t - start - ramp) - ramped(t - start - ramp - cruise)
-            + ramped(t - start - 2 * ramp - cruise))
+
+    return (
+        ramped(t - start)
+        - ramped(t - start - ramp)
+        - ramped(t - start - ramp - cruise)
+        + ramped(t - start - 2 * ramp - cruise)
+    )
 
 
 def tip_motion(drive, duration):
@@ -70,8 +76,8 @@ def test_raw_samples_would_ring_the_tip_many_times_more():
     raw = tip_motion(CubicSpline(t, y), 120.0) - tip_motion(slow_sine, 120.0)
     smoothed = tip_motion(held(smooth(t, y, noise_std)), 120.0) - tip_motion(slow_sine, 120.0)
     expected = LENGTH * np.sqrt(np.pi * MODE_HZ / (2 * DAMPING) * noise_std**2 * step)
-    late = slice(40_000, None)      # three time constants after the start: what noise alone keeps up
-    assert raw[late].std() == pytest.approx(expected, rel=0.5)      # about ten independent beats
+    late = slice(40_000, None)  # three time constants after the start: what noise alone keeps up
+    assert raw[late].std() == pytest.approx(expected, rel=0.5)  # about ten independent beats
     assert smoothed[late].std() < raw[late].std() / 5
 
 
@@ -85,7 +91,7 @@ def test_oscillations_of_the_controller_are_kept():
     t, y = noisy(motion, 60.0, 0.002, noise_std, seed=5)
     kept = held(smooth(t, y, noise_std))(t) - slow_sine(t)
     amplitude = 2 * np.mean(kept[5000:] * np.sin(2 * np.pi * 4.1 * t[5000:]))
-    assert amplitude == pytest.approx(noise_std, rel=0.05)      # 1 sigma of the estimate is 0.9 %
+    assert amplitude == pytest.approx(noise_std, rel=0.05)  # 1 sigma of the estimate is 0.9 %
 
 
 def test_a_drive_at_rest_stays_at_rest():
@@ -167,8 +173,12 @@ def test_interpolation_is_the_not_a_knot_spline():
     np.testing.assert_allclose(drive(fine), fine**3 - 2 * fine, atol=1e-14)
 
 
-@given(count=st.integers(2, 200), noise_std=st.floats(1e-6, 1.0), scale=st.floats(1e-6, 1e3),
-       seed=st.integers(0, 1000))
+@given(
+    count=st.integers(2, 200),
+    noise_std=st.floats(1e-6, 1.0),
+    scale=st.floats(1e-6, 1e3),
+    seed=st.integers(0, 1000),
+)
 @settings(max_examples=60, deadline=None)
 def test_smoothing_does_not_depend_on_units(count, noise_std, scale, seed):
     rng = np.random.default_rng(seed)
@@ -180,13 +190,16 @@ def test_smoothing_does_not_depend_on_units(count, noise_std, scale, seed):
     np.testing.assert_allclose(other, scale * drive, atol=1e-6 * scale * np.abs(drive).max())
 
 
-@pytest.mark.parametrize(("time", "values", "noise_std", "words"), [
-    ([0, 1, 1, 2], [0, 1, 2, 3], 0.1, "must rise, at 1 s"),
-    ([0, 1, 2], [0, 1], 0.1, "one value for each time"),
-    ([0, 1, 2], [np.nan, 1, np.nan], 0.1, "at least two finite samples, got 1"),
-    ([0, 1, 2], [0, 1, 2], -1.0, "noise_std of a drive"),
-    ([0, 1, 2], [0, 1, 2], np.nan, "noise_std of a drive"),
-])
+@pytest.mark.parametrize(
+    ("time", "values", "noise_std", "words"),
+    [
+        ([0, 1, 1, 2], [0, 1, 2, 3], 0.1, "must rise, at 1 s"),
+        ([0, 1, 2], [0, 1], 0.1, "one value for each time"),
+        ([0, 1, 2], [np.nan, 1, np.nan], 0.1, "at least two finite samples, got 1"),
+        ([0, 1, 2], [0, 1, 2], -1.0, "noise_std of a drive"),
+        ([0, 1, 2], [0, 1, 2], np.nan, "noise_std of a drive"),
+    ],
+)
 def test_bad_input_is_named(time, values, noise_std, words):
     with pytest.raises(InvalidParameter, match=words):
         smooth(time, values, noise_std)

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 DEGREE = 3
 
 
-def fit_spline(time: NDArray[np.float64], values: NDArray[np.float64], breaks: NDArray[np.intp],
-               at_rest: bool = False) -> tuple[BSpline, NDArray[np.float64]]:
+def fit_spline(
+    time: NDArray[np.float64], values: NDArray[np.float64], breaks: NDArray[np.intp], at_rest: bool = False
+) -> tuple[BSpline, NDArray[np.float64]]:
     """Least-squares cubic spline (1) whose breaks are samples.
 
     Parameters
@@ -51,8 +52,8 @@ def fit_spline(time: NDArray[np.float64], values: NDArray[np.float64], breaks: N
     at = time[breaks]
     knots = np.concatenate([np.repeat(at[0], DEGREE), at, np.repeat(at[-1], DEGREE)])
     design = BSpline.design_matrix(time, knots, DEGREE)
-    rows = design.data.reshape(-1, DEGREE + 1).T.copy()      # the four that are not zero at a sample
-    first = design.indices[::DEGREE + 1]
+    rows = design.data.reshape(-1, DEGREE + 1).T.copy()  # the four that are not zero at a sample
+    first = design.indices[:: DEGREE + 1]
     if at_rest:
         start = first == 0
         rows[1, start] += rows[0, start]
@@ -60,20 +61,21 @@ def fit_spline(time: NDArray[np.float64], values: NDArray[np.float64], breaks: N
     band, right = _normal_equations(rows, np.searchsorted(first, np.arange(len(at) - 1)), values)
     if at_rest:
         band[0, 0] = 1.0
-    coefficients = solveh_banded(band, right, lower=True, check_finite=False)            # eq. (1)
+    coefficients = solveh_banded(band, right, lower=True, check_finite=False)  # eq. (1)
     if at_rest:
         coefficients[0] = coefficients[1]
     return BSpline(knots, coefficients, DEGREE), design @ coefficients
 
 
-def _normal_equations(rows: NDArray[np.float64], interval_start: NDArray[np.intp],
-                      values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _normal_equations(
+    rows: NDArray[np.float64], interval_start: NDArray[np.intp], values: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """B^T B as a lower band and B^T y of eq. (1), summed interval by interval."""
     intervals = len(interval_start)
     band = np.zeros((DEGREE + 1, intervals + DEGREE))
     right = np.zeros(intervals + DEGREE)
     for i in range(DEGREE + 1):
-        right[i:i + intervals] += np.add.reduceat(rows[i] * values, interval_start)
+        right[i : i + intervals] += np.add.reduceat(rows[i] * values, interval_start)
         for j in range(i, DEGREE + 1):
-            band[j - i, i:i + intervals] += np.add.reduceat(rows[i] * rows[j], interval_start)
+            band[j - i, i : i + intervals] += np.add.reduceat(rows[i] * rows[j], interval_start)
     return band, right

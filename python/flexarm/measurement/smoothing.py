@@ -1,8 +1,8 @@
 """Smoothing of a measured drive by its stated noise: what is above the noise stays, the rest goes.
 
 An encoder's samples are y_i = f(t_i) + sigma e_i. Joined as they are they accelerate the arm at random (5e-6
-rad at 2 ms is 1 rad/s^2) and ring its first mode. f is sought as a cubic spline whose breaks are dense only where
-the samples demand it:
+rad at 2 ms is 1 rad/s^2) and ring its first mode. f is sought as a cubic spline whose breaks are dense only
+where the samples demand it:
 
     s_p = least-squares spline with a break at every 2^p-th sample,  p = P, P - 1, ..., 0            (1)
     E   = sum over a window of (s_p - s_{p+1})^2 / sigma^2                                          (2)
@@ -84,7 +84,7 @@ def smooth(time: ArrayLike, values: ArrayLike, noise_std: float) -> Pieces:
     steps = _steps(t, y / noise_std)
     if np.all(steps == 0):
         return interpolate(t, y)
-    breaks = _breaks(np.maximum(steps, 1))                  # no more coefficients than samples
+    breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
     return _pieces(_start_at_rest(t, y, breaks, noise_std))
 
 
@@ -133,7 +133,7 @@ def _steps(t: NDArray[np.float64], scaled: NDArray[np.float64]) -> NDArray[np.in
     for p in range(coarsest - 1, -1, -1):
         finer = _every(2**p, count)
         finer_fit = fit_spline(t, scaled, finer)[1] if p else scaled
-        energy = np.add.reduceat((finer_fit - fitted) ** 2, ends[:-1])      # eq. (2), per interval
+        energy = np.add.reduceat((finer_fit - fitted) ** 2, ends[:-1])  # eq. (2), per interval
         found = _above_noise(energy, (len(finer) - len(ends)) / len(energy))
         need[np.repeat(found, np.diff(np.append(ends[:-1], count)))] = p
         ends, fitted = finer, finer_fit
@@ -189,8 +189,9 @@ def _breaks(need: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.flatnonzero(keep)
 
 
-def _start_at_rest(t: NDArray[np.float64], y: NDArray[np.float64], breaks: NDArray[np.intp],
-                   noise_std: float) -> BSpline:
+def _start_at_rest(
+    t: NDArray[np.float64], y: NDArray[np.float64], breaks: NDArray[np.intp], noise_std: float
+) -> BSpline:
     """The fit that starts at rest, or the free one if chi-square tells them apart."""
     resting, at_rest = fit_spline(t, y, breaks, at_rest=True)
     free, fitted = fit_spline(t, y, breaks)
@@ -202,5 +203,5 @@ def _pieces(spline: BSpline) -> Pieces:
     from scipy.interpolate import PPoly
 
     whole = PPoly.from_spline(spline)
-    inside = np.flatnonzero(np.diff(whole.x) > 0)           # the repeated knots at both ends span nothing
+    inside = np.flatnonzero(np.diff(whole.x) > 0)  # the repeated knots at both ends span nothing
     return np.append(whole.x[inside], whole.x[-1]), np.ascontiguousarray(whole.c[:, inside])

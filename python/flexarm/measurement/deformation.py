@@ -1,0 +1,99 @@
+"""Strain gauges and deflection sensors: what they see of a bent link.
+
+    strain     eps = N/EA + z M_y/EI_y - y M_z/EI_z        of the fibre (y, z) of a section          (1)
+    deflection d = R_L^T (p - x_L) - p_0                   of a point p of the link                  (2)
+
+N, M_y, M_z are section forces in the section's axes (tension positive, moments on the nearer part); along the
+link they follow from those at its two ends, M' from the shear forces (M_y' = V_z, M_z' = -V_y), which is
+exact for loads that change linearly along it. (R_L, x_L) is the frame that the link would have if it were
+rigid, at the simulated angle of its joint, and p_0 the point's place in it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.measurement.kinematics import chain_to, link_pose
+from flexarm.measurement.sampling import CannotMeasure, Described, columns, sample, stored
+from flexarm.measurement.tracker import base_position
+
+Floats = NDArray[np.float64]
+
+
+def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """Strain (1) of a fibre [-], shape (n, 1); needs section forces (`simulate(..., forces=True)`)."""
+    arm = simulation.arm
+    link = arm.link(what.link)
+    if link.type != "beam" or what.position is None or what.fibre is None:
+        raise CannotMeasure(
+            f"signal {what.name!r}: strain needs a beam, a position and a fibre, got the "
+            f"{link.type} {link.name!r}, {what.position} and {what.fibre}"
+        )
+    forces = stored(simulation, "section_forces", what).reshape(len(simulation.time), len(arm.links), 2, 6)
+    ends = forces[:, [each.name for each in arm.links].index(link.name)]
+    normal, m_y, m_z = _along(ends, float(what.position), link.length)
+    y, z = what.fibre
+    i_y, i_z = link.section.second_moments
+    youngs_modulus = link.material.youngs_modulus
+    eps = (normal / link.section.area + z * m_y / i_y - y * m_z / i_z) / youngs_modulus  # eq. (1)
+    return sample(simulation.time, eps[:, None], instants)
+
+
+def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Floats]:
+    """N, M_y, M_z at x of the link from its two ends (n, 2, 6): N linear, moments cubic."""
+    if not 0 <= x <= length:
+        raise CannotMeasure(f"a strain gauge must sit on its link, 0 to {length:g} m, got position {x:g} m")
+    s = x / length
+    start, end = ends[:, 0], ends[:, 1]
+
+    def cubic(moment: int, slope: int, sign: float) -> Floats:
+        return (
+            (1 + 2 * s) * (1 - s) ** 2 * start[:, moment]
+            + s**2 * (3 - 2 * s) * end[:, moment]
+            + sign * length * (s * (1 - s) ** 2 * start[:, slope] - s**2 * (1 - s) * end[:, slope])
+        )
+
+    return (1 - s) * start[:, 0] + s * end[:, 0], cubic(4, 2, 1.0), cubic(5, 1, -1.0)
+
+
+def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """Deflection (2) in the link's axes [m], shape (n, axes)."""
+    point = _point(simulation.arm, what)
+    link = point.link.split(":")[0]
+    for joint in chain_to(simulation.arm, link):
+        if joint.at == "end":
+            raise CannotMeasure(
+                f"signal {what.name!r}: the deflection of {link!r} is measured from a frame "
+                f"that stands on the flexible {joint.parent!r}; its parent must be rigid"
+            )
+    angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
+    theta = sample(simulation.time, angle, instants, rate)
+    frame = link_pose(simulation.arm, link, {name: theta[:, j] for j, name in enumerate(simulation.joints)})
+    position = base_position(simulation, what, instants, point.name)
+    relative: Floats = np.einsum("nji,nj->ni", frame.R, position - frame.x) - np.asarray(
+        point.position
+    )  # eq. (2)
+    return relative[:, columns(what.axes)]
+
+
+def _point(arm: Any, what: Described) -> Any:
+    """The point of the signal: named, or the one on the link's axis at `position`."""
+    if what.point is not None:
+        return arm.point(what.point)
+    link = arm.link(what.link)
+    along = np.asarray(link.end) / link.length if link.type == "beam" else None
+    for point in arm.points:
+        if (
+            along is not None
+            and point.link == link.name
+            and what.position is not None
+            and np.allclose(point.position, what.position * along, atol=1e-9)
+        ):
+            return point
+    raise CannotMeasure(
+        f"signal {what.name!r}: the model has no point on the axis of {what.link!r} at "
+        f"{what.position} m; give it one, or name a point in the signal"
+    )

@@ -1,0 +1,50 @@
+"""Encoders and tachometers at a joint, before the reducer or after it.
+
+The motor's side gives phi, the motor's angle over the ratio; the output side gives theta, the link's angle
+relative to its parent. An encoder of finite resolution gives the nearest multiple of its step, an error of at
+most step/2 and, over many steps, of step/sqrt(12) rms.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
+
+Floats = NDArray[np.float64]
+
+
+def joint_angle(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """phi (motor side) or theta (output side) [rad or m], shape (n, 1)."""
+    j = joint_index(simulation, what)
+    angle, rate = ("joint_angle", "joint_rate") if what.side == "output" else ("drive_angle", "drive_rate")
+    return sample(
+        simulation.time,
+        stored(simulation, angle, what)[:, [j]],
+        instants,
+        stored(simulation, rate, what)[:, [j]],
+    )
+
+
+def joint_rate(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """Rate of phi (motor side) or theta (output side) [rad/s or m/s], shape (n, 1)."""
+    j = joint_index(simulation, what)
+    rate = "joint_rate" if what.side == "output" else "drive_rate"
+    return sample(simulation.time, stored(simulation, rate, what)[:, [j]], instants)
+
+
+def joint_command(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """What the controller was asked for [rad or m], shape (n, 1); only of a run that has a controller."""
+    j = joint_index(simulation, what)
+    command = stored(simulation, "joint_command", what)[:, [j]]
+    if not np.isfinite(command).all():
+        raise CannotMeasure(f"signal {what.name!r}: the joint {what.joint!r} has no controller here")
+    return sample(simulation.time, command, instants)
+
+
+def quantised(values: Floats, step: float) -> Floats:
+    """The nearest multiples of `step`; 0 leaves the values as they are."""
+    return np.round(values / step) * step if step > 0 else values

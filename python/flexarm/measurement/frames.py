@@ -1,0 +1,88 @@
+"""Frames of measurement: from the base's axes to those of a tracker that stands where it stands.
+
+A point p of the base's frame is measured as
+
+    y = R_f^T (R(rotation) p + translation - x_f)                                                    (1)
+
+(R_f, x_f) is the stated pose of the tracker's frame in the base, p = R_f y + x_f, and (rotation, translation)
+the error of that statement, a small rotation vector and shift about the base's origin: the registration. With
+the stated pose left out, (1) is the contract's effect `frame_registration`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def rotation_matrix(vector: Floats) -> Floats:
+    """R(v) of a rotation vector [rad], by Rodrigues' formula, shape (3, 3)."""
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    half = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2  # (1 - cos a)/a^2, finite at zero
+    found: Floats = np.eye(3) + np.sinc(angle / np.pi) * cross + half * cross @ cross
+    return found
+
+
+def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it, shape (3, 3)."""
+    return (
+        rotation_matrix(np.array([0, 0, yaw]))
+        @ rotation_matrix(np.array([0, pitch, 0]))
+        @ rotation_matrix(np.array([roll, 0, 0]))
+    )
+
+
+@dataclass(frozen=True)
+class Registration:
+    """Where a frame of measurement is, and by how much that is wrong.
+
+    Attributes
+    ----------
+    translation, rotation : ndarray, shape (3,)
+        The error of eq. (1): shift [m] and rotation vector [rad] about the base's origin.
+    origin : ndarray, shape (3,)
+        x_f, stated position of the frame in the base [m].
+    rpy : tuple of float
+        Roll, pitch, yaw of R_f, the stated orientation of the frame in the base [rad].
+    """
+
+    translation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    origin: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def frame_axes(self) -> Floats:
+        """R_f: axes of the frame in the base, shape (3, 3)."""
+        return rotation_from_rpy(*self.rpy)
+
+    @property
+    def error_rotation(self) -> Floats:
+        """R(rotation), shape (3, 3)."""
+        return rotation_matrix(np.asarray(self.rotation, dtype=float))
+
+    def positions(self, base: Floats) -> Floats:
+        """Positions in the base's axes, shape (n, 3), as measured: eq. (1)."""
+        shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
+        measured: Floats = shifted @ self.frame_axes
+        return measured
+
+    def orientations(self, base: Floats) -> Floats:
+        """Quaternions (x, y, z, w) of bodies in the base, shape (n, 4), as measured: R_f^T R(rotation) R."""
+        from scipy.spatial.transform import Rotation
+
+        turn = Rotation.from_matrix(self.frame_axes.T @ self.error_rotation)
+        finite = np.isfinite(base).all(axis=1)
+        found = np.full_like(base, np.nan)
+        if finite.any():
+            found[finite] = (turn * Rotation.from_quat(base[finite])).as_quat()
+        return found
+
+
+IDENTITY = Registration()

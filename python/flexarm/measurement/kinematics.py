@@ -1,0 +1,116 @@
+"""Where the links of a rigid arm are: poses by multiplication along the chain from the base.
+
+    H_link = H_parent T_at T_origin exp(axis q)                                                      (1)
+
+T_at goes to the far end of a beam (`at = "end"`), T_origin is the joint's `origin`, exp the turn (revolute)
+or shift (prismatic) by q about the joint's axis. All joint values may be arrays over time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.frames import rotation_from_rpy
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Rotations and positions over time, in the base: R (m, 3, 3), x (m, 3) [m]."""
+
+    R: Floats
+    x: Floats
+
+    def moved(self, rotation: Floats, translation: Floats) -> Pose:
+        """This pose times a pose in its own axes."""
+        return Pose(self.R @ rotation, self.x + self.R @ translation)
+
+    def of_point(self, position: Floats) -> Floats:
+        """Positions in the base of a point given in this frame, shape (m, 3)."""
+        found: Floats = self.x + self.R @ position
+        return found
+
+
+def joint_to(arm: Any, link: str) -> Any:
+    """The joint whose child is the link, or an interface of it; None for the base."""
+    return next((joint for joint in arm.joints if joint.child.split(":")[0] == link), None)
+
+
+def chain_to(arm: Any, link: str) -> list[Any]:
+    """Joints from the base to the link.
+
+    Raises
+    ------
+    InvalidParameter
+        If no joint leads there, or the chain passes an interface of a super-element.
+    """
+    found: list[Any] = []
+    while link != "base":
+        joint = joint_to(arm, link)
+        if joint is None:
+            raise InvalidParameter(f"no joint leads to the link {link!r}")
+        if ":" in joint.parent or ":" in joint.child:
+            raise InvalidParameter(f"the rigid pose of {link!r} behind a super-element is not known")
+        found.insert(0, joint)
+        link = joint.parent
+    return found
+
+
+def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
+    """The frame in which a joint turns, before it turns: H_parent T_at T_origin of (1)."""
+    if joint.at == "end":
+        parent = parent.moved(np.eye(3), np.asarray(arm.link(joint.parent).end))
+    return parent.moved(rotation_from_rpy(*joint.origin.rpy), np.asarray(joint.origin.xyz))
+
+
+def link_pose(arm: Any, link: str, values: Mapping[str, Floats]) -> Pose:
+    """Pose (1) of a link of the rigid arm.
+
+    Parameters
+    ----------
+    arm : Arm
+        The arm.
+    link : str
+        Name of the link, or "base".
+    values : dict of str to ndarray, shape (m,)
+        Values of the joints on the way [rad or m]; those left out are 0.
+    """
+    joints = chain_to(arm, link)
+    count = max((np.size(values.get(joint.name, 0.0)) for joint in joints), default=1)
+    pose = Pose(np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3)))
+    for joint in joints:
+        pose = _moved_by(
+            joint_frame(arm, joint, pose), joint, np.asarray(values.get(joint.name, 0.0), dtype=float)
+        )
+    return pose
+
+
+def _moved_by(pose: Pose, joint: Any, value: Floats) -> Pose:
+    """The child's pose: exp(axis q) of (1)."""
+    if joint.type == "fixed":
+        return pose
+    axis = np.asarray(joint.axis, dtype=float)
+    axis = axis / np.linalg.norm(axis)
+    q = np.broadcast_to(value, len(pose.x))[:, None]
+    if joint.type == "prismatic":
+        return Pose(pose.R, pose.x + q * (pose.R @ axis))
+    return Pose(pose.R @ turns(axis, q[:, 0]), pose.x)
+
+
+def turns(axis: Floats, angle: Floats) -> Floats:
+    """Rotations by `angle` [rad] about a unit axis, shape (m, 3, 3)."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    found: Floats = (
+        np.eye(3)
+        + np.sin(angle)[:, None, None] * cross
+        + (1 - np.cos(angle))[:, None, None] * (cross @ cross)
+    )
+    return found

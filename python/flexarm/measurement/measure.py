@@ -1,0 +1,167 @@
+"""Virtual measurements: a record as sensors would write it of a simulated motion.
+
+    instants   t_k = start + k/rate_hz + jitter e_k                                                  (1)
+    values     reading at t_k + noise_std e, rounded to `step`; a share `drop_out` of them is lost   (2)
+    stamps     (1 + rate) (start + k/rate_hz + latency) + delay                                      (3)
+
+e are independent normal numbers, (delay, rate) the error of the sensor's clock. The stamp knows nothing of
+the jitter. Every random number comes from the generator that is passed in, sensor by sensor in their order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.clocks import EXACT, ClockError
+from flexarm.measurement.encoder import quantised
+from flexarm.measurement.frames import IDENTITY, Registration
+from flexarm.measurement.predict import read
+
+if TYPE_CHECKING:
+    from flexarm.arm.sensor import Sensor
+    from flexarm.record import Clock, Frame, Record, Signal
+
+Floats = NDArray[np.float64]
+
+
+def measure(
+    simulation: Any,
+    sensors: Iterable[Sensor],
+    rng: np.random.Generator,
+    *,
+    drive: Iterable[str] = (),
+    clocks: Mapping[str, Clock] | None = None,
+    frames: Mapping[str, Frame] | None = None,
+    clock_errors: Mapping[str, ClockError] | None = None,
+    registrations: Mapping[str, Registration] | None = None,
+    description: str = "",
+    **tables: Any,
+) -> Record:
+    """A record of what the sensors see of a simulated motion.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The motion.
+    sensors : iterable of Sensor
+        What measures; `arm.sensors` for those of the model.
+    rng : numpy.random.Generator
+        Source of all noise.
+    drive : iterable of str
+        Names of the sensors whose signals drive a simulation of the record.
+    clocks, frames : dict, optional
+        What the record states about clocks and frames; those that sensors name and nobody states are exact.
+        The first clock is the reference.
+    clock_errors : dict of str to ClockError, optional
+        How clocks really differ from the reference.
+    registrations : dict of str to Registration, optional
+        Where frames really are; default: where `frames` states them.
+    description : str
+        Of the record.
+    **tables
+        `joints` and `payloads` of the record.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    CannotMeasure
+        If the simulation does not hold what a sensor measures.
+
+    Examples
+    --------
+    >>> record = measure(simulation, arm.sensors, np.random.default_rng(1))  # doctest: +SKIP
+    """
+    from flexarm.record import Clock, Frame, Record
+
+    sensors = list(sensors)
+    if not isinstance(rng, np.random.Generator):
+        raise InvalidParameter(
+            f"rng must be a numpy.random.Generator, got {type(rng).__name__}; "
+            "numpy.random.default_rng(seed) makes one"
+        )
+    stated_clocks = dict(clocks or {"clock": Clock()})
+    stated_frames = dict(frames or {})
+    reference = next(iter(stated_clocks))
+    for sensor in sensors:
+        stated_clocks.setdefault(sensor.clock or reference, Clock())
+        if sensor.frame not in (None, "base"):
+            stated_frames.setdefault(sensor.frame, Frame())
+    places = {name: Registration(origin=f.xyz, rpy=f.rpy) for name, f in stated_frames.items()}
+    places |= dict(registrations or {})
+    signals = [
+        _signal(simulation, sensor, rng, sensor.clock or reference, clock_errors or {}, places)
+        for sensor in sensors
+    ]
+    return Record(
+        signals={signal.name: signal for signal in signals},
+        drive=tuple(drive),
+        clocks=stated_clocks,
+        frames=stated_frames,
+        description=description,
+        **tables,
+    )
+
+
+def _signal(
+    simulation: Any,
+    sensor: Sensor,
+    rng: np.random.Generator,
+    clock: str,
+    clock_errors: Mapping[str, ClockError],
+    places: Mapping[str, Registration],
+) -> Signal:
+    """What one sensor writes."""
+    from flexarm.record import Signal
+
+    planned, instants = _instants(simulation, sensor, rng)
+    unit, factor = sensor.si
+    values = read(simulation, sensor, instants, places.get(sensor.frame or "base", IDENTITY))
+    values = values + (sensor.noise_std or 0.0) * factor * rng.standard_normal(values.shape)
+    values = quantised(values, sensor.step * factor)  # eq. (2)
+    values[rng.random(len(values)) < sensor.drop_out] = np.nan
+    noise_std = (
+        None
+        if sensor.noise_std is None and not sensor.step
+        else np.hypot(sensor.noise_std or 0.0, sensor.step / np.sqrt(12)) * factor
+    )
+    stamps = clock_errors.get(clock, EXACT).stamps(planned + sensor.latency_s)  # eq. (3)
+    return Signal(
+        name=sensor.name,
+        quantity=sensor.quantity,
+        values=values,
+        time=stamps,
+        unit=unit,
+        noise_std=noise_std,
+        jitter_std=sensor.jitter_std,
+        clock=clock,
+        frame=sensor.frame or "base",
+        joint=sensor.joint,
+        point=sensor.point,
+        link=sensor.link,
+        payload=sensor.payload,
+        side=sensor.side,
+        axes=sensor.axes or (),
+        position=sensor.position,
+        fibre=sensor.fibre,
+    )
+
+
+def _instants(simulation: Any, sensor: Sensor, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Planned and true instants (1), as many as fit into the run."""
+    first, last = float(simulation.time[0]), float(simulation.time[-1])
+    count = int(np.floor((last - first - sensor.start) * sensor.rate_hz * (1 + 1e-12))) + 1
+    if count < 1:
+        raise InvalidParameter(
+            f"sensor {sensor.name!r} starts at {sensor.start:g} s, "
+            f"after the end of a run of {last - first:g} s"
+        )
+    planned = first + sensor.start + np.arange(count) / sensor.rate_hz
+    return planned, np.clip(planned + sensor.jitter_std * rng.standard_normal(count), first, last)  # eq. (1)

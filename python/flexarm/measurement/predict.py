@@ -1,0 +1,77 @@
+"""What a sensor would read in a simulated motion, at given stamps and without noise.
+
+`measure` and `compare` both read simulations here, so a virtual measurement and the prediction of a real one
+are the same code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.measurement import deformation, encoder, imu, torque, tracker
+from flexarm.measurement.clocks import EXACT, ClockError
+from flexarm.measurement.frames import IDENTITY, Registration
+from flexarm.measurement.sampling import CannotMeasure, Described
+
+Floats = NDArray[np.float64]
+Reading = Callable[[Any, Described, Floats], Floats]
+FramedReading = Callable[[Any, Described, Floats, Registration], Floats]
+
+READINGS: dict[str, Reading] = {
+    "joint_angle": encoder.joint_angle,
+    "joint_rate": encoder.joint_rate,
+    "joint_command": encoder.joint_command,
+    "motor_torque": torque.motor_torque,
+    "motor_voltage": torque.motor_voltage,
+    "inclination": imu.inclination,
+    "angular_rate": imu.angular_rate,
+    "acceleration": imu.acceleration,
+    "strain": deformation.strain,
+    "deflection": deformation.deflection,
+}
+"""Readings that do not depend on a frame of measurement, by quantity."""
+
+FRAMED_READINGS: dict[str, FramedReading] = {"position": tracker.position, "orientation": tracker.orientation}
+"""Readings in a frame of measurement, by quantity."""
+
+
+def predict(
+    simulation: Any, signal: Any, clock: ClockError = EXACT, registration: Registration = IDENTITY
+) -> Floats:
+    """Values of a signal in a simulated motion, at the signal's own stamps.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The motion.
+    signal : Signal
+        Names the quantity, its place and the stamps.
+    clock : ClockError
+        How the signal's clock differs from the simulation's time.
+    registration : Registration
+        The signal's frame; only positions and orientations have one.
+
+    Returns
+    -------
+    ndarray, shape (n, channels)
+        In SI; NaN where the simulation has ended.
+
+    Raises
+    ------
+    CannotMeasure
+        If the simulation does not hold what the signal needs; says what is missing.
+    """
+    return read(simulation, signal, clock.instants(signal.time), registration)
+
+
+def read(simulation: Any, what: Described, instants: Floats, registration: Registration = IDENTITY) -> Floats:
+    """Values of a quantity at true instants, shape (n, channels); as `predict`."""
+    if what.quantity in FRAMED_READINGS:
+        return FRAMED_READINGS[what.quantity](simulation, what, instants, registration)
+    if what.quantity in READINGS:
+        return READINGS[what.quantity](simulation, what, instants)
+    raise CannotMeasure(f"signal {what.name!r}: {what.quantity} is an input, no simulation predicts it")

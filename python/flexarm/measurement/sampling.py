@@ -1,0 +1,149 @@
+"""A simulated motion at the very instants of a sensor, between the steps of the simulation.
+
+In a step h from t_0 to t_1, with s = (t - t_0)/h, values x and rates v,
+
+    x(t) = (1 + 2 s)(1 - s)^2 x_0 + s (1 - s)^2 h v_0 + s^2 (3 - 2 s) x_1 - s^2 (1 - s) h v_1        (1)
+
+is exact for cubic motion; its error h^4 x''''/384 is below 1e-9 m for a mode of 3 Hz and 1 cm at 2 ms.
+Quantities whose rates the simulation does not hold take central differences for v.
+
+Before the first step the arm rests where it starts; after the last nothing is known (NaN).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.errors import InvalidParameter
+
+Floats = NDArray[np.float64]
+
+
+class CannotMeasure(InvalidParameter):
+    """The simulation does not hold what a sensor measures; says what is missing."""
+
+
+class Described(Protocol):
+    """What sensors of a model and signals of a record have in common: the quantity and its place."""
+
+    @property
+    def name(self) -> str:
+        """Name of the signal."""
+
+    @property
+    def quantity(self) -> str:
+        """A key of `flexarm.quantities.QUANTITIES`."""
+
+    @property
+    def joint(self) -> str | None:
+        """Joint where it is measured."""
+
+    @property
+    def point(self) -> str | None:
+        """Point where it is measured."""
+
+    @property
+    def link(self) -> str | None:
+        """Link where it is measured."""
+
+    @property
+    def side(self) -> str | None:
+        """Before the reducer (motor) or after it (output)."""
+
+    @property
+    def axes(self) -> Sequence[str] | None:
+        """Directions of the channels."""
+
+    @property
+    def position(self) -> float | None:
+        """Place along the link [m]."""
+
+    @property
+    def fibre(self) -> Sequence[float] | None:
+        """Fibre [y, z] in the section [m]."""
+
+
+def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None = None) -> Floats:
+    """Values at `instants` by (1).
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Steps of the simulation [s].
+    values : ndarray, shape (n, ...)
+        Values at the steps.
+    instants : ndarray, shape (m,)
+        Where they are wanted [s].
+    rates : ndarray, shape (n, ...), optional
+        Their rates at the steps.
+
+    Returns
+    -------
+    ndarray, shape (m, ...)
+        The first value before the first step, NaN after the last.
+    """
+    if len(time) < 2:
+        return np.where(_column(instants <= time[-1], values), values[0], np.nan)
+    inside = np.clip(instants, time[0], time[-1])
+    i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
+    h = time[i + 1] - time[i]
+    s, h = _column((inside - time[i]) / h, values), _column(h, values)
+    slope = np.gradient(values, time, axis=0) if rates is None else rates
+    found = (
+        (1 + 2 * s) * (1 - s) ** 2 * values[i]
+        + s * (1 - s) ** 2 * h * slope[i]
+        + s**2 * (3 - 2 * s) * values[i + 1]
+        - s**2 * (1 - s) * h * slope[i + 1]
+    )  # eq. (1)
+    late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))
+    return np.where(_column(late, values), np.nan, found)
+
+
+def _column(values: NDArray[Any], like: Floats) -> NDArray[Any]:
+    """`values` with as many trailing axes as `like` has beyond its first."""
+    return values.reshape(-1, *[1] * (like.ndim - 1))
+
+
+def stored(simulation: Any, name: str, what: Described) -> Floats:
+    """An array of the simulation.
+
+    Raises
+    ------
+    CannotMeasure
+        If the simulation does not hold it.
+    """
+    found = getattr(simulation, name, None)
+    if found is None:
+        raise CannotMeasure(
+            f"signal {what.name!r} ({what.quantity}) needs {name.replace('_', ' ')}, "
+            "which this simulation does not hold"
+        )
+    return np.asarray(found, dtype=float)
+
+
+def point_index(simulation: Any, what: Described, point: str | None = None) -> int:
+    """Place of the signal's point, or of another one that it needs, in the simulation's arrays."""
+    return _index(simulation.points, point or what.point, "point", what)
+
+
+def joint_index(simulation: Any, what: Described) -> int:
+    """Place of the signal's joint in the simulation's arrays."""
+    return _index(simulation.joints, what.joint, "joint", what)
+
+
+def _index(names: Sequence[str], name: str | None, kind: str, what: Described) -> int:
+    if name is None or name not in names:
+        raise CannotMeasure(
+            f"signal {what.name!r} ({what.quantity}) is at the {kind} {name!r}, which this "
+            f"simulation does not hold; it holds {', '.join(names) or 'none'}"
+        )
+    return list(names).index(name)
+
+
+def columns(axes: Sequence[str] | None) -> list[int]:
+    """Indices of axes named x, y, z; all three where none are named."""
+    return ["xyz".index(axis) for axis in axes or "xyz"]

@@ -1,0 +1,52 @@
+"""Laser trackers and the like: positions and orientations of points, in a frame of their own.
+
+A tracker samples a moving point: it neither averages nor filters, so a mode above half of its rate appears at
+a lower frequency (2.5 Hz sampled at 2.3 Hz at 0.2 Hz). The simulation is sampled at the same instants and
+aliases alike.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.measurement.frames import Registration
+from flexarm.measurement.sampling import Described, columns, point_index, sample, stored
+
+Floats = NDArray[np.float64]
+
+
+def position(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
+    """Position of the signal's point in the frame of measurement [m], shape (n, axes)."""
+    return registration.positions(base_position(simulation, what, instants))[:, columns(what.axes)]
+
+
+def base_position(simulation: Any, what: Described, instants: Floats, point: str | None = None) -> Floats:
+    """Position of the signal's point (or of another one) in the base's axes [m], shape (n, 3)."""
+    p = point_index(simulation, what, point)
+    return sample(
+        simulation.time,
+        stored(simulation, "position", what)[:, p],
+        instants,
+        stored(simulation, "velocity", what)[:, p],
+    )
+
+
+def orientation(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
+    """Quaternion (x, y, z, w) of the signal's body in the frame of measurement, shape (n, 4)."""
+    return registration.orientations(base_orientation(simulation, what, instants))
+
+
+def base_orientation(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """Quaternion (x, y, z, w) of the signal's body in the base, shape (n, 4).
+
+    Components are interpolated and normalised; signs are made continuous first (q and -q are one rotation).
+    """
+    quaternion = stored(simulation, "orientation", what)[:, point_index(simulation, what)]
+    flips = np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0, -1.0, 1.0)
+    continuous = quaternion * np.cumprod(np.concatenate([[1.0], flips]))[:, None]
+    found = sample(simulation.time, continuous, instants)
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    return found
