@@ -6,19 +6,52 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.configuration import config, show_config
+    from flexarm.drive import Drive, JointDrive
+    from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+    from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
+    from flexarm.simulation import Simulation, simulate
+    from flexarm.statics import Statics, static
 
 # Public name and the module that defines it, imported when first used: `import flexarm` stays light.
 # A public name must not also be the name of a module, which would take its place once imported.
 _EXPORTS = {
     "Arm": "flexarm.arm",
+    "Drive": "flexarm.drive",
+    "InvalidFile": "flexarm.errors",
+    "InvalidParameter": "flexarm.errors",
+    "JointDrive": "flexarm.drive",
+    "Modes": "flexarm.modal",
+    "NotConverged": "flexarm.errors",
     "Record": "flexarm.record",
     "Signal": "flexarm.record",
+    "Simulation": "flexarm.simulation",
+    "Statics": "flexarm.statics",
     "config": "flexarm.configuration",
+    "modes": "flexarm.modal",
     "show_config": "flexarm.configuration",
+    "simulate": "flexarm.simulation",
+    "static": "flexarm.statics",
 }
 
-__all__ = ["Arm", "Record", "Signal", "config", "show_config"]
+__all__ = [
+    "Arm",
+    "Drive",
+    "InvalidFile",
+    "InvalidParameter",
+    "JointDrive",
+    "Modes",
+    "NotConverged",
+    "Record",
+    "Signal",
+    "Simulation",
+    "Statics",
+    "config",
+    "modes",
+    "show_config",
+    "simulate",
+    "static",
+]
 
 
 def __getattr__(name: str) -> Any:

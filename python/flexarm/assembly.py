@@ -1,0 +1,193 @@
+"""From the model, which is data, to the assembled system that the core computes with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arm.inertia import inertia_matrix
+from flexarm.arm.joint import Joint
+from flexarm.arm.link import Beam, Link, RigidLink
+from flexarm.arm.rotation import from_rpy
+from flexarm.arm.section import General, Rectangle, Round, Tube
+from flexarm.errors import InvalidParameter
+
+_THEORIES = {
+    "timoshenko": _core.BeamTheory.timoshenko,
+    "euler-bernoulli": _core.BeamTheory.euler_bernoulli,
+}
+
+
+def core_arm(arm: Arm, loaded: Iterable[str] = ()) -> _core.Arm:
+    """The arm as the core takes it.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    loaded : iterable of str
+        Points that carry point loads; on a beam they get a node of their own.
+
+    Raises
+    ------
+    InvalidParameter
+        If the model holds what the core cannot do yet.
+    """
+    loads = set(loaded)
+    points = [
+        _core.Point(name=p.name, link=p.link, position=np.array(p.position), loaded=p.name in loads)
+        for p in arm.points
+    ]
+    payloads = [
+        _core.Payload(
+            name=p.name,
+            link=p.link,
+            position=np.array(p.position),
+            mass=p.mass,
+            inertia=np.array(inertia_matrix(p.inertia)),
+        )
+        for p in arm.payloads
+    ]
+    gears = [_core.Gear(name=g.name, input=g.input, output=g.output, ratio=g.ratio) for g in arm.gears]
+    return _core.Arm(
+        name=arm.name,
+        gravity=np.array(arm.gravity),
+        links=[_link(link) for link in arm.links],
+        joints=[_joint(arm, joint) for joint in arm.joints],
+        payloads=payloads,
+        points=points,
+        gears=gears,
+    )
+
+
+def assemble(
+    arm: Arm, drives: Mapping[str, _core.DriveKind] | None = None, loaded: Iterable[str] = ()
+) -> _core.System:
+    """The assembled arm.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    drives : dict of str to DriveKind, optional
+        What each joint's motor is told; joints left out are locked, outputs of gears are free.
+    loaded : iterable of str
+        Points that carry point loads.
+    """
+    kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
+    return _core.System(core_arm(arm, loaded), {**kinds, **(drives or {})})
+
+
+def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
+    """Drive angle of every joint, in the model's order; 0 where not given, outputs of gears follow their input.
+
+    Raises
+    ------
+    InvalidParameter
+        If a joint does not exist, does not move, or its value is not finite.
+    """
+    moving = [joint.name for joint in arm.moving_joints]
+    for name, value in joints.items():
+        if name not in moving:
+            raise InvalidParameter(
+                f"there is no moving joint {name!r}; there are {', '.join(moving) or 'none'}", where="joints"
+            )
+        if not np.isfinite(value):
+            raise InvalidParameter(f"must be finite, got {value}", where=f"joints.{name}")
+    values = dict(joints)
+    for gear in arm.gears:
+        values.setdefault(gear.output, values.get(gear.input, 0.0) / gear.ratio)
+    return [float(values.get(joint.name, 0.0)) for joint in arm.joints]
+
+
+def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:
+    """Forces at points, base axes [N], as the core takes them.
+
+    Raises
+    ------
+    InvalidParameter
+        If a point does not exist or a force is not three finite numbers.
+    """
+    names = [point.name for point in arm.points]
+    loads = []
+    for name, value in forces.items():
+        if name not in names:
+            raise InvalidParameter(
+                f"there is no point {name!r}; there are {', '.join(names) or 'none'}", where="forces"
+            )
+        force: NDArray[np.float64] = np.asarray(value, dtype=float)
+        if force.shape != (3,) or not np.all(np.isfinite(force)):
+            raise InvalidParameter(f"must be three finite numbers [N], got {value}", where=f"forces.{name}")
+        loads.append(_core.PointLoad(point=names.index(name), force=force))
+    return loads
+
+
+def _link(link: Link) -> _core.BeamLink | _core.RigidLink:
+    if isinstance(link, Beam):
+        return _core.BeamLink(
+            name=link.name,
+            end=np.array(link.end),
+            up=np.zeros(3) if link.up is None else np.array(link.up),
+            section=_section(link.section),
+            material=_core.Material(
+                youngs_modulus=link.material.youngs_modulus,
+                shear_modulus=link.material.shear_modulus,
+                density=link.material.density,
+            ),
+            theory=_THEORIES[link.theory],
+            elements=link.elements,
+            damping_ratio=link.damping_ratio,
+        )
+    if isinstance(link, RigidLink):
+        return _core.RigidLink(
+            name=link.name,
+            mass=link.mass,
+            com=np.array(link.com),
+            inertia=np.array(inertia_matrix(link.inertia)),
+        )
+    raise InvalidParameter("super-elements cannot be computed yet", where=f"links.{link.name}.type")
+
+
+def _section(section: Tube | Round | Rectangle | General) -> _core.Section:
+    if isinstance(section, Tube):
+        return _core.tube_section(section.outer_diameter, section.thickness)
+    if isinstance(section, Round):
+        return _core.round_section(section.diameter)
+    if isinstance(section, Rectangle):
+        return _core.rectangle_section(section.width, section.height)
+    i_y, i_z = section.second_moments
+    shear_y, shear_z = section.shear_area or (np.inf, np.inf)
+    return _core.Section(
+        area=section.area,
+        second_moment_y=i_y,
+        second_moment_z=i_z,
+        torsion_constant=section.torsion_constant,
+        shear_area_y=shear_y,
+        shear_area_z=shear_z,
+    )
+
+
+def _joint(arm: Arm, joint: Joint) -> _core.Joint:
+    effects = arm.effects_at(joint.name)
+    coupling = [law for effect in effects for law in effect.coupling_laws(_core)]
+    train = _core.DriveTrain(
+        gear_ratio=joint.gear_ratio,
+        rotor_inertia=joint.rotor_inertia,
+        stages=[coupling] if coupling else [],
+        motor=[law for effect in effects for law in effect.motor_laws(_core)],
+        bearing=[law for effect in effects for law in effect.bearing_laws(_core)],
+    )
+    return _core.Joint(
+        name=joint.name,
+        type=getattr(_core.JointType, joint.type),
+        parent=joint.parent,
+        child=joint.child,
+        at_end=joint.at == "end",
+        origin=_core.Frame(np.array(from_rpy(joint.origin.rpy)), np.array(joint.origin.xyz)),
+        axis=np.array(joint.axis if joint.moves else (0.0, 0.0, 1.0)),
+        drive_train=train,
+    )

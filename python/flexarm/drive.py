@@ -1,0 +1,213 @@
+"""What moves the joints: piecewise polynomials in time, one a driven joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexarm import _core
+from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.measurement.smoothing import interpolate, smooth
+from flexarm.record.columns import CsvFile
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record, Signal
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointDrive:
+    """Motion of one joint as scipy.interpolate.PPoly has it, held before and after.
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (m + 1,)
+        Times [s], rising.
+    coefficients : ndarray, shape (order + 1, m)
+        Of each piece, highest power first [rad, m for a prismatic joint; N m for a torque].
+    side : {"motor", "output", "torque"}
+        What is prescribed: the motor's angle over the ratio, the link's own angle, or the motor's torque times
+        the ratio.
+    """
+
+    breaks: Floats
+    coefficients: Floats
+    side: str = "motor"
+
+    def __post_init__(self) -> None:
+        if self.side not in _KINDS:
+            raise InvalidParameter(f"must be one of {', '.join(_KINDS)}, got {self.side!r}", where="side")
+        for name in ("breaks", "coefficients"):
+            array = np.array(getattr(self, name), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def kind(self) -> _core.DriveKind:
+        """What the core calls `side`."""
+        return _KINDS[self.side]
+
+    def polynomial(self) -> _core.PiecewisePolynomial:
+        """The same for the core."""
+        return _core.PiecewisePolynomial(self.breaks.tolist(), self.coefficients)
+
+    def __call__(self, time: ArrayLike) -> Floats:
+        """Values at times [s]."""
+        t = np.clip(np.asarray(time, dtype=float), self.breaks[0], self.breaks[-1])
+        i = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
+        value = np.zeros_like(t)
+        for row in self.coefficients:
+            value = value * (t - self.breaks[i]) + row[i]
+        return value
+
+
+_KINDS = {
+    "motor": _core.DriveKind.motor_angle,
+    "output": _core.DriveKind.link_angle,
+    "torque": _core.DriveKind.torque,
+}
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Drives of a run.
+
+    Attributes
+    ----------
+    joints : dict of str to JointDrive
+        Driven joints; the others stand still.
+    rest : dict of str to float
+        Where joints stand that nothing drives [rad or m]; default 0.
+    start, end : float
+        Time that the run shall cover [s].
+    """
+
+    joints: Mapping[str, JointDrive]
+    rest: Mapping[str, float] = field(default_factory=dict)
+    start: float = 0.0
+    end: float = 0.0
+
+    @classmethod
+    def from_samples(cls, time: ArrayLike, values: Mapping[str, ArrayLike], side: str = "motor") -> Drive:
+        """Exact samples, joined by a cubic spline (not-a-knot) and held before and after.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            Times [s], rising.
+        values : dict of str to array_like, shape (n,)
+            Angle of each driven joint, output side [rad, m for a prismatic joint].
+        side : {"motor", "output", "torque"}
+            See `JointDrive`.
+
+        Raises
+        ------
+        InvalidParameter
+            If times do not rise or a value is not finite.
+        """
+        t = np.asarray(time, dtype=float)
+        if t.ndim != 1 or len(t) < 2 or not np.all(np.isfinite(t)) or np.any(np.diff(t) <= 0):
+            raise InvalidParameter("must be at least two finite, rising times [s]", where="time")
+        joints = {}
+        for name, samples in values.items():
+            y = np.asarray(samples, dtype=float)
+            if y.shape != t.shape or not np.all(np.isfinite(y)):
+                raise InvalidParameter(f"needs {len(t)} finite values, one a time", where=name)
+            joints[name] = JointDrive(*interpolate(t, y), side)
+        return cls(joints, start=float(t[0]), end=float(t[-1]))
+
+    @classmethod
+    def from_csv(cls, path: str | Path, arm: Arm) -> Drive:
+        """A CSV file with `time_s` and one column per driven joint, named after it.
+
+        Raises
+        ------
+        InvalidFile
+            With line and column of what is wrong.
+        """
+        table = CsvFile(Path(path), path)
+        if "time_s" not in table.header:
+            raise InvalidFile(path, "header", f"has no column time_s; there are {', '.join(table.header)}")
+        moving = [joint.name for joint in arm.moving_joints]
+        names = [name for name in table.header if name != "time_s"]
+        for name in names:
+            if name not in moving:
+                raise InvalidFile(
+                    path, f"column {name}", f"is no moving joint of the model; there are {', '.join(moving)}"
+                )
+        if not names:
+            raise InvalidFile(path, "header", f"drives no joint; add a column named {' or '.join(moving)}")
+        rows = table.numbers(["time_s", *names])
+        if len(rows) < 2:
+            raise InvalidFile(path, "file", f"needs at least two rows of numbers, got {len(rows)}")
+        wrong = np.argwhere(~np.isfinite(rows))
+        if len(wrong):
+            row, column = wrong[0]
+            where = f"line {table.line(int(row))}, column {['time_s', *names][column]}"
+            raise InvalidFile(path, where, "must be a finite number; a drive has no drop-outs")
+        time = rows[:, 0]
+        backward = np.flatnonzero(np.diff(time) <= 0)
+        if len(backward):
+            k = int(backward[0]) + 1
+            where = f"line {table.line(k)}, column time_s"
+            raise InvalidFile(path, where, f"times must rise, got {time[k]:g} s after {time[k - 1]:g} s")
+        return cls.from_samples(time, {name: rows[:, i] for i, name in enumerate(names, 1)})
+
+    @classmethod
+    def from_record(cls, record: Record, arm: Arm) -> Drive:
+        """The drive signals of a record, smoothed by their stated noise.
+
+        The run covers every stamp of the record. Joints that nothing drives stand where the record says.
+
+        Parameters
+        ----------
+        record : Record
+            A motion with joint angles as drive.
+        arm : Arm
+            The model.
+
+        Raises
+        ------
+        InvalidParameter
+            If a drive is no joint angle, or two drive the same joint.
+        """
+        joints: dict[str, JointDrive] = {}
+        for name in record.drive:
+            signal = record.signals[name]
+            if signal.quantity != "joint_angle" or signal.joint is None:
+                raise InvalidParameter(
+                    f"signal {name!r} ({signal.quantity}) cannot drive by itself; a command drives through a "
+                    "motor and a controller, a joint_angle directly",
+                    where="drive",
+                )
+            if signal.joint in joints:
+                raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
+            joints[signal.joint] = _smoothed(signal, arm)
+        stamps = [signal.time for signal in record.signals.values() if len(signal.time)]
+        if not stamps:
+            raise InvalidParameter("holds no times", where="signals")
+        starts = [drive.breaks[0] for drive in joints.values()] or [min(t[0] for t in stamps)]
+        return cls(
+            joints, dict(record.joints), float(min(starts)), float(max(t[-1] for t in stamps)) + _AFTER_THE_LAST
+        )
+
+
+_AFTER_THE_LAST = 0.02
+"""A run goes on so long after the last stamp [s], for clocks that are late."""
+
+
+def _smoothed(signal: Signal, arm: Arm) -> JointDrive:
+    """Joint angle of a signal, without its noise."""
+    joint = arm.joint(str(signal.joint))
+    y = signal.values[:, 0]
+    good = np.isfinite(y)
+    noise = signal.noise_std or 0.0
+    breaks, coefficients = smooth(signal.time[good], y[good], noise)
+    return JointDrive(breaks, coefficients, "output" if signal.side == "output" and joint.moves else "motor")

@@ -1,0 +1,173 @@
+"""Natural modes of an arm about its loaded equilibrium."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.assembly import assemble, joint_values
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes:
+    """Modes, lowest first.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    points : tuple of str
+        Names of the points in `shape`.
+    frequency_hz, damped_frequency_hz : ndarray, shape (mode,)
+        Without and with damping [Hz].
+    damping_ratio : ndarray, shape (mode,)
+        Share of critical damping [-].
+    shape : ndarray, shape (mode, point, 6)
+        Translation and rotation of the points, base axes, unit modal mass [m, rad per sqrt(kg) m].
+    solver : dict
+        Backend and iterations.
+    """
+
+    arm: Arm
+    points: tuple[str, ...]
+    frequency_hz: Floats
+    damped_frequency_hz: Floats
+    damping_ratio: Floats
+    shape: Floats
+    solver: dict[str, Any]
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `flexarm modes --json`."""
+        return {
+            "frequency_hz": self.frequency_hz.tolist(),
+            "damping_ratio": self.damping_ratio.tolist(),
+            "damped_frequency_hz": self.damped_frequency_hz.tolist(),
+            "solver": self.solver,
+        }
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The same as an xarray Dataset with units."""
+        import xarray as xr
+
+        from flexarm.result import provenance
+
+        return xr.Dataset(
+            {
+                "frequency": (("mode",), self.frequency_hz, {"units": "Hz"}),
+                "damped_frequency": (("mode",), self.damped_frequency_hz, {"units": "Hz"}),
+                "damping_ratio": (("mode",), self.damping_ratio, {"units": "1"}),
+                "shape": (
+                    ("mode", "point", "component"),
+                    self.shape,
+                    {"units": "m, rad", "scale": "unit modal mass"},
+                ),
+            },
+            {
+                "mode": np.arange(1, len(self.frequency_hz) + 1),
+                "point": list(self.points),
+                "component": ["x", "y", "z", "rx", "ry", "rz"],
+            },
+            {"kind": "modes", **provenance(self.arm), **self.solver},
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Writes the result as NetCDF."""
+        from flexarm.result import save
+
+        save(self.dataset, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Modes:
+        """Reads what `save` wrote.
+
+        Raises
+        ------
+        InvalidFile
+            If the file does not hold modes.
+        """
+        from flexarm.result import load, model_of
+
+        data = load(path, "modes")
+        return cls(
+            model_of(data),
+            tuple(str(name) for name in data["point"].values),
+            *(data[name].values for name in ("frequency", "damped_frequency", "damping_ratio", "shape")),
+            {k: data.attrs[k] for k in ("backend", "iterations")},
+        )
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Frequencies as stems, damping ratios beside them."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        number = np.arange(1, len(self.frequency_hz) + 1)
+        axes.stem(number, self.frequency_hz)
+        for x, f, zeta in zip(number, self.frequency_hz, self.damping_ratio, strict=True):
+            axes.annotate(f"{f:.4g} Hz\n{100 * zeta:.2g} %", (x, f), xytext=(4, 4), textcoords="offset points")
+        axes.set(xlabel="mode [-]", ylabel="frequency [Hz]", xticks=number)
+        axes.margins(0.15)
+        return axes
+
+    def summary(self) -> str:
+        """The result in lines that a person reads."""
+        lines = [f"modes of {self.arm.name}", f"{'mode':>4}{'frequency [Hz]':>18}{'damping ratio [-]':>20}"]
+        for i, (f, zeta) in enumerate(zip(self.frequency_hz, self.damping_ratio, strict=True), 1):
+            lines.append(f"{i:4d}{f:18.6f}{zeta:20.6f}")
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{f:.4g}" for f in self.frequency_hz[:4])
+        more = ", ..." if len(self.frequency_hz) > 4 else ""
+        return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
+
+
+def modes(
+    arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, gravity: bool = True
+) -> Modes:
+    """Modes about the equilibrium with the joints' drives held.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    joints : dict of str to float, optional
+        Drive angles, output side [rad, m for a prismatic joint]; default 0.
+    count : int
+        How many; fewer come where the model has fewer.
+    gravity : bool
+        With gravity, which deforms the arm and changes its stiffness.
+
+    Raises
+    ------
+    InvalidParameter
+        If a joint does not exist or count is below 1.
+    NotConverged
+        If there is no stable equilibrium.
+    """
+    if count < 1:
+        raise InvalidParameter(f"must be at least 1, got {count}", where="count")
+    system = assemble(arm)
+    g = np.array(arm.gravity) if gravity else np.zeros(3)
+    equilibrium = _core.static_equilibrium(system, joint_values(arm, joints or {}), _core.Loads(gravity=g))
+    found = _core.modes(system, equilibrium, count)
+    shape = np.array(found.shapes).T.reshape(-1, len(arm.points), 6)
+    arrays = [np.array(a) for a in (found.frequency_hz, found.damped_frequency_hz, found.damping_ratio)]
+    for array in (*arrays, shape):
+        array.setflags(write=False)
+    solver = {"backend": _core.build_info().solver, "iterations": found.iterations}
+    return Modes(arm, tuple(point.name for point in arm.points), *arrays, shape, solver)

@@ -1,0 +1,82 @@
+"""What results share: where they come from, and how they are stored."""
+
+from __future__ import annotations
+
+import hashlib
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flexarm.configuration import config
+from flexarm.errors import InvalidFile
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexarm.arm import Arm
+
+
+def provenance(arm: Arm) -> dict[str, str]:
+    """Attributes of every stored result: versions, backend, the model and its hash, and when."""
+    from flexarm.tables import toml_text
+
+    model = toml_text(arm.to_dict())
+    versions = config()
+    return {
+        "flexarm_version": versions["flexarm"],
+        "git": versions["git"],
+        "backend": versions["step factorisation"],
+        "licence_of_build": versions["licence of this build"],
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "model": model,
+        "model_sha256": hashlib.sha256(model.encode()).hexdigest(),
+    }
+
+
+def save(dataset: xr.Dataset, path: str | Path) -> None:
+    """Writes a dataset as NetCDF; the file appears when it is whole.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be written.
+    """
+    target = Path(path)
+    partial = target.with_name(f".{target.name}.partial")
+    try:
+        dataset.to_netcdf(partial, engine="h5netcdf")
+        partial.replace(target)
+    except OSError as error:
+        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def load(path: str | Path, kind: str) -> xr.Dataset:
+    """Reads a dataset that `save` wrote.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is missing, is no NetCDF file, or holds another kind of result.
+    """
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            dataset = opened.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise InvalidFile(path, "file", f"cannot be read as NetCDF: {error}") from None
+    if dataset.attrs.get("kind") != kind:
+        found = dataset.attrs.get("kind", "nothing that flexarm wrote")
+        raise InvalidFile(path, "kind", f"must be {kind!r}, got {found!r}")
+    return dataset
+
+
+def model_of(dataset: xr.Dataset) -> Arm:
+    """The arm that a stored result was computed with."""
+    import tomllib
+
+    from flexarm.arm import Arm
+
+    return Arm.from_dict(tomllib.loads(dataset.attrs["model"]))

@@ -1,0 +1,357 @@
+"""Transient runs of an arm along its drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.assembly import assemble, joint_values
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.record import Record
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+Progress = bool | Callable[[float], object] | None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation:
+    """A run. Arrays are read-only; the first axis is the instant.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    time : ndarray, shape (n,)
+        Instants [s].
+    position, velocity : ndarray, shape (n, point, 3)
+        Of the points, base axes [m], [m/s].
+    joint_angle, joint_rate : ndarray, shape (n, joint)
+        Angle theta of each link about its joint [rad, m if prismatic] and its rate.
+    drive_angle, drive_rate : ndarray, shape (n, joint)
+        Angle phi of each motor over the ratio, and its rate.
+    joint_torque, motor_torque : ndarray, shape (n, joint)
+        Torque on the child about +axis, and of the motor with rotor inertia and friction; output side [N m].
+    kinetic, elastic, gravity, damped, work : ndarray, shape (n,)
+        Energies, and what damping took and drives gave since the start [J].
+    orientation, angular_rate : ndarray, shape (n, point, 4) and (n, point, 3), or None
+        Quaternion x, y, z, w and rate in body axes [rad/s]; with `rotations=True`.
+    section_forces : ndarray, shape (n, link, 2, 6), or None
+        (N, Vy, Vz, T, My, Mz) at both ends of each link, section axes [N, N m]; with `forces=True`.
+    base_wrench : ndarray, shape (n, 6), or None
+        Force and moment on the base about its origin, base axes [N, N m]; with `forces=True`.
+    solver : dict
+        Backend, step, alpha, counts of steps, iterations and factorisations, seconds.
+    """
+
+    arm: Arm
+    time: Floats
+    position: Floats
+    velocity: Floats
+    joint_angle: Floats
+    joint_rate: Floats
+    drive_angle: Floats
+    drive_rate: Floats
+    joint_torque: Floats
+    motor_torque: Floats
+    kinetic: Floats
+    elastic: Floats
+    gravity: Floats
+    damped: Floats
+    work: Floats
+    orientation: Floats | None = None
+    angular_rate: Floats | None = None
+    section_forces: Floats | None = None
+    base_wrench: Floats | None = None
+    solver: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of the points."""
+        return tuple(point.name for point in self.arm.points)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return tuple(joint.name for joint in self.arm.joints)
+
+    @property
+    def acceleration(self) -> Floats | None:
+        """Specific force at the points in body axes [m/s2], (n, point, 3), as an IMU has it: +g up at rest.
+
+        From the derivative of a cubic spline through the velocities; None without `rotations=True`.
+        """
+        if self.orientation is None:
+            return None
+        from scipy.interpolate import CubicSpline
+        from scipy.spatial.transform import Rotation
+
+        rate = CubicSpline(self.time, self.velocity)(self.time, 1)
+        specific = rate - np.asarray(self.arm.gravity)
+        turn = Rotation.from_quat(self.orientation.reshape(-1, 4))
+        return turn.inv().apply(specific.reshape(-1, 3)).reshape(specific.shape)
+
+    def at(self, times: ArrayLike, point: str) -> Floats:
+        """Positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation."""
+        from flexarm.measurement.sampling import sample
+
+        if point not in self.points:
+            raise InvalidParameter(f"there is no point {point!r}; there are {', '.join(self.points)}")
+        i = self.points.index(point)
+        when = np.atleast_1d(np.asarray(times, dtype=float))
+        return sample(self.time, self.position[:, i], when, self.velocity[:, i])
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The same as an xarray Dataset with units."""
+        import xarray as xr
+
+        from flexarm.result import provenance
+
+        variables = {
+            name: (dims, getattr(self, name), {"units": unit, "long_name": text})
+            for name, (dims, unit, text) in _VARIABLES.items()
+            if getattr(self, name) is not None
+        }
+        return xr.Dataset(
+            variables,
+            {
+                "time": ("time", self.time, {"units": "s"}),
+                "point": list(self.points),
+                "joint": list(self.joints),
+                "link": [link.name for link in self.arm.links],
+                "axis": ["x", "y", "z"],
+                "end": ["start", "end"],
+                "component": ["N", "Vy", "Vz", "T", "My", "Mz"],
+                "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
+                "quaternion": ["x", "y", "z", "w"],
+            },
+            {"kind": "simulation", **provenance(self.arm), **self.solver},
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Writes the run as NetCDF, with the model it was made with."""
+        from flexarm.result import save
+
+        save(self.dataset, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Simulation:
+        """Reads what `save` wrote.
+
+        Raises
+        ------
+        InvalidFile
+            If the file is not a stored run.
+        """
+        from flexarm.result import load, model_of
+
+        data = load(path, "simulation")
+        arrays = {name: _frozen(data[name].values) for name in _VARIABLES if name in data}
+        solver = {name: data.attrs[name] for name in _COUNTS if name in data.attrs}
+        return cls(model_of(data), _frozen(data["time"].values), **arrays, solver=solver)
+
+    def plot(self, ax: Axes | None = None, point: str | None = None) -> Axes:
+        """Coordinates of a point (default: the last one) against time; all joints' angles without points."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        if self.points:
+            name = self.points[-1] if point is None else point
+            i = self.points.index(name)
+            for k, axis in enumerate("xyz"):
+                axes.plot(self.time, self.position[:, i, k], label=f"{name} {axis}")
+            axes.set(xlabel="time [s]", ylabel="position [m]")
+        else:
+            axes.plot(self.time, self.joint_angle, label=list(self.joints))
+            axes.set(xlabel="time [s]", ylabel="joint angle [rad]")
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "no instants"
+        return (
+            f"<Simulation of {self.arm.name!r}: {span}, {len(self.time)} instants, "
+            f"points {', '.join(self.points) or 'none'}>"
+        )
+
+
+_VARIABLES = {
+    "position": (("time", "point", "axis"), "m", "position of points, base axes"),
+    "velocity": (("time", "point", "axis"), "m/s", "velocity of points, base axes"),
+    "joint_angle": (("time", "joint"), "rad", "angle of the link about its joint"),
+    "joint_rate": (("time", "joint"), "rad/s", "its rate"),
+    "drive_angle": (("time", "joint"), "rad", "angle of the motor over the ratio"),
+    "drive_rate": (("time", "joint"), "rad/s", "its rate"),
+    "joint_torque": (("time", "joint"), "N m", "torque on the child about the axis"),
+    "motor_torque": (("time", "joint"), "N m", "torque of the motor times the ratio"),
+    "kinetic": (("time",), "J", "kinetic energy"),
+    "elastic": (("time",), "J", "elastic energy"),
+    "gravity": (("time",), "J", "potential energy of gravity"),
+    "damped": (("time",), "J", "taken by damping and friction since the start"),
+    "work": (("time",), "J", "work of drives and loads since the start"),
+    "orientation": (("time", "point", "quaternion"), "1", "orientation of the section at the points"),
+    "angular_rate": (("time", "point", "axis"), "rad/s", "angular rate, body axes"),
+    "section_forces": (("time", "link", "end", "component"), "N, N m", "section forces, section axes"),
+    "base_wrench": (("time", "wrench"), "N, N m", "what the arm puts on the base, base axes"),
+}
+_COUNTS = ("backend", "step", "alpha", "steps", "iterations", "factorisations", "halvings", "seconds")
+
+
+def simulate(
+    arm: Arm,
+    drive: Drive | Record,
+    *,
+    step: float = 2e-3,
+    alpha: float = -0.05,
+    end: float | None = None,
+    forces: bool = False,
+    rotations: bool = False,
+    progress: Progress = None,
+) -> Simulation:
+    """A run from equilibrium at rest along the drives.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    drive : Drive or Record
+        What moves the joints. A record's drive signals are smoothed by their noise, and its payloads are used.
+    step : float
+        Time step [s].
+    alpha : float
+        Of the HHT method, -1/3 to 0; 0 damps nothing, negative values damp high frequencies.
+    end : float, optional
+        End of the run [s]; default: of the drive.
+    forces, rotations : bool
+        Record section forces and base reaction; orientations and angular rates of the points.
+    progress : bool or callable, optional
+        True shows a bar on standard error; a callable gets the share done and may return False to stop.
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    InvalidParameter
+        If the drive does not fit the arm, or step or alpha is out of range.
+    NotConverged
+        With time, iteration and residual.
+    KeyboardInterrupt
+        On Ctrl-C, within a tenth of a second.
+
+    Examples
+    --------
+    >>> drive = flexarm.Drive.from_samples([0, 1, 2, 3], {"hinge": [0, 0.2, 0.4, 0.4]})  # doctest: +SKIP
+    >>> run = flexarm.simulate(arm, drive)  # doctest: +SKIP
+    """
+    if isinstance(drive, Record):
+        return simulate(
+            drive.applied_to(arm),
+            Drive.from_record(drive, arm),
+            step=step,
+            alpha=alpha,
+            end=end,
+            forces=forces,
+            rotations=rotations,
+            progress=progress,
+        )
+    moving = [joint.name for joint in arm.moving_joints]
+    for name in drive.joints:
+        if name not in moving:
+            raise InvalidParameter(
+                f"the drive moves {name!r}, which is no moving joint; there are {', '.join(moving)}"
+            )
+    options = _core.TransientOptions()
+    options.start, options.end = drive.start, drive.end if end is None else float(end)
+    options.step, options.alpha = float(step), float(alpha)
+    options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
+
+    system = assemble(arm, {name: joint.kind for name, joint in drive.joints.items()})
+    first = {
+        name: float(joint(options.start)) for name, joint in drive.joints.items() if joint.side != "torque"
+    }
+    values = joint_values(arm, {**drive.rest, **first})
+    equilibrium = _core.static_equilibrium(system, values, _core.Loads(gravity=np.array(arm.gravity)))
+    hold = _core.PiecewisePolynomial.constant(0.0)
+    drives = [
+        drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints
+    ]
+    with _reported(progress, arm.name) as report:
+        run = _core.simulate(system, equilibrium, drives, options, report)
+    return _simulation(arm, run, options)
+
+
+@contextmanager
+def _reported(progress: Progress, name: str) -> Iterator[Callable[[float], object] | None]:
+    """The callback for the core: a bar, the caller's own, or none."""
+    if progress is None or progress is False or callable(progress):
+        yield progress if callable(progress) else None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=100, desc=name, unit="%", bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}") as bar:
+
+        def show(done: float) -> None:
+            bar.update(100 * done - bar.n)
+
+        yield show
+        bar.update(100 - bar.n)
+
+
+def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions) -> Simulation:
+    """The core's columns as arrays with the instant first."""
+    n, p, links = len(run.time), len(arm.points), len(arm.links)
+
+    def columns(name: str, *shape: int) -> Floats | None:
+        block = getattr(run, name)
+        return _frozen(block.T.reshape(n, *shape)) if block.size or 0 in shape else None
+
+    joints = {
+        name: columns(name, len(arm.joints))
+        for name in ("joint_angle", "joint_rate", "drive_angle", "drive_rate", "joint_torque", "motor_torque")
+    }
+    energies = {
+        name: _frozen(getattr(run, name)) for name in ("kinetic", "elastic", "gravity", "damped", "work")
+    }
+    arrays: dict[str, Any] = {
+        **joints,
+        **energies,
+        "position": columns("position", p, 3),
+        "velocity": columns("velocity", p, 3),
+        "section_forces": columns("section_forces", links, 2, 6),
+        "base_wrench": columns("base_wrench", 6),
+    }
+    if options.record_rotations:
+        arrays |= {"orientation": columns("orientation", p, 4), "angular_rate": columns("angular_rate", p, 3)}
+    counts = run.statistics
+    solver = {
+        "backend": _core.build_info().solver,
+        "step": options.step,
+        "alpha": options.alpha,
+        "steps": counts.steps,
+        "iterations": counts.iterations,
+        "factorisations": counts.factorisations,
+        "halvings": counts.halvings,
+        "seconds": run.seconds,
+    }
+    return Simulation(arm, _frozen(run.time), **arrays, solver=solver)
+
+
+def _frozen(values: ArrayLike) -> Floats:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,268 @@
+"""Equilibrium of a loaded arm at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.assembly import assemble, joint_values, point_loads
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Statics:
+    """An equilibrium. Arrays are read-only.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    points, joints, links : tuple of str
+        Names, in the order of the arrays.
+    position, displacement : ndarray, shape (point, 3)
+        Where the points are, base axes, and how far from the rigid arm at the same drive angles [m].
+    joint_torque, drive_angle, link_angle : ndarray, shape (joint,)
+        Torque on the child about +axis, output side [N m], and angles of drive and link [rad].
+    section_forces : ndarray, shape (link, 2, 6)
+        (N, Vy, Vz, T, My, Mz) at start and end of each beam, section axes; NaN for rigid links [N, N m].
+    base_wrench : ndarray, shape (6,)
+        Force and moment that the arm puts on the base about its origin, base axes [N, N m].
+    solver : dict
+        Backend, iterations, load steps, largest unbalanced force left.
+    """
+
+    arm: Arm
+    points: tuple[str, ...]
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    position: Floats
+    displacement: Floats
+    joint_torque: Floats
+    drive_angle: Floats
+    link_angle: Floats
+    section_forces: Floats
+    base_wrench: Floats
+    solver: dict[str, Any]
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `flexarm static --json`."""
+        beams = [(i, link.name) for i, link in enumerate(self.arm.links) if link.type == "beam"]
+        ends = ("start", "end")
+        return {
+            "points": {
+                name: {"position": self.position[i].tolist(), "displacement": self.displacement[i].tolist()}
+                for i, name in enumerate(self.points)
+            },
+            "joints": {
+                name: {
+                    "torque": float(self.joint_torque[i]),
+                    "drive_angle": float(self.drive_angle[i]),
+                    "link_angle": float(self.link_angle[i]),
+                }
+                for i, name in enumerate(self.joints)
+            },
+            "links": {
+                name: {end: _wrench(self.section_forces[i, k]) for k, end in enumerate(ends)}
+                for i, name in beams
+            },
+            "base": _wrench(self.base_wrench),
+            "solver": self.solver,
+        }
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The same as an xarray Dataset with units."""
+        import xarray as xr
+
+        from flexarm.result import provenance
+
+        axis = ["x", "y", "z"]
+        component = ["N", "Vy", "Vz", "T", "My", "Mz"]
+        return xr.Dataset(
+            {
+                "position": (("point", "axis"), self.position, {"units": "m"}),
+                "displacement": (("point", "axis"), self.displacement, {"units": "m"}),
+                "joint_torque": (("joint",), self.joint_torque, {"units": "N m"}),
+                "drive_angle": (("joint",), self.drive_angle, {"units": "rad"}),
+                "link_angle": (("joint",), self.link_angle, {"units": "rad"}),
+                "section_forces": (
+                    ("link", "end", "component"),
+                    self.section_forces,
+                    {"units": "N, N m", "axes": "of the section"},
+                ),
+                "base_wrench": (("wrench",), self.base_wrench, {"units": "N, N m"}),
+            },
+            {
+                "point": list(self.points),
+                "joint": list(self.joints),
+                "link": list(self.links),
+                "axis": axis,
+                "end": ["start", "end"],
+                "component": component,
+                "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
+            },
+            {"kind": "statics", **provenance(self.arm), **self.solver},
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Writes the result as NetCDF."""
+        from flexarm.result import save
+
+        save(self.dataset, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Statics:
+        """Reads what `save` wrote.
+
+        Raises
+        ------
+        InvalidFile
+            If the file is not a stored equilibrium.
+        """
+        from flexarm.result import load, model_of
+
+        data = load(path, "statics")
+        names = ("position", "displacement", "joint_torque", "drive_angle", "link_angle", "section_forces")
+        solver = {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")}
+        return cls(
+            model_of(data),
+            *(tuple(str(name) for name in data[kind].values) for kind in ("point", "joint", "link")),
+            *(_frozen(data[name].values) for name in names),
+            _frozen(data["base_wrench"].values),
+            solver,
+        )
+
+    def plot(self, ax: Axes | None = None, scale: float = 1.0) -> Axes:
+        """Rigid and deformed places of the points in the x-z plane, displacements times `scale`."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        rigid = self.position - self.displacement
+        shown = rigid + scale * self.displacement
+        axes.plot(rigid[:, 0], rigid[:, 2], "o", mfc="none", color="0.5", label="rigid arm")
+        axes.plot(shown[:, 0], shown[:, 2], "o", color="C0", label=f"equilibrium, displacement x{scale:g}")
+        for i, name in enumerate(self.points):
+            axes.annotate(name, shown[i, [0, 2]], xytext=(6, 4), textcoords="offset points")
+        axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
+        axes.legend()
+        return axes
+
+    def summary(self) -> str:
+        """The result in lines that a person reads."""
+        lines = [f"equilibrium of {self.arm.name} under gravity {list(self.arm.gravity)} m/s2"]
+        lines.append(f"{'point':<16}{'x [m]':>12}{'y [m]':>12}{'z [m]':>12}{'moved [mm]':>34}")
+        for i, name in enumerate(self.points):
+            where = "".join(f"{value:12.6f}" for value in self.position[i])
+            moved = ", ".join(f"{1e3 * value:.4f}" for value in self.displacement[i])
+            lines.append(f"{name:<16}{where}{moved:>34}")
+        lines.append(f"{'joint':<16}{'drive [rad]':>14}{'link [rad]':>14}{'torque [N m]':>16}")
+        for i, name in enumerate(self.joints):
+            lines.append(
+                f"{name:<16}{self.drive_angle[i]:14.8f}{self.link_angle[i]:14.8f}{self.joint_torque[i]:16.5f}"
+            )
+        lines.append(f"{'beam':<16}{'N, Vy, Vz [N]':>36}{'T, My, Mz [N m]':>36}")
+        for i, link in enumerate(self.arm.links):
+            for k, end in enumerate(("start", "end") if link.type == "beam" else ()):
+                force, moment = _text(self.section_forces[i, k, :3]), _text(self.section_forces[i, k, 3:])
+                lines.append(f"{link.name + ' ' + end:<16}{force:>36}{moment:>36}")
+        force, moment = _text(self.base_wrench[:3]), _text(self.base_wrench[3:])
+        lines.append(f"{'on the base':<16}{force:>36}{moment:>36}   about its origin, base axes")
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        largest = 1e3 * np.linalg.norm(self.displacement, axis=1).max(initial=0.0)
+        return (
+            f"<Statics of {self.arm.name!r}: {len(self.points)} points, moved up to {largest:.4g} mm "
+            f"from the rigid arm>"
+        )
+
+
+def static(
+    arm: Arm, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
+) -> Statics:
+    """Equilibrium under gravity and point forces, the joints' drives held.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    joints : dict of str to float, optional
+        Drive angles, output side [rad, m for a prismatic joint]; default 0.
+    forces : dict of str to (3,), optional
+        Forces at points, base axes [N].
+
+    Raises
+    ------
+    InvalidParameter
+        If a joint or point does not exist.
+    NotConverged
+        If there is no stable equilibrium; the message says at what part of the load the arm buckles.
+
+    Examples
+    --------
+    >>> flexarm.static(arm, joints={"hinge": 0.5}).displacement  # doctest: +SKIP
+    """
+    values = joint_values(arm, joints or {})
+    loads = point_loads(arm, forces or {})
+    system = assemble(arm, loaded=forces or ())
+    acting = _core.Loads(gravity=np.array(arm.gravity), points=loads)
+    equilibrium = _core.static_equilibrium(system, values, acting)
+    state, rigid = equilibrium.state, system.rigid_state(values)
+    names = tuple(point.name for point in arm.points)
+    position = _positions(system, state, len(names))
+    return Statics(
+        arm,
+        names,
+        tuple(joint.name for joint in arm.joints),
+        tuple(link.name for link in arm.links),
+        _frozen(position),
+        _frozen(position - _positions(system, rigid, len(names))),
+        _frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
+        _frozen(values),
+        _frozen(_core.joint_angles(system, state)),
+        _frozen([_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]),
+        _frozen(_core.base_wrench(system, state)),
+        {
+            "backend": _core.build_info().solver,
+            "iterations": equilibrium.iterations,
+            "load_steps": equilibrium.load_steps,
+            "residual_N": equilibrium.residual,
+        },
+    )
+
+
+def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
+    return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
+
+
+def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:
+    if kind != "beam":
+        return np.full((2, 6), np.nan)
+    forces = _core.section_forces(system, state, loads, link)
+    return np.array([forces.start, forces.end])
+
+
+def _wrench(values: Floats) -> dict[str, list[float]]:
+    return {"force": values[:3].tolist(), "moment": values[3:].tolist()}
+
+
+def _text(values: Floats) -> str:
+    return ", ".join(f"{value:.4f}" for value in values)
+
+
+def _frozen(values: ArrayLike) -> Floats:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
