@@ -16,12 +16,13 @@ void bind_assembly(py::module_& m) {
       .value("free", DriveKind::free)
       .value("locked", DriveKind::locked)
       .finalize();
-  py::class_<PointLoad>(m, "PointLoad", "Force and moment at a point, in base axes, or in the link's if it follows.")
+  py::class_<PointLoad>(m, "PointLoad",
+                        "Force and moment at a point, in base axes, or in the link's if it follows.")
       .def(py::init([](int point, const Vector3d& force, const Vector3d& moment, bool follows) {
              return PointLoad{point, force, moment, follows};
            }),
-           py::kw_only(), py::arg("point"), py::arg("force") = Vector3d::Zero(), py::arg("moment") = Vector3d::Zero(),
-           py::arg("follows") = false);
+           py::kw_only(), py::arg("point"), py::arg("force") = Vector3d::Zero(),
+           py::arg("moment") = Vector3d::Zero(), py::arg("follows") = false);
   py::class_<Loads>(m, "Loads", "What acts from outside: gravity and point loads.")
       .def(py::init([](const Vector3d& gravity, std::vector<PointLoad> points) {
              return Loads{gravity, std::move(points), {}};
@@ -34,7 +35,8 @@ void bind_assembly(py::module_& m) {
       .def_readonly("v", &State::v)
       .def_readonly("multipliers", &State::multipliers);
   py::class_<System>(m, "System", "An arm, assembled.")
-      .def(py::init<const flexarm::model::Arm&, const std::map<std::string, DriveKind>&>(), py::arg("arm"), py::arg("drives"))
+      .def(py::init<const flexarm::model::Arm&, const std::map<std::string, DriveKind>&>(), py::arg("arm"),
+           py::arg("drives"))
       .def_property_readonly("n_nodes", &System::n_nodes)
       .def_property_readonly("n_unknowns", &System::n_unknowns)
       .def_property_readonly("mass", &System::mass, "Mass of everything [kg].")

@@ -8,8 +8,8 @@ using namespace flexarm::geometry;
 
 void bind_geometry(py::module_& m) {
   py::class_<Frame>(m, "Frame", "A rigid placement: rotation matrix R and position x [m].")
-      .def(py::init([](const Matrix3d& R, const Vector3d& x) { return Frame{R, x}; }), py::arg("R") = Matrix3d::Identity(),
-           py::arg("x") = Vector3d::Zero())
+      .def(py::init([](const Matrix3d& R, const Vector3d& x) { return Frame{R, x}; }),
+           py::arg("R") = Matrix3d::Identity(), py::arg("x") = Vector3d::Zero())
       .def_readwrite("R", &Frame::R)
       .def_readwrite("x", &Frame::x)
       .def("inverse", &Frame::inverse)

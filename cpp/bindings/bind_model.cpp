@@ -9,7 +9,8 @@ namespace py = pybind11;
 using namespace flexarm::model;
 
 void bind_model(py::module_& m) {
-  py::class_<Section>(m, "Section", "Properties of a cross-section, shear factors included in the shear areas.")
+  py::class_<Section>(m, "Section",
+                      "Properties of a cross-section, shear factors included in the shear areas.")
       .def(py::init([](double A, double Iy, double Iz, double J, double Ay, double Az) {
              return Section{A, Iy, Iz, J, Ay, Az};
            }),
@@ -37,9 +38,9 @@ void bind_model(py::module_& m) {
                        const Material& material, BeamTheory theory, int elements, double damping_ratio) {
              return BeamLink{std::move(name), end, up, section, material, theory, elements, damping_ratio};
            }),
-           py::kw_only(), py::arg("name"), py::arg("end"), py::arg("up") = Vector3d::Zero(), py::arg("section"),
-           py::arg("material"), py::arg("theory") = BeamTheory::timoshenko, py::arg("elements") = 4,
-           py::arg("damping_ratio") = 0.0);
+           py::kw_only(), py::arg("name"), py::arg("end"), py::arg("up") = Vector3d::Zero(),
+           py::arg("section"), py::arg("material"), py::arg("theory") = BeamTheory::timoshenko,
+           py::arg("elements") = 4, py::arg("damping_ratio") = 0.0);
   py::class_<RigidLink>(m, "RigidLink", "A rigid body.")
       .def(py::init([](std::string name, double mass, const Vector3d& com, const Matrix3d& inertia) {
              return RigidLink{std::move(name), mass, com, inertia};
@@ -47,12 +48,12 @@ void bind_model(py::module_& m) {
            py::kw_only(), py::arg("name"), py::arg("mass") = 0.0, py::arg("com") = Vector3d::Zero(),
            py::arg("inertia") = Matrix3d::Zero());
   py::class_<Payload>(m, "Payload", "A concentrated mass.")
-      .def(py::init([](std::string name, std::string link, const Vector3d& position, double mass, const Matrix3d& inertia,
-                       const Vector3d& offset) {
+      .def(py::init([](std::string name, std::string link, const Vector3d& position, double mass,
+                       const Matrix3d& inertia, const Vector3d& offset) {
              return Payload{std::move(name), std::move(link), position, mass, inertia, offset};
            }),
-           py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(), py::arg("mass"),
-           py::arg("inertia") = Matrix3d::Zero(), py::arg("offset") = Vector3d::Zero());
+           py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
+           py::arg("mass"), py::arg("inertia") = Matrix3d::Zero(), py::arg("offset") = Vector3d::Zero());
   py::class_<Point>(m, "Point", "A place to look at, or to push at.")
       .def(py::init([](std::string name, std::string link, const Vector3d& position, bool loaded) {
              return Point{std::move(name), std::move(link), position, loaded};
@@ -60,24 +61,26 @@ void bind_model(py::module_& m) {
            py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
            py::arg("loaded") = false);
   py::class_<Joint>(m, "Joint", "A joint with its drive train.")
-      .def(py::init([](std::string name, flexarm::joints::JointType type, std::string parent, std::string child, bool at_end,
-                       const flexarm::geometry::Frame& origin, const Vector3d& axis,
-                       const flexarm::joints::DriveTrain& drive_train) {
-             return Joint{std::move(name), type, std::move(parent), std::move(child), at_end, origin, axis, drive_train};
+      .def(py::init([](std::string name, flexarm::joints::JointType type, std::string parent,
+                       std::string child, bool at_end, const flexarm::geometry::Frame& origin,
+                       const Vector3d& axis, const flexarm::joints::DriveTrain& drive_train) {
+             return Joint{std::move(name), type, std::move(parent), std::move(child), at_end,
+                          origin,          axis, drive_train};
            }),
-           py::kw_only(), py::arg("name"), py::arg("type"), py::arg("parent"), py::arg("child"), py::arg("at_end") = false,
-           py::arg("origin"), py::arg("axis"), py::arg("drive_train"));
+           py::kw_only(), py::arg("name"), py::arg("type"), py::arg("parent"), py::arg("child"),
+           py::arg("at_end") = false, py::arg("origin"), py::arg("axis"), py::arg("drive_train"));
   py::class_<Gear>(m, "Gear", "theta of input = ratio times theta of output.")
       .def(py::init([](std::string name, std::string input, std::string output, double ratio) {
              return Gear{std::move(name), std::move(input), std::move(output), ratio};
            }),
            py::kw_only(), py::arg("name"), py::arg("input"), py::arg("output"), py::arg("ratio"));
   py::class_<Arm>(m, "Arm", "An arm as plain data.")
-      .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links, std::vector<Joint> joints,
-                       std::vector<Payload> payloads, std::vector<Point> points, std::vector<Gear> gears) {
-             return Arm{std::move(name), gravity, std::move(links), std::move(joints), std::move(payloads),
-                        std::move(points), std::move(gears)};
+      .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links,
+                       std::vector<Joint> joints, std::vector<Payload> payloads, std::vector<Point> points,
+                       std::vector<Gear> gears) {
+             return Arm{std::move(name),     gravity,           std::move(links), std::move(joints),
+                        std::move(payloads), std::move(points), std::move(gears)};
            }),
-           py::kw_only(), py::arg("name"), py::arg("gravity"), py::arg("links"), py::arg("joints"), py::arg("payloads"),
-           py::arg("points"), py::arg("gears"));
+           py::kw_only(), py::arg("name"), py::arg("gravity"), py::arg("links"), py::arg("joints"),
+           py::arg("payloads"), py::arg("points"), py::arg("gears"));
 }

@@ -14,8 +14,9 @@ using namespace flexarm::simulation;
 namespace {
 
 /// Runs without the interpreter's lock; takes it now and then for signals (Ctrl-C) and the caller's progress.
-Transient run(const System& system, const Equilibrium& equilibrium, const std::vector<PiecewisePolynomial>& drives,
-              const TransientOptions& options, const py::object& progress) {
+Transient run(const System& system, const Equilibrium& equilibrium,
+              const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+              const py::object& progress) {
   const Progress poll = [&](double done) {
     const py::gil_scoped_acquire lock;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -36,8 +37,8 @@ void bind_statics(py::module_& m) {
       [](const System& system, const std::vector<double>& joint_values, const Loads& loads) {
         return static_equilibrium(system, joint_values, loads);
       },
-      "Equilibrium of the loaded arm, drives held.", py::arg("system"), py::arg("joint_values"), py::arg("loads"),
-      py::call_guard<py::gil_scoped_release>());
+      "Equilibrium of the loaded arm, drives held.", py::arg("system"), py::arg("joint_values"),
+      py::arg("loads"), py::call_guard<py::gil_scoped_release>());
   py::class_<Modes>(m, "Modes", "Modes about an equilibrium.")
       .def_readonly("frequency_hz", &Modes::frequency_hz)
       .def_readonly("damping_ratio", &Modes::damping_ratio)
@@ -52,17 +53,18 @@ void bind_statics(py::module_& m) {
       .def_readonly("end", &SectionForces::end);
   m.def("section_forces", &section_forces, "Section forces of a link.", py::arg("system"), py::arg("state"),
         py::arg("loads"), py::arg("link"));
-  m.def("joint_torque", &joint_torque, "Torque on the child about the axis.", py::arg("system"), py::arg("state"),
-        py::arg("joint"));
-  m.def("motor_torques", &motor_torques, "Motor torques, output-referred.", py::arg("system"), py::arg("state"),
-        py::arg("friction"));
+  m.def("joint_torque", &joint_torque, "Torque on the child about the axis.", py::arg("system"),
+        py::arg("state"), py::arg("joint"));
+  m.def("motor_torques", &motor_torques, "Motor torques, output-referred.", py::arg("system"),
+        py::arg("state"), py::arg("friction"));
   m.def("base_wrench", &base_wrench, "What the arm puts on the base.", py::arg("system"), py::arg("state"));
   m.def(
       "joint_angles",
       [](const System& system, const State& state) {
         Eigen::VectorXd theta = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system.joints().size()));
         for (std::size_t j = 0; j < system.joints().size(); ++j) {
-          if (system.joints()[j].theta >= 0) theta[static_cast<Eigen::Index>(j)] = state.s[system.joints()[j].theta];
+          if (system.joints()[j].theta >= 0)
+            theta[static_cast<Eigen::Index>(j)] = state.s[system.joints()[j].theta];
         }
         return theta;
       },
@@ -71,7 +73,8 @@ void bind_statics(py::module_& m) {
 
 void bind_transient(py::module_& m) {
   using flexarm::solvers::HhtStatistics;
-  py::class_<PiecewisePolynomial>(m, "PiecewisePolynomial", "Piecewise polynomial as scipy.interpolate.PPoly.")
+  py::class_<PiecewisePolynomial>(m, "PiecewisePolynomial",
+                                  "Piecewise polynomial as scipy.interpolate.PPoly.")
       .def(py::init<std::vector<double>, Eigen::MatrixXd>(), py::arg("breaks"), py::arg("coefficients"))
       .def_static("constant", &PiecewisePolynomial::constant, py::arg("value"))
       .def("__call__", &PiecewisePolynomial::operator(), "Value and two derivatives.", py::arg("t"));
@@ -118,9 +121,10 @@ void bind_transient(py::module_& m) {
   m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),
         py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
   py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")
-      .def(py::init<const System&, const Equilibrium&, double, double>(), py::arg("system"), py::arg("equilibrium"),
-           py::arg("step"), py::arg("alpha") = -0.05, py::keep_alive<1, 2>())
-      .def("advance", &SampledRun::advance, "Steps with motor torques held.", py::arg("motor_torque"), py::arg("n_steps"))
+      .def(py::init<const System&, const Equilibrium&, double, double>(), py::arg("system"),
+           py::arg("equilibrium"), py::arg("step"), py::arg("alpha") = -0.05, py::keep_alive<1, 2>())
+      .def("advance", &SampledRun::advance, "Steps with motor torques held.", py::arg("motor_torque"),
+           py::arg("n_steps"))
       .def_property_readonly("time", &SampledRun::time)
       .def_property_readonly("state", &SampledRun::state)
       .def_property_readonly("drive_angles", &SampledRun::drive_angles)

@@ -10,8 +10,8 @@ namespace {
 
 // Relative to the length: nodes and places closer than this are one.
 constexpr double same_place = 1e-9;
-// A mass this close to an end or to another mass sits on the node there; its arm is kept, only the sliver of beam
-// between is rigid.
+// A mass this close to an end or to another mass sits on the node there; its arm is kept, only the sliver of
+// beam between is rigid.
 constexpr double sliver = 1e-3;
 
 }  // namespace

@@ -41,7 +41,9 @@ int System::link_index(const std::string& name) const {
   throw InvalidParameter("there is no link '" + name + "'");
 }
 
-const Frame& System::frame(const State& state, int node) const { return node < 0 ? base_frame : state.frames[node]; }
+const Frame& System::frame(const State& state, int node) const {
+  return node < 0 ? base_frame : state.frames[node];
+}
 
 System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& drives) : arm_(arm) {
   std::vector<std::vector<double>> occupied(arm_.links.size());
@@ -71,9 +73,11 @@ void System::mesh_links(const std::vector<std::vector<double>>& occupied) {
     mesh.first_node = n_nodes_;
     mesh.first_element = static_cast<int>(beams_.size());
     if (const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k])) {
-      if (!(beam->end.norm() > 0)) throw InvalidParameter("link '" + beam->name + "': `end` must not be the origin");
+      if (!(beam->end.norm() > 0))
+        throw InvalidParameter("link '" + beam->name + "': `end` must not be the origin");
       if (beam->elements < 1) {
-        throw InvalidParameter("link '" + beam->name + "': elements must be at least 1, got " + std::to_string(beam->elements));
+        throw InvalidParameter("link '" + beam->name + "': elements must be at least 1, got " +
+                               std::to_string(beam->elements));
       }
       beam->section.check();
       beam->material.check();
@@ -94,7 +98,8 @@ void System::mesh_links(const std::vector<std::vector<double>>& occupied) {
 void System::place_joints(const std::map<std::string, DriveKind>& drives) {
   for (const auto& [name, kind] : drives) joint_index(name);
 
-  // Scalar coordinates: first collected in the order of the joints, then the free ones are put before the others.
+  // Scalar coordinates: first collected in the order of the joints, then the free ones are put before the
+  // others.
   struct Scalar {
     double inertia;
     bool free;
@@ -163,7 +168,8 @@ void System::place_joints(const std::map<std::string, DriveKind>& drives) {
     const int out = joint_coordinates_[joint_index(gear.output)].theta;
     if (in < 0 || out < 0) throw InvalidParameter("gear '" + gear.name + "': both joints must turn or slide");
     if (!is_free(in) && !is_free(out)) {
-      throw InvalidParameter("gear '" + gear.name + "': input and output are both driven rigidly; drive one of them");
+      throw InvalidParameter("gear '" + gear.name +
+                             "': input and output are both driven rigidly; drive one of them");
     }
     gears_.push_back({in, out, gear.ratio});
     ++n_constraints_;
@@ -182,7 +188,8 @@ void System::place_masses() {
   std::map<int, elements::RigidBody> at_node;
   const auto add = [&](const Attachment& at, double mass, const Vector3d& com, const Matrix3d& inertia) {
     const Vector3d c = at.offset * com;
-    at_node.try_emplace(at.node, at.node).first->second.add(mass, c, at.offset.R * inertia * at.offset.R.transpose());
+    at_node.try_emplace(at.node, at.node)
+        .first->second.add(mass, c, at.offset.R * inertia * at.offset.R.transpose());
     weights_[at.node].mass += mass;
     weights_[at.node].moment += mass * c;
   };
@@ -193,7 +200,8 @@ void System::place_masses() {
     }
   }
   for (const model::Payload& payload : arm_.payloads) {
-    add(attach(meshes_[link_index(payload.link)], payload.position, true), payload.mass, payload.offset, payload.inertia);
+    add(attach(meshes_[link_index(payload.link)], payload.position, true), payload.mass, payload.offset,
+        payload.inertia);
   }
   for (const auto& [node, body] : at_node) bodies_.push_back(body);
   for (const elements::Weight& weight : weights_) mass_ += weight.mass;
@@ -215,8 +223,8 @@ void System::set_damping() {
 
 State System::rigid_state(const std::vector<double>& joint_values) const {
   if (joint_values.size() != arm_.joints.size()) {
-    throw InvalidParameter("one value for each of the " + std::to_string(arm_.joints.size()) + " joints is needed, got " +
-                           std::to_string(joint_values.size()));
+    throw InvalidParameter("one value for each of the " + std::to_string(arm_.joints.size()) +
+                           " joints is needed, got " + std::to_string(joint_values.size()));
   }
   State state;
   state.frames.resize(n_nodes_);
@@ -247,7 +255,9 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
     }
   }
   for (std::size_t k = 0; k < placed.size(); ++k) {
-    if (!placed[k]) throw InvalidParameter("link '" + model::name_of(arm_.links[k]) + "' is not connected to the base by joints");
+    if (!placed[k])
+      throw InvalidParameter("link '" + model::name_of(arm_.links[k]) +
+                             "' is not connected to the base by joints");
   }
   for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
     const JointCoordinates& at = joint_coordinates_[k];
@@ -272,7 +282,8 @@ void System::residual(const State& state, const Loads& loads, bool friction, Vec
     elements::Vector12d v, v_dot;
     v << state.v.segment<6>(n1), state.v.segment<6>(n2);
     v_dot << state.v_dot.segment<6>(n1), state.v_dot.segment<6>(n2);
-    const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()], v.head<6>(), v.tail<6>());
+    const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()], v.head<6>(),
+                                        v.tail<6>());
     const elements::Vector12d inertia = beam.inertia_forces(v, v_dot);
     r.segment<6>(n1) += f.f1 + inertia.head<6>();
     r.segment<6>(n2) += f.f2 + inertia.tail<6>();
@@ -281,7 +292,8 @@ void System::residual(const State& state, const Loads& loads, bool friction, Vec
     const int n = 6 * body.node();
     r.segment<6>(n) += body.inertia_forces(state.v.segment<6>(n), state.v_dot.segment<6>(n));
   }
-  for (int n = 0; n < n_nodes_; ++n) r.segment<6>(6 * n) -= weights_[n].force(state.frames[n].R, loads.gravity);
+  for (int n = 0; n < n_nodes_; ++n)
+    r.segment<6>(6 * n) -= weights_[n].force(state.frames[n].R, loads.gravity);
   for (const PointLoad& load : loads.points) {
     const Attachment& at = points_[load.point];
     const Matrix3d to_node = load.follows ? at.offset.R : Matrix3d(state.frames[at.node].R.transpose());
@@ -331,11 +343,13 @@ void System::violation(const State& state, VectorXd& phi) const {
   int row = 0;
   for (const joints::JointConstraint& joint : constraints_) {
     const int q = joint.coordinate();
-    phi.segment(row, joint.rows()) = joint.violation(frame(state, joint.node_a()), frame(state, joint.node_b()),
-                                                     q < 0 ? 0.0 : state.s[q]).head(joint.rows());
+    phi.segment(row, joint.rows()) =
+        joint.violation(frame(state, joint.node_a()), frame(state, joint.node_b()), q < 0 ? 0.0 : state.s[q])
+            .head(joint.rows());
     row += joint.rows();
   }
-  for (const GearConstraint& gear : gears_) phi[row++] = state.s[gear.input] - gear.ratio * state.s[gear.output];
+  for (const GearConstraint& gear : gears_)
+    phi[row++] = state.s[gear.input] - gear.ratio * state.s[gear.output];
 }
 
 VectorXd System::law_tangents(const State& state, const TangentFactors& c, bool friction) const {
@@ -344,8 +358,8 @@ VectorXd System::law_tangents(const State& state, const TangentFactors& c, bool 
     const PlacedLaw& law = laws_[k];
     kappa[k] = 0;
     if (!friction && !joints::acts_at_rest(law.law)) continue;
-    const auto response = joints::respond(law.law, deflection(law, state.s), deflection(law, state.v.tail(n_scalars())),
-                                          state.laws[k]);
+    const auto response = joints::respond(law.law, deflection(law, state.s),
+                                          deflection(law, state.v.tail(n_scalars())), state.laws[k]);
     kappa[k] = c.stiffness * response.stiffness + c.damping * response.damping;
   }
   return kappa;
@@ -365,9 +379,10 @@ Eigen::SparseMatrix<double> System::tangent(const State& state, const Loads& loa
 
 Eigen::SparseMatrix<double> System::constraint_jacobian(const State& state) const {
   std::vector<Eigen::Triplet<double>> entries;
-  emit_tangent(state, Loads{}, {0, 0, 0}, VectorXd::Zero(laws_.size()), [&](int row, int column, double value) {
-    if (row >= n_free()) entries.emplace_back(row - n_free(), column, value);
-  });
+  emit_tangent(state, Loads{}, {0, 0, 0}, VectorXd::Zero(laws_.size()),
+               [&](int row, int column, double value) {
+                 if (row >= n_free()) entries.emplace_back(row - n_free(), column, value);
+               });
   Eigen::SparseMatrix<double> J(n_constraints_, n_free());
   J.setFromTriplets(entries.begin(), entries.end());
   return J;
@@ -388,7 +403,8 @@ Vector6d System::point_velocity(const State& state, int point) const {
   } else {
     const elements::BeamElement& beam = beams_[at.element];
     v = beam.interpolate_velocity(state.frames[beam.node1()], state.frames[beam.node2()],
-                                  state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()), at.xi);
+                                  state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()),
+                                  at.xi);
   }
   return adjoint(at.offset.inverse()) * v;
 }

@@ -11,8 +11,8 @@ using namespace geometry;
 /// Four-point Gauss rule on [0, 1]: exact for products of two cubics.
 constexpr std::array<double, 4> gauss_points = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
                                                 0.93056815579702629};
-constexpr std::array<double, 4> gauss_weights = {0.17392742256872692, 0.32607257743127308, 0.32607257743127308,
-                                                 0.17392742256872692};
+constexpr std::array<double, 4> gauss_weights = {0.17392742256872692, 0.32607257743127308,
+                                                 0.32607257743127308, 0.17392742256872692};
 
 using ShapeRow = Eigen::Matrix<double, 1, 12>;
 
@@ -43,7 +43,8 @@ BeamProperties BeamProperties::from(const model::BeamLink& link) {
   return from(link.section, link.material, link.theory);
 }
 
-BeamProperties BeamProperties::from(const model::Section& s, const model::Material& m, model::BeamTheory theory) {
+BeamProperties BeamProperties::from(const model::Section& s, const model::Material& m,
+                                    model::BeamTheory theory) {
   const double E = m.youngs_modulus, G = m.shear_modulus, rho = m.density;
   const bool timoshenko = theory == model::BeamTheory::timoshenko;
   const double rigid = std::numeric_limits<double>::infinity();
@@ -62,7 +63,8 @@ BeamProperties BeamProperties::from(const model::Section& s, const model::Materi
 Eigen::Matrix<double, 2, 4> bending_shape(double xi, double length, double Phi) {
   const double L = length, x2 = xi * xi, x3 = x2 * xi;
   Eigen::Matrix<double, 2, 4> N;
-  N << 1 - 3 * x2 + 2 * x3 + Phi * (1 - xi), L * (xi - 2 * x2 + x3 + Phi / 2 * (xi - x2)), 3 * x2 - 2 * x3 + Phi * xi,
+  N << 1 - 3 * x2 + 2 * x3 + Phi * (1 - xi), L * (xi - 2 * x2 + x3 + Phi / 2 * (xi - x2)),
+      3 * x2 - 2 * x3 + Phi * xi,
       L * (x3 - x2 + Phi / 2 * (x2 - xi)),  //
       6 * (x2 - xi) / L, 1 - 4 * xi + 3 * x2 + Phi * (1 - xi), 6 * (xi - x2) / L, 3 * x2 - 2 * xi + Phi * xi;
   return N / (1 + Phi);
@@ -174,8 +176,8 @@ Frame BeamElement::interpolate(const Frame& H1, const Frame& H2, double xi) cons
   return H1 * exp6(xi * d0_ + shape_matrix(xi) * e);
 }
 
-Vector6d BeamElement::interpolate_velocity(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2,
-                                           double xi) const {
+Vector6d BeamElement::interpolate_velocity(const Frame& H1, const Frame& H2, const Vector6d& v1,
+                                           const Vector6d& v2, double xi) const {
   const Vector6d d = log6(relative(H1, H2));
   const Matrix6d N = shape_matrix(xi);
   const Vector6d c = xi * d0_ + N * (d - d0_);

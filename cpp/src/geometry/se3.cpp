@@ -40,7 +40,8 @@ double inverse_v_coefficient(double phi_squared) {
 /// asin(s)/s as a function of s², for s² below 0.01.
 double arcsine_ratio(double s_squared) {
   const double y = s_squared;
-  return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112 + y * (35.0 / 1152 + y * (63.0 / 2816 + y * 231.0 / 13312)))));
+  return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112 +
+                                                 y * (35.0 / 1152 + y * (63.0 / 2816 + y * 231.0 / 13312)))));
 }
 
 }  // namespace

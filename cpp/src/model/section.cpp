@@ -41,8 +41,8 @@ Section tube_section(double outer_diameter, double thickness) {
   require_positive(outer_diameter, "tube outer_diameter", "m");
   require_positive(thickness, "tube thickness", "m");
   if (thickness > outer_diameter / 2) {
-    throw InvalidParameter("tube thickness must be at most half the outer diameter " + std::to_string(outer_diameter) +
-                           " m, got " + std::to_string(thickness) + " m");
+    throw InvalidParameter("tube thickness must be at most half the outer diameter " +
+                           std::to_string(outer_diameter) + " m, got " + std::to_string(thickness) + " m");
   }
   const double D = outer_diameter;
   const double d = D - 2 * thickness;
@@ -69,7 +69,7 @@ Section rectangle_section(double width, double height) {
     const double k = 2 * n + 1;
     series += std::tanh(k * pi * b / (2 * h)) / std::pow(k, 5);
   }
-  const double J = b * h * h * h * (1.0 / 3 - 64 / std::pow(pi, 5) * (h / b) * series);  // eq. (4)
+  const double J = b * h * h * h * (1.0 / 3 - 64 / std::pow(pi, 5) * (h / b) * series);   // eq. (4)
   return {A, A * height * height / 12, A * width * width / 12, J, A * 5 / 6, A * 5 / 6};  // eq. (3)
 }
 

@@ -26,7 +26,8 @@ Energies energies(const System& system, const State& state, const Loads& loads) 
     const auto& law = system.laws()[k];
     E.elastic += joints::respond(law.law, system.deflection(law, state.s), 0.0, state.laws[k]).energy;
   }
-  for (int n = 0; n < system.n_nodes(); ++n) E.gravity += system.weights()[n].potential(state.frames[n], loads.gravity);
+  for (int n = 0; n < system.n_nodes(); ++n)
+    E.gravity += system.weights()[n].potential(state.frames[n], loads.gravity);
   return E;
 }
 
@@ -35,7 +36,8 @@ double beam_dissipation(const System& system, const State& state) {
   for (const auto& beam : system.beams()) {
     if (beam.damping_time() == 0) continue;
     power += beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
-                                  state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2())).dissipation;
+                                  state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()))
+                 .dissipation;
   }
   return power;
 }

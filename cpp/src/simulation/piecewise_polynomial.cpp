@@ -10,8 +10,9 @@ PiecewisePolynomial::PiecewisePolynomial(std::vector<double> breaks, Eigen::Matr
     : breaks_(std::move(breaks)), coefficients_(std::move(coefficients)) {
   if (breaks_.size() < 2 || coefficients_.rows() < 1 ||
       coefficients_.cols() + 1 != static_cast<Eigen::Index>(breaks_.size())) {
-    throw InvalidParameter("a piecewise polynomial needs one column of coefficients between two breaks, got " +
-                           std::to_string(coefficients_.cols()) + " columns and " + std::to_string(breaks_.size()) + " breaks");
+    throw InvalidParameter(
+        "a piecewise polynomial needs one column of coefficients between two breaks, got " +
+        std::to_string(coefficients_.cols()) + " columns and " + std::to_string(breaks_.size()) + " breaks");
   }
   if (!std::is_sorted(breaks_.begin(), breaks_.end(), std::less_equal<>())) {
     throw InvalidParameter("the breaks of a piecewise polynomial must rise");

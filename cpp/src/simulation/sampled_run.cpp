@@ -39,8 +39,12 @@ Eigen::VectorXd SampledRun::of_joints(const Eigen::Ref<const Eigen::VectorXd>& s
 
 Eigen::VectorXd SampledRun::drive_angles() const { return of_joints(state_.s, false); }
 Eigen::VectorXd SampledRun::joint_angles() const { return of_joints(state_.s, true); }
-Eigen::VectorXd SampledRun::drive_rates() const { return of_joints(state_.v.tail(system_.n_scalars()), false); }
-Eigen::VectorXd SampledRun::joint_rates() const { return of_joints(state_.v.tail(system_.n_scalars()), true); }
+Eigen::VectorXd SampledRun::drive_rates() const {
+  return of_joints(state_.v.tail(system_.n_scalars()), false);
+}
+Eigen::VectorXd SampledRun::joint_rates() const {
+  return of_joints(state_.v.tail(system_.n_scalars()), true);
+}
 
 Eigen::Vector3d SampledRun::point_position(int point) const { return system_.point_frame(state_, point).x; }
 

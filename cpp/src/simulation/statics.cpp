@@ -89,13 +89,21 @@ std::string failure_message(Outcome outcome, double fraction, double residual) {
   char text[256];
   switch (outcome) {
     case Outcome::unstable:
-      std::snprintf(text, sizeof text, "statics: the arm buckles at about %.3g of its load: beyond it no stable equilibrium follows from this pose", fraction);
+      std::snprintf(text, sizeof text,
+                    "statics: the arm buckles at about %.3g of its load: beyond it no stable equilibrium "
+                    "follows from this pose",
+                    fraction);
       break;
     case Outcome::singular:
-      std::snprintf(text, sizeof text, "statics: nothing holds the arm at %.3g of its load: the stiffness matrix is singular (a free joint or link?)", fraction);
+      std::snprintf(text, sizeof text,
+                    "statics: nothing holds the arm at %.3g of its load: the stiffness matrix is singular (a "
+                    "free joint or link?)",
+                    fraction);
       break;
     default:
-      std::snprintf(text, sizeof text, "statics: no equilibrium found beyond %.3g of the load, residual %.1e N", fraction, residual);
+      std::snprintf(text, sizeof text,
+                    "statics: no equilibrium found beyond %.3g of the load, residual %.1e N", fraction,
+                    residual);
   }
   return text;
 }
@@ -109,14 +117,14 @@ bool is_stable(const System& system, const State& state, const Loads& loads) {
   double largest = 0;
   for (int k = 0; k < K.rows(); ++k) largest = std::max(largest, std::abs(K.coeff(k, k)));
   // On the constraints' null space this is K; across it, so stiff that its sign cannot matter.
-  const Eigen::SparseMatrix<double> stiff =
-      0.5 * (K + Eigen::SparseMatrix<double>(K.transpose())) + 1e4 * largest * Eigen::SparseMatrix<double>(J.transpose() * J);
+  const Eigen::SparseMatrix<double> stiff = 0.5 * (K + Eigen::SparseMatrix<double>(K.transpose())) +
+                                            1e4 * largest * Eigen::SparseMatrix<double>(J.transpose() * J);
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(stiff);
   return factor.info() == Eigen::Success && (factor.vectorD().array() > 0).all();
 }
 
-Equilibrium static_equilibrium(const System& system, const std::vector<double>& joint_values, const Loads& loads,
-                               const StaticOptions& options) {
+Equilibrium static_equilibrium(const System& system, const std::vector<double>& joint_values,
+                               const Loads& loads, const StaticOptions& options) {
   Equilibrium result{.state = system.rigid_state(joint_values), .loads = loads};
   Newton newton(system, options);
   double reached = 0, step = 1;
@@ -132,7 +140,8 @@ Equilibrium static_equilibrium(const System& system, const std::vector<double>& 
       halvings = std::max(0, halvings - 1);
       step *= 2;
     } else if (++halvings > options.max_halvings) {
-      throw NotConverged(failure_message(outcome, reached, newton.residual), 0, newton.iterations, newton.residual);
+      throw NotConverged(failure_message(outcome, reached, newton.residual), 0, newton.iterations,
+                         newton.residual);
     } else {
       step = 0.5 * (target - reached);
     }

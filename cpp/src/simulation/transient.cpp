@@ -33,7 +33,8 @@ class Recorder {
       resize(n, {{&out.joint_torque, j}, {&out.motor_torque, j}});
     }
     if (options.record_energies) {
-      for (auto* column : {&out.kinetic, &out.elastic, &out.gravity, &out.damped, &out.work}) column->setZero(n);
+      for (auto* column : {&out.kinetic, &out.elastic, &out.gravity, &out.damped, &out.work})
+        column->setZero(n);
     }
     if (options.record_forces) resize(n, {{&out.section_forces, 12 * l}, {&out.base_wrench, 6}});
   }
@@ -53,7 +54,8 @@ class Recorder {
   }
 
  private:
-  static void resize(Eigen::Index n, std::initializer_list<std::pair<Eigen::MatrixXd*, Eigen::Index>> columns) {
+  static void resize(Eigen::Index n,
+                     std::initializer_list<std::pair<Eigen::MatrixXd*, Eigen::Index>> columns) {
     for (auto [matrix, rows] : columns) matrix->resize(rows, n);
   }
 
@@ -93,14 +95,19 @@ class Recorder {
     out_.kinetic[k] = E.kinetic;
     out_.elastic[k] = E.elastic;
     out_.gravity[k] = E.gravity;
-    Instant now{beam_dissipation(system_, state), load_power(system_, state, loads), law_losses(system_, state),
-                motor_torques(system_, state, true), state.s, state.t};
+    Instant now{beam_dissipation(system_, state),
+                load_power(system_, state, loads),
+                law_losses(system_, state),
+                motor_torques(system_, state, true),
+                state.s,
+                state.t};
     if (k > 0) {
       const double h = now.t - last_.t;
       double damped = 0.5 * h * (now.dissipation + last_.dissipation);
       double work = 0.5 * h * (now.power + last_.power);
       for (std::size_t i = 0; i < system_.laws().size(); ++i) {
-        const double dx = system_.deflection(system_.laws()[i], now.s) - system_.deflection(system_.laws()[i], last_.s);
+        const double dx =
+            system_.deflection(system_.laws()[i], now.s) - system_.deflection(system_.laws()[i], last_.s);
         damped += 0.5 * dx * (now.loss[i] + last_.loss[i]);
       }
       for (std::size_t j = 0; j < system_.joints().size(); ++j) {
@@ -128,9 +135,9 @@ class Recorder {
 /// Keeps the first n columns.
 void truncate(Transient& run, Eigen::Index n) {
   run.time.conservativeResize(n);
-  for (auto* m : {&run.position, &run.velocity, &run.orientation, &run.angular_rate, &run.joint_angle, &run.joint_rate,
-                  &run.drive_angle, &run.drive_rate, &run.joint_torque, &run.motor_torque, &run.section_forces,
-                  &run.base_wrench}) {
+  for (auto* m : {&run.position, &run.velocity, &run.orientation, &run.angular_rate, &run.joint_angle,
+                  &run.joint_rate, &run.drive_angle, &run.drive_rate, &run.joint_torque, &run.motor_torque,
+                  &run.section_forces, &run.base_wrench}) {
     if (m->cols() > 0) m->conservativeResize(Eigen::NoChange, n);
   }
   for (auto* v : {&run.kinetic, &run.elastic, &run.gravity, &run.damped, &run.work}) {
@@ -140,7 +147,8 @@ void truncate(Transient& run, Eigen::Index n) {
 
 }  // namespace
 
-solvers::Drives drives_of_joints(const System& system, const State& state, std::vector<PiecewisePolynomial> drives) {
+solvers::Drives drives_of_joints(const System& system, const State& state,
+                                 std::vector<PiecewisePolynomial> drives) {
   struct Driven {
     int phi;
     DriveKind kind;
@@ -151,7 +159,9 @@ solvers::Drives drives_of_joints(const System& system, const State& state, std::
     const int phi = system.joints()[j].phi;
     const DriveKind kind = system.drives()[j];
     if (phi < 0 || kind == DriveKind::free) continue;
-    driven.push_back({phi, kind, kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j])});
+    driven.push_back(
+        {phi, kind,
+         kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j])});
   }
   return [driven = std::move(driven)](double t, solvers::DriveValues& values) {
     for (const Driven& d : driven) {
@@ -167,18 +177,21 @@ solvers::Drives drives_of_joints(const System& system, const State& state, std::
   };
 }
 
-Transient simulate(const System& system, const Equilibrium& equilibrium, const std::vector<PiecewisePolynomial>& drives,
-                   const TransientOptions& options, const Progress& progress) {
-  if (!(options.step > 0)) throw InvalidParameter("step must be positive, got " + std::to_string(options.step) + " s");
+Transient simulate(const System& system, const Equilibrium& equilibrium,
+                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                   const Progress& progress) {
+  if (!(options.step > 0))
+    throw InvalidParameter("step must be positive, got " + std::to_string(options.step) + " s");
   if (!(options.end > options.start)) {
-    throw InvalidParameter("the end of a run must lie after its start " + std::to_string(options.start) + " s, got " +
-                           std::to_string(options.end) + " s");
+    throw InvalidParameter("the end of a run must lie after its start " + std::to_string(options.start) +
+                           " s, got " + std::to_string(options.end) + " s");
   }
   if (drives.size() != system.joints().size()) {
-    throw InvalidParameter("one drive for each of the " + std::to_string(system.joints().size()) + " joints is needed, got " +
-                           std::to_string(drives.size()));
+    throw InvalidParameter("one drive for each of the " + std::to_string(system.joints().size()) +
+                           " joints is needed, got " + std::to_string(drives.size()));
   }
-  const auto n_steps = static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
+  const auto n_steps =
+      static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
   Transient run;
   Recorder recorder(system, options, n_steps + 1, run);
   State state = equilibrium.state;
@@ -188,7 +201,9 @@ Transient simulate(const System& system, const Equilibrium& equilibrium, const s
                               {.tolerance = options.tolerance});
   const auto began = Clock::now();
   auto called = began;
-  const auto seconds_since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+  const auto seconds_since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
   recorder.record(0, state, equilibrium.loads);
   for (Eigen::Index k = 1; k <= n_steps; ++k) {
     stepper.advance(state, options.step, drive);

@@ -21,8 +21,8 @@ using Eigen::VectorXd;
 constexpr double shift = 1.0;
 constexpr int max_turns = 200;
 constexpr double tolerance = 1e-11;
-// Fine meshes have a floor: ω² carries the rounding of the stiffest element. A change below this that no longer
-// shrinks is that floor.
+// Fine meshes have a floor: ω² carries the rounding of the stiffest element. A change below this that no
+// longer shrinks is that floor.
 constexpr double floor_limit = 1e-4;
 
 /// [A, s Jᵀ; s J, 0], s of the size of A's diagonal.
@@ -54,8 +54,8 @@ MatrixXd random_start(Eigen::Index n, Eigen::Index p) {
 }
 
 /// Newton's method on (2) from (μ, x).
-std::complex<double> refine(std::complex<double> mu, Eigen::VectorXcd x, const SparseMatrix& K, const SparseMatrix& C,
-                            const SparseMatrix& M, const SparseMatrix& J) {
+std::complex<double> refine(std::complex<double> mu, Eigen::VectorXcd x, const SparseMatrix& K,
+                            const SparseMatrix& C, const SparseMatrix& M, const SparseMatrix& J) {
   using Complex = std::complex<double>;
   const Eigen::Index n = K.rows();
   const Eigen::SparseMatrix<Complex> Kc = K.cast<Complex>(), Cc = C.cast<Complex>(), Mc = M.cast<Complex>();
@@ -75,8 +75,9 @@ std::complex<double> refine(std::complex<double> mu, Eigen::VectorXcd x, const S
   return mu;
 }
 
-Eigen::VectorXcd damped_modes(const Eigenmodes& modes, Eigen::Index count, const MatrixXd& X, const SparseMatrix& K,
-                              const SparseMatrix& C, const SparseMatrix& M, const SparseMatrix& J) {
+Eigen::VectorXcd damped_modes(const Eigenmodes& modes, Eigen::Index count, const MatrixXd& X,
+                              const SparseMatrix& K, const SparseMatrix& C, const SparseMatrix& M,
+                              const SparseMatrix& J) {
   const Eigen::Index p = X.cols();
   MatrixXd A = MatrixXd::Zero(2 * p, 2 * p);  // first-order form of (2) in the subspace
   A.topRightCorner(p, p).setIdentity();
@@ -100,8 +101,8 @@ Eigen::VectorXcd damped_modes(const Eigenmodes& modes, Eigen::Index count, const
 
 }  // namespace
 
-Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const SparseMatrix& M, const SparseMatrix& J,
-                      int count) {
+Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const SparseMatrix& M,
+                      const SparseMatrix& J, int count) {
   const Eigen::Index n = K_raw.rows();
   const Eigen::Index n_motions = n - J.rows();
   Eigenmodes modes;
@@ -112,7 +113,8 @@ Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const Sp
   const SparseMatrix K = 0.5 * (K_raw + SparseMatrix(K_raw.transpose())) + shift * M;
   SparseFactor factor;
   if (!factor.factor(saddle_point<double>(K, J))) {
-    throw NotConverged("modes: the stiffness matrix is singular: a coordinate with neither mass nor stiffness?", 0, 0, 0);
+    throw NotConverged(
+        "modes: the stiffness matrix is singular: a coordinate with neither mass nor stiffness?", 0, 0, 0);
   }
   MatrixXd X = random_start(n, p), Y = MatrixXd::Zero(n + J.rows(), p);
   VectorXd nu = VectorXd::Zero(p);  // 1/(ω² + shift), falling
@@ -121,7 +123,8 @@ Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const Sp
     Y.bottomRows(J.rows()).setZero();
     factor.solve(Y);
     const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(Y.topRows(n)).householderQ() * MatrixXd::Identity(n, p);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(Q.transpose() * (M * Q), Q.transpose() * (K * Q));
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(Q.transpose() * (M * Q),
+                                                                  Q.transpose() * (K * Q));
     const VectorXd next = ritz.eigenvalues().reverse();
     X = Q * ritz.eigenvectors().rowwise().reverse();
     const double change = ((next - nu).head(wanted).array() / next.head(wanted).array()).abs().maxCoeff();
@@ -131,8 +134,9 @@ Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const Sp
     if (change < tolerance || at_floor) break;
   }
   if (modes.iterations > max_turns) {
-    throw NotConverged("modes: subspace iteration has not converged after " + std::to_string(max_turns) + " turns", 0,
-                       max_turns, modes.residual);
+    throw NotConverged(
+        "modes: subspace iteration has not converged after " + std::to_string(max_turns) + " turns", 0,
+        max_turns, modes.residual);
   }
   for (Eigen::Index k = 0; k < p; ++k) X.col(k) /= std::sqrt(X.col(k).dot(M * X.col(k)));
   modes.omega_squared = nu.cwiseInverse().array() - shift;

@@ -30,12 +30,14 @@ HhtCoefficients HhtCoefficients::from_alpha(double alpha) {
 
 HhtCoefficients HhtCoefficients::from_spectral_radius(double rho) {
   if (!(rho >= 0.5 && rho <= 1)) {
-    throw InvalidParameter("spectral radius of the HHT method must lie in [1/2, 1], got " + std::to_string(rho));
+    throw InvalidParameter("spectral radius of the HHT method must lie in [1/2, 1], got " +
+                           std::to_string(rho));
   }
   return from_alpha((rho - 1) / (rho + 1));
 }
 
-HhtStepper::HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads, HhtOptions options)
+HhtStepper::HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads,
+                       HhtOptions options)
     : system_(system),
       coefficients_(coefficients),
       loads_(loads),
@@ -67,8 +69,11 @@ void HhtStepper::halve(State& state, double h, const Drives& drives, int depth) 
   if (depth > options_.max_halvings) {
     const double residual = r_.head(system_.n_free()).cwiseAbs().maxCoeff();
     char text[200];
-    std::snprintf(text, sizeof text, "step %ld, t = %.6g s: residual %.1e N left after %d iterations with the step halved %d times to %.1e s",
-                  statistics_.steps + 1, state.t + h, residual, options_.max_iterations, options_.max_halvings, h);
+    std::snprintf(text, sizeof text,
+                  "step %ld, t = %.6g s: residual %.1e N left after %d iterations with the step halved %d "
+                  "times to %.1e s",
+                  statistics_.steps + 1, state.t + h, residual, options_.max_iterations,
+                  options_.max_halvings, h);
     throw NotConverged(text, state.t + h, options_.max_iterations, residual);
   }
   ++statistics_.halvings;
@@ -96,7 +101,9 @@ bool HhtStepper::step(State& state, double h, const Drives& drives) {
   for (std::size_t k = 0; k < state.laws.size(); ++k) {  // the laws remember the accepted state
     const auto& law = system_.laws()[k];
     const double x = system_.deflection(law, state.s);
-    const double z = joints::respond(law.law, x, system_.deflection(law, state.v.tail(system_.n_scalars())), state.laws[k]).z;
+    const double z =
+        joints::respond(law.law, x, system_.deflection(law, state.v.tail(system_.n_scalars())), state.laws[k])
+            .z;
     state.laws[k] = {x, z};
   }
   ++statistics_.steps;
@@ -107,7 +114,7 @@ bool HhtStepper::step(State& state, double h, const Drives& drives) {
 void HhtStepper::predict(const State& before, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const int n = system_.n_free();
-  const auto a1 = (1 + alpha) * before.v_dot.head(n) - alpha * before_.v_dot.head(n);  // eq. (2)
+  const auto a1 = (1 + alpha) * before.v_dot.head(n) - alpha * before_.v_dot.head(n);          // eq. (2)
   exponent_ = h * before_.v.head(n) + h * h * ((0.5 - beta) * before_.a.head(n) + beta * a1);  // eq. (3)
 }
 
@@ -120,8 +127,8 @@ void HhtStepper::configure(const State& before, State& state, double h) const {
   }
   const auto v0 = before.v.head(n), a0 = before.a.head(n);
   state.a.head(n) = (exponent_ - h * v0) / (beta * h * h) - (0.5 - beta) / beta * a0;
-  state.v.head(n) = v0 + h * ((1 - gamma) * a0 + gamma * state.a.head(n));                          // eq. (4)
-  state.v_dot.head(n) = (state.a.head(n) + alpha * before.v_dot.head(n)) / (1 + alpha);             // eq. (2)
+  state.v.head(n) = v0 + h * ((1 - gamma) * a0 + gamma * state.a.head(n));               // eq. (4)
+  state.v_dot.head(n) = (state.a.head(n) + alpha * before.v_dot.head(n)) / (1 + alpha);  // eq. (2)
   const int n_free_scalars = n - offset;
   state.s.head(n_free_scalars) = before.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
   const int n_driven = n_scalars - n_free_scalars;
@@ -180,7 +187,8 @@ bool HhtStepper::factor(const State& state, double h) {
   for (std::size_t k = 0; k < system_.laws().size(); ++k) {
     const auto& law = system_.laws()[k];
     if (system_.is_free(law.plus)) law_solutions_(system_.scalar_offset() + law.plus, k) += 1;
-    if (law.minus >= 0 && system_.is_free(law.minus)) law_solutions_(system_.scalar_offset() + law.minus, k) -= 1;
+    if (law.minus >= 0 && system_.is_free(law.minus))
+      law_solutions_(system_.scalar_offset() + law.minus, k) -= 1;
   }
   if (law_solutions_.cols() > 0) factor_.solve(law_solutions_);
   return true;

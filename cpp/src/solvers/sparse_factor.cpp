@@ -36,7 +36,8 @@ struct SparseFactor::Backend {
     auto* values = const_cast<double*>(A.valuePtr());
     if (symbolic == nullptr) symbolic = klu_analyze(static_cast<int>(A.rows()), columns, rows, &common);
     if (symbolic == nullptr) return false;
-    if (numeric != nullptr && klu_refactor(columns, rows, values, symbolic, numeric, &common) == 1 && healthy(columns, rows, values)) {
+    if (numeric != nullptr && klu_refactor(columns, rows, values, symbolic, numeric, &common) == 1 &&
+        healthy(columns, rows, values)) {
       return true;
     }
     klu_free_numeric(&numeric, &common);
@@ -45,7 +46,8 @@ struct SparseFactor::Backend {
   }
 
   bool well_conditioned() {
-    return klu_rcond(symbolic, numeric, &common) == 1 && std::isfinite(common.rcond) && common.rcond > singular_rcond;
+    return klu_rcond(symbolic, numeric, &common) == 1 && std::isfinite(common.rcond) &&
+           common.rcond > singular_rcond;
   }
 
   /// Old pivots serve new numbers as long as the factors do not grow.
@@ -92,7 +94,9 @@ bool SparseFactor::factor(const Eigen::SparseMatrix<double>& matrix) {
   return backend_->factor(matrix);
 }
 
-void SparseFactor::solve(Eigen::Ref<Eigen::VectorXd> x) const { backend_->solve(x.data(), static_cast<int>(x.size()), 1); }
+void SparseFactor::solve(Eigen::Ref<Eigen::VectorXd> x) const {
+  backend_->solve(x.data(), static_cast<int>(x.size()), 1);
+}
 
 void SparseFactor::solve(Eigen::MatrixXd& X) const {
   backend_->solve(X.data(), static_cast<int>(X.rows()), static_cast<int>(X.cols()));

@@ -12,16 +12,17 @@ namespace flexarm::assembly {
 
 using Eigen::VectorXd;
 
-/// Velocities and accelerations hold six entries a node, in the node's axes, then one for each scalar coordinate.
+/// Velocities and accelerations hold six entries a node, in the node's axes, then one for each scalar
+/// coordinate.
 struct State {
-  double t = 0;                           ///< time [s]
-  std::vector<geometry::Frame> frames;    ///< nodes in the base frame
-  VectorXd s;                             ///< scalar coordinates: angles φ, θ of the joints
-  VectorXd v;                             ///< velocities
-  VectorXd v_dot;                         ///< accelerations
-  VectorXd a;                             ///< algorithmic accelerations of the time stepping
-  VectorXd multipliers;                   ///< λ, joint wrenches
-  std::vector<joints::LawMemory> laws;    ///< internal states of the joint laws
+  double t = 0;                         ///< time [s]
+  std::vector<geometry::Frame> frames;  ///< nodes in the base frame
+  VectorXd s;                           ///< scalar coordinates: angles φ, θ of the joints
+  VectorXd v;                           ///< velocities
+  VectorXd v_dot;                       ///< accelerations
+  VectorXd a;                           ///< algorithmic accelerations of the time stepping
+  VectorXd multipliers;                 ///< λ, joint wrenches
+  std::vector<joints::LawMemory> laws;  ///< internal states of the joint laws
 };
 
 }  // namespace flexarm::assembly

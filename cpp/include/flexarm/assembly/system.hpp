@@ -4,9 +4,9 @@
 ///     M(v') − ad(v)ᵀ M v + f_int(H, v) + Φ_qᵀ λ = f_ext + τ                                          (1)
 ///     Φ(H, s, t) = 0                                                                                 (2)
 ///
-/// Unknowns are, in this order, six components a node, the free scalar coordinates, the multipliers. Prescribed scalar
-/// coordinates (driven angles) come after the free ones; their rows of (1) yield the torque that drives them. A System is
-/// constant after assembly; everything that moves is in the State.
+/// Unknowns are, in this order, six components a node, the free scalar coordinates, the multipliers.
+/// Prescribed scalar coordinates (driven angles) come after the free ones; their rows of (1) yield the torque
+/// that drives them. A System is constant after assembly; everything that moves is in the State.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -63,13 +63,13 @@ struct PointLoad {
 struct Loads {
   Vector3d gravity{0, 0, -9.81};
   std::vector<PointLoad> points;
-  VectorXd torques;   ///< on the scalar coordinates, by the motors; empty: none
+  VectorXd torques;  ///< on the scalar coordinates, by the motors; empty: none
 };
 
 /// Factors of mass, damping and stiffness in a tangent matrix c_M M + c_C C + c_K K.
 struct TangentFactors {
   double mass, damping, stiffness;
-  double constraint = 1;   ///< scale s of constraints and multipliers: rows s Φ, forces s Φ_qᵀ λ̂
+  double constraint = 1;  ///< scale s of constraints and multipliers: rows s Φ, forces s Φ_qᵀ λ̂
 };
 
 class System {
@@ -90,24 +90,24 @@ class System {
   const std::vector<LinkMesh>& meshes() const { return meshes_; }
   const std::vector<elements::BeamElement>& beams() const { return beams_; }
   const std::vector<elements::RigidBody>& bodies() const { return bodies_; }
-  const std::vector<elements::Weight>& weights() const { return weights_; }          ///< one a node
-  const std::vector<double>& scalar_inertia() const { return scalar_inertia_; }      ///< one a scalar coordinate
+  const std::vector<elements::Weight>& weights() const { return weights_; }      ///< one a node
+  const std::vector<double>& scalar_inertia() const { return scalar_inertia_; }  ///< one a scalar coordinate
   const std::vector<joints::JointConstraint>& constraints() const { return constraints_; }
   const std::vector<GearConstraint>& gears() const { return gears_; }
   const std::vector<PlacedLaw>& laws() const { return laws_; }
   const std::vector<JointCoordinates>& joints() const { return joint_coordinates_; }
   const std::vector<DriveKind>& drives() const { return drives_; }
   const std::vector<Attachment>& points() const { return points_; }
-  int joint_index(const std::string& name) const;   ///< @throws InvalidParameter listing the joints there are
+  int joint_index(const std::string& name) const;  ///< @throws InvalidParameter listing the joints there are
   int point_index(const std::string& name) const;
-  double reach() const { return reach_; }           ///< a length of the arm, to scale by [m]
-  double mass() const { return mass_; }             ///< of everything [kg]
+  double reach() const { return reach_; }  ///< a length of the arm, to scale by [m]
+  double mass() const { return mass_; }    ///< of everything [kg]
 
   /// The undeformed arm at these joint values (one a joint), at rest.
   State rigid_state(const std::vector<double>& joint_values) const;
 
-  /// Left side minus right side of (1) for all velocities, prescribed ones included; `r` has n_velocities() entries.
-  /// `friction` leaves out what has no part in statics: laws that only resist motion.
+  /// Left side minus right side of (1) for all velocities, prescribed ones included; `r` has n_velocities()
+  /// entries. `friction` leaves out what has no part in statics: laws that only resist motion.
   void residual(const State& state, const Loads& loads, bool friction, VectorXd& r) const;
 
   /// The rows of the scalar coordinates without motor torques: what a motor must give. n_scalars() entries.
@@ -119,8 +119,8 @@ class System {
   /// Tangent of (1), (2) with respect to the unknowns, as triplets in an order that never changes:
   /// add(row, column, value). `law_tangents` are the stiffnesses to use for the laws.
   template <class Add>
-  void emit_tangent(const State& state, const Loads& loads, const TangentFactors& c, const VectorXd& law_tangents,
-                    Add&& add) const;
+  void emit_tangent(const State& state, const Loads& loads, const TangentFactors& c,
+                    const VectorXd& law_tangents, Add&& add) const;
 
   /// The same as a sparse matrix; with `constraints` off only the n_free() x n_free() block.
   Eigen::SparseMatrix<double> tangent(const State& state, const Loads& loads, const TangentFactors& c,
@@ -157,7 +157,7 @@ class System {
   std::vector<LinkMesh> meshes_;
   std::vector<elements::BeamElement> beams_;
   std::vector<elements::RigidBody> bodies_;
-  std::vector<elements::Weight> weights_;   // one a node
+  std::vector<elements::Weight> weights_;  // one a node
   std::vector<joints::JointConstraint> constraints_;
   std::vector<GearConstraint> gears_;
   std::vector<PlacedLaw> laws_;
@@ -193,10 +193,13 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
   }
   for (const elements::RigidBody& body : bodies_) {
     const int n = 6 * body.node();
-    block(n, n, geometry::Matrix6d(c.mass * body.mass() + c.damping * body.gyroscopic_matrix(state.v.segment<6>(n))));
+    block(
+        n, n,
+        geometry::Matrix6d(c.mass * body.mass() + c.damping * body.gyroscopic_matrix(state.v.segment<6>(n))));
   }
   for (int n = 0; n < n_nodes_; ++n) {
-    block(6 * n, 6 * n, geometry::Matrix6d(c.stiffness * weights_[n].stiffness(state.frames[n].R, loads.gravity)));
+    block(6 * n, 6 * n,
+          geometry::Matrix6d(c.stiffness * weights_[n].stiffness(state.frames[n].R, loads.gravity)));
   }
   for (const PointLoad& load : loads.points) {
     const Attachment& at = points_[load.point];

@@ -13,13 +13,15 @@
 ///     K = diag(EA/L, 12 EI_z/(L³ (1 + Φ_y)), 12 EI_y/(L³ (1 + Φ_z)), GJ/L, EI_y/L, EI_z/L)           (5)
 ///     Φ_y = 12 EI_z/(G A_y L²),  Φ_z = 12 EI_y/(G A_z L²)      zero for Euler-Bernoulli beams
 ///
-/// because log measures the lateral offset from the chord of constant curvature, w − θL/2. M is the consistent mass
+/// because log measures the lateral offset from the chord of constant curvature, w − θL/2. M is the
+/// consistent mass
 ///
 ///     M = ∫ ρA N_uᵀ N_u + ρI N_θᵀ N_θ dx                                                            (6)
 ///
-/// of the shape functions that solve the unloaded static beam (cubic, with Φ). Since (1)-(4) see relative motion only,
-/// they do not change when the element moves as a rigid body. Units: SI. Sources: [Sonneville2014] for (1)-(4),
-/// [Friedman1993] for the shape functions of (6); docs/theory.md, section "Beams".
+/// of the shape functions that solve the unloaded static beam (cubic, with Φ). Since (1)-(4) see relative
+/// motion only, they do not change when the element moves as a rigid body. Units: SI. Sources:
+/// [Sonneville2014] for (1)-(4), [Friedman1993] for the shape functions of (6); docs/theory.md, section
+/// "Beams".
 #pragma once
 
 #include <Eigen/Core>
@@ -37,16 +39,17 @@ using Vector12d = Eigen::Matrix<double, 12, 1>;
 
 /// Stiffness and inertia per length of a beam, in section axes.
 struct BeamProperties {
-  double EA, GJ, EIy, EIz;           ///< [N], [N m²]
-  double GAy, GAz;                   ///< shear stiffness [N]; infinite: rigid in shear
-  double rho_A;                      ///< [kg/m]
-  double rho_Iy, rho_Iz, rho_J;      ///< rotary inertia about y, z and polar inertia [kg m]
+  double EA, GJ, EIy, EIz;       ///< [N], [N m²]
+  double GAy, GAz;               ///< shear stiffness [N]; infinite: rigid in shear
+  double rho_A;                  ///< [kg/m]
+  double rho_Iy, rho_Iz, rho_J;  ///< rotary inertia about y, z and polar inertia [kg m]
 
   static BeamProperties from(const model::BeamLink& link);
   static BeamProperties from(const model::Section&, const model::Material&, model::BeamTheory);
 };
 
-/// Shape functions of one bending plane at ξ in [0, 1]: rows (w, θ) from (w₁, θ₁, w₂, θ₂), θ = w' without shear.
+/// Shape functions of one bending plane at ξ in [0, 1]: rows (w, θ) from (w₁, θ₁, w₂, θ₂), θ = w' without
+/// shear.
 Eigen::Matrix<double, 2, 4> bending_shape(double xi, double length, double Phi);
 
 class BeamElement {
@@ -94,7 +97,8 @@ class BeamElement {
   Vector6d interpolate_velocity(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2,
                                 double xi) const;
 
-  /// Share of the element's weight at its two ends: mass [kg] and first moment [kg m] of the consistent gravity load.
+  /// Share of the element's weight at its two ends: mass [kg] and first moment [kg m] of the consistent
+  /// gravity load.
   double end_mass() const { return 0.5 * mass_total_; }
   double end_moment() const { return mass_total_ * length_ / 12; }
 

@@ -1,7 +1,8 @@
 /// @file
 /// First natural frequency of a chain of beam elements whose first node is clamped and whose last is free.
 ///
-/// A link's damping ratio ζ is that of the link alone in this mode; with damping proportional to stiffness, C = η K,
+/// A link's damping ratio ζ is that of the link alone in this mode; with damping proportional to stiffness, C
+/// = η K,
 ///
 ///     η = 2 ζ/ω₁                                                                                    (1)
 #pragma once

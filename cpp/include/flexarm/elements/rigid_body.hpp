@@ -22,7 +22,8 @@ class RigidBody {
  public:
   explicit RigidBody(int node) : node_(node) { M_.setZero(); }
 
-  /// Adds a body with its centre at `com` and `inertia` about the centre, both in the node's axes. Equation (1).
+  /// Adds a body with its centre at `com` and `inertia` about the centre, both in the node's axes. Equation
+  /// (1).
   void add(double mass, const Vector3d& com, const Matrix3d& inertia);
 
   int node() const { return node_; }

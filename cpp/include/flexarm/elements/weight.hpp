@@ -4,8 +4,8 @@
 ///     V = −g · (m x + R s)                                                                          (1)
 ///
 /// with the mass m and the first moment s (node axes) that rest on the node. Its force in the node's axes is
-/// (m γ, s × γ) with γ = Rᵀ g. A beam element gives each end half its mass and ±ρA L²/12 along its axis, its consistent
-/// load; being the gradient of (1), the load conserves energy exactly.
+/// (m γ, s × γ) with γ = Rᵀ g. A beam element gives each end half its mass and ±ρA L²/12 along its axis, its
+/// consistent load; being the gradient of (1), the load conserves energy exactly.
 #pragma once
 
 #include "flexarm/geometry/se3.hpp"
@@ -13,8 +13,8 @@
 namespace flexarm::elements {
 
 struct Weight {
-  double mass = 0;                                               ///< m [kg]
-  geometry::Vector3d moment = geometry::Vector3d::Zero();        ///< s [kg m]
+  double mass = 0;                                         ///< m [kg]
+  geometry::Vector3d moment = geometry::Vector3d::Zero();  ///< s [kg m]
 
   geometry::Vector6d force(const geometry::Matrix3d& R, const geometry::Vector3d& gravity) const {
     const geometry::Vector3d gamma = R.transpose() * gravity;

@@ -1,8 +1,9 @@
 /// @file
 /// The special Euclidean group SE(3): frames, their logarithms, and the tangent operators of the exponential.
 ///
-/// A frame H = (R, x) maps components in its own axes to its parent's: p_parent = R p + x. Twists, increments and
-/// wrenches are 6-vectors (translation, rotation) and (force, moment) in the axes of the frame they belong to.
+/// A frame H = (R, x) maps components in its own axes to its parent's: p_parent = R p + x. Twists, increments
+/// and wrenches are 6-vectors (translation, rotation) and (force, moment) in the axes of the frame they
+/// belong to.
 ///
 ///     exp(h) = (exp(ω~), V(ω) ρ),            h = (ρ, ω)                                  (1)
 ///     Ad_H   = [R  x~R; 0  R]                 twist in H's axes -> twist in the parent's  (2)
@@ -12,8 +13,8 @@
 ///     T_r⁻¹(h) = I + ½ ad + A(φ²) ad² + B(φ²) ad⁴,   φ = |ω|                              (6)
 ///
 /// Equation (6) is exact, because ad (ad² + φ²)² = 0; with α = (φ/2) cot(φ/2) and β = (φ/2)²/sin²(φ/2),
-/// A = 2 (1 − α)/φ² + (α − β)/(2 φ²) and B = (1 − α)/φ⁴ + (α − β)/(2 φ⁴). Small angles use the power series in φ².
-/// Sources: [Bullo1995] for (6), [Sonneville2014] for the notation; docs/theory.md, section "Frames".
+/// A = 2 (1 − α)/φ² + (α − β)/(2 φ²) and B = (1 − α)/φ⁴ + (α − β)/(2 φ⁴). Small angles use the power series
+/// in φ². Sources: [Bullo1995] for (6), [Sonneville2014] for the notation; docs/theory.md, section "Frames".
 #pragma once
 
 #include <Eigen/Core>
@@ -85,8 +86,8 @@ Matrix6d right_tangent(const Vector6d& h);
 
 /// The products with (6) that a two-node element needs, without forming 6 × 6 matrices.
 ///
-/// For a strain d and a stress σ it yields T_r⁻ᵀ(d) σ and T_l⁻ᵀ(d) σ; for two twists it yields the strain rate
-/// T_r⁻¹(d) u₂ − T_l⁻¹(d) u₁. The even and odd parts of (6) are shared between the two ends.
+/// For a strain d and a stress σ it yields T_r⁻ᵀ(d) σ and T_l⁻ᵀ(d) σ; for two twists it yields the strain
+/// rate T_r⁻¹(d) u₂ − T_l⁻¹(d) u₁. The even and odd parts of (6) are shared between the two ends.
 class InverseTangent {
  public:
   explicit InverseTangent(const Vector6d& d);
@@ -104,7 +105,8 @@ class InverseTangent {
   double A_, B_;
 };
 
-/// Derivatives of T_l⁻ᵀ(d) σ and T_r⁻ᵀ(d) σ with respect to d at fixed σ: the geometric stiffness of an element.
+/// Derivatives of T_l⁻ᵀ(d) σ and T_r⁻ᵀ(d) σ with respect to d at fixed σ: the geometric stiffness of an
+/// element.
 struct GeometricStiffness {
   Matrix6d left, right;
 };

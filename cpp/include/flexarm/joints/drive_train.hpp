@@ -3,10 +3,11 @@
 ///
 ///     motor  ── φ ──[ stage 1 ]── … ──[ stage n ]── θ ──  link
 ///
-/// φ is the motor's angle over the gear ratio (output-referred), θ the angle of the link; both count every turn and are
-/// never wrapped. Each stage holds laws in parallel that act on the deflection across it; stages are in series with a
-/// massless coordinate between two of them; without stages φ = θ. Motor laws act on φ, bearing laws on θ, against the
-/// housing. The rotor adds the inertia  ratio² J  to φ. On a prismatic joint read m for rad and N for N m.
+/// φ is the motor's angle over the gear ratio (output-referred), θ the angle of the link; both count every
+/// turn and are never wrapped. Each stage holds laws in parallel that act on the deflection across it; stages
+/// are in series with a massless coordinate between two of them; without stages φ = θ. Motor laws act on φ,
+/// bearing laws on θ, against the housing. The rotor adds the inertia  ratio² J  to φ. On a prismatic joint
+/// read m for rad and N for N m.
 #pragma once
 
 #include <vector>
@@ -18,11 +19,11 @@ namespace flexarm::joints {
 struct DriveTrain {
   using Parallel = std::vector<JointLaw>;
 
-  double gear_ratio = 1;          ///< motor angle over link angle [-]
-  double rotor_inertia = 0;       ///< J, at the motor's shaft [kg m²]
-  std::vector<Parallel> stages;   ///< in series from motor to link
-  Parallel motor;                 ///< on φ
-  Parallel bearing;               ///< on θ
+  double gear_ratio = 1;         ///< motor angle over link angle [-]
+  double rotor_inertia = 0;      ///< J, at the motor's shaft [kg m²]
+  std::vector<Parallel> stages;  ///< in series from motor to link
+  Parallel motor;                ///< on φ
+  Parallel bearing;              ///< on θ
 
   /// Rotor inertia seen from the output, ratio² J.
   double reflected_inertia() const { return gear_ratio * gear_ratio * rotor_inertia; }

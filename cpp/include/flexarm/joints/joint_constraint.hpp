@@ -1,15 +1,17 @@
 /// @file
 /// Joints as constraints between two frames.
 ///
-/// Frames A = H_a X_a and B = H_b X_b sit on nodes a and b. A joint with the unit twist ξ and its own coordinate θ
-/// (revolute: rotation about an axis; prismatic: translation along it; fixed: none) demands B = A exp(ξ θ), so
+/// Frames A = H_a X_a and B = H_b X_b sit on nodes a and b. A joint with the unit twist ξ and its own
+/// coordinate θ (revolute: rotation about an axis; prismatic: translation along it; fixed: none) demands B =
+/// A exp(ξ θ), so
 ///
 ///     Φ = log(exp(−ξ θ) A⁻¹ B) = 0                              6 equations                          (1)
 ///     Φ_b = Ad(X_b⁻¹),  Φ_a = −Ad(exp(−ξ θ) X_a⁻¹),  Φ_θ = −ξ    where Φ = 0                          (2)
 ///
-/// θ is a coordinate of the system, so that it counts turns, and laws and gears act on it as on any other. The
-/// multipliers λ are the wrench that the joint takes, in the axes of frame B: node b feels −Φ_bᵀ λ and the coordinate
-/// feels ξᵀ λ, so −ξᵀ λ is the torque about the axis on the child. A spherical joint keeps the origins together,
+/// θ is a coordinate of the system, so that it counts turns, and laws and gears act on it as on any other.
+/// The multipliers λ are the wrench that the joint takes, in the axes of frame B: node b feels −Φ_bᵀ λ and
+/// the coordinate feels ξᵀ λ, so −ξᵀ λ is the torque about the axis on the child. A spherical joint keeps the
+/// origins together,
 ///
 ///     Φ = Rᵀ p of (R, p) = A⁻¹ B,    3 equations                                                      (3)
 ///
@@ -38,8 +40,8 @@ class JointConstraint {
 
   /// @param node_a node of the parent or `ground`; @param X_a, X_b joint frames in the nodes' frames.
   /// @param coordinate index of θ among the scalar coordinates, −1 if the joint has none.
-  JointConstraint(JointType type, int node_a, const Frame& X_a, int node_b, const Frame& X_b, const Vector3d& axis,
-                  int coordinate);
+  JointConstraint(JointType type, int node_a, const Frame& X_a, int node_b, const Frame& X_b,
+                  const Vector3d& axis, int coordinate);
 
   int node_a() const { return node_a_; }
   int node_b() const { return node_b_; }
@@ -63,7 +65,8 @@ class JointConstraint {
   };
   Forces forces(const Frame& H_a, const Frame& H_b, double theta, const Vector6d& multipliers) const;
 
-  /// Derivatives of Φ_aᵀ λ at fixed λ: with respect to θ (revolute, prismatic) and to the increments of the nodes.
+  /// Derivatives of Φ_aᵀ λ at fixed λ: with respect to θ (revolute, prismatic) and to the increments of the
+  /// nodes.
   struct GeometricStiffness {
     Vector6d a_theta = Vector6d::Zero();
     Matrix6d a_a = Matrix6d::Zero(), a_b = Matrix6d::Zero();

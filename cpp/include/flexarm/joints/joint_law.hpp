@@ -1,10 +1,11 @@
 /// @file
 /// The laws that act on one scalar deflection x of a drive train, and their common face.
 ///
-/// A law resists the deflection with a force Q(x, x', memory); Q is a torque for revolute joints [N m] and a force for
-/// prismatic ones [N]. Laws with an internal state (friction, hysteresis) carry it in a `LawMemory` that is renewed
-/// when a step is accepted, so that an iterate can be abandoned without trace. A new law is one file in `laws/`
-/// with a function `respond`, listed in `JointLaw` below; the assembly and the solvers do not change.
+/// A law resists the deflection with a force Q(x, x', memory); Q is a torque for revolute joints [N m] and a
+/// force for prismatic ones [N]. Laws with an internal state (friction, hysteresis) carry it in a `LawMemory`
+/// that is renewed when a step is accepted, so that an iterate can be abandoned without trace. A new law is
+/// one file in `laws/` with a function `respond`, listed in `JointLaw` below; the assembly and the solvers do
+/// not change.
 #pragma once
 
 #include <variant>
@@ -42,7 +43,8 @@ inline LawResponse respond(const JointLaw& law, double x, double x_dot, const La
   return std::visit([&](const auto& l) { return l.respond(x, x_dot, memory); }, law);
 }
 
-/// Whether the law has a part in statics and modes: friction has none, an arm settles where no friction holds it.
+/// Whether the law has a part in statics and modes: friction has none, an arm settles where no friction holds
+/// it.
 inline bool acts_at_rest(const JointLaw& law) {
   return std::visit([](const auto& l) { return l.acts_at_rest; }, law);
 }

@@ -1,9 +1,10 @@
 /// @file
 /// What an arm is: a tree of links on joints, with payloads and points of interest. Plain data in SI units.
 ///
-/// Every link has a frame. At joint values zero it coincides with the frame of the joint that carries it, which sits at
-/// `origin` from the parent link's frame (or from the frame at the far end of a beam, parallel to it). A revolute joint
-/// turns about its axis, a prismatic one slides along it. "base" is the frame of the ground.
+/// Every link has a frame. At joint values zero it coincides with the frame of the joint that carries it,
+/// which sits at `origin` from the parent link's frame (or from the frame at the far end of a beam, parallel
+/// to it). A revolute joint turns about its axis, a prismatic one slides along it. "base" is the frame of the
+/// ground.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,21 +30,21 @@ enum class BeamTheory {
 /// A straight beam from the link's origin to `end`.
 struct BeamLink {
   std::string name;
-  Vector3d end;                        ///< far end in the link's frame [m]
-  Vector3d up = Vector3d::Zero();      ///< section z is its part normal to the beam; zero: any
+  Vector3d end;                    ///< far end in the link's frame [m]
+  Vector3d up = Vector3d::Zero();  ///< section z is its part normal to the beam; zero: any
   Section section;
   Material material;
   BeamTheory theory = BeamTheory::timoshenko;
   int elements = 4;
-  double damping_ratio = 0;            ///< of the link alone, clamped, in its first mode [-]
+  double damping_ratio = 0;  ///< of the link alone, clamped, in its first mode [-]
 };
 
 /// A rigid body.
 struct RigidLink {
   std::string name;
-  double mass = 0;                            ///< [kg]
-  Vector3d com = Vector3d::Zero();            ///< centre of mass in the link's frame [m]
-  Matrix3d inertia = Matrix3d::Zero();        ///< about the centre of mass, in the link's axes [kg m²]
+  double mass = 0;                      ///< [kg]
+  Vector3d com = Vector3d::Zero();      ///< centre of mass in the link's frame [m]
+  Matrix3d inertia = Matrix3d::Zero();  ///< about the centre of mass, in the link's axes [kg m²]
 };
 
 using Link = std::variant<BeamLink, RigidLink>;
@@ -55,24 +56,24 @@ inline const std::string& name_of(const Link& link) {
 /// A concentrated mass with its own inertia, fixed to the section at its projection on the beam's axis.
 struct Payload {
   std::string name, link;
-  Vector3d position = Vector3d::Zero();   ///< in the link's frame [m]
-  double mass = 0;                        ///< [kg]
-  Matrix3d inertia = Matrix3d::Zero();    ///< about its own centre, in the link's axes [kg m²]
-  Vector3d offset = Vector3d::Zero();     ///< of the centre from `position`, turning with the section [m]
+  Vector3d position = Vector3d::Zero();  ///< in the link's frame [m]
+  double mass = 0;                       ///< [kg]
+  Matrix3d inertia = Matrix3d::Zero();   ///< about its own centre, in the link's axes [kg m²]
+  Vector3d offset = Vector3d::Zero();    ///< of the centre from `position`, turning with the section [m]
 };
 
 /// A place to look at, or to push at.
 struct Point {
   std::string name, link;
-  Vector3d position = Vector3d::Zero();   ///< in the link's frame [m]
-  bool loaded = false;                    ///< carries point loads: gets a node of its own
+  Vector3d position = Vector3d::Zero();  ///< in the link's frame [m]
+  bool loaded = false;                   ///< carries point loads: gets a node of its own
 };
 
 struct Joint {
   std::string name;
   joints::JointType type = joints::JointType::revolute;
   std::string parent = "base", child;
-  bool at_end = false;                      ///< origin counts from the far end of the parent beam
+  bool at_end = false;  ///< origin counts from the far end of the parent beam
   geometry::Frame origin;
   Vector3d axis = Vector3d::UnitZ();
   joints::DriveTrain drive_train;
@@ -86,7 +87,7 @@ struct Gear {
 
 struct Arm {
   std::string name;
-  Vector3d gravity{0, 0, -9.81};            ///< [m/s²]
+  Vector3d gravity{0, 0, -9.81};  ///< [m/s²]
   std::vector<Link> links;
   std::vector<Joint> joints;
   std::vector<Payload> payloads;

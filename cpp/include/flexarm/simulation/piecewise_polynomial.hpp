@@ -1,6 +1,6 @@
 /// @file
-/// Piecewise polynomial in time, as SciPy's PPoly: on [x_k, x_{k+1}) the value is Σ c_j (t − x_k)^(m − j), j = 0..m, and
-/// before the first and after the last break the end value is held, at rest.
+/// Piecewise polynomial in time, as SciPy's PPoly: on [x_k, x_{k+1}) the value is Σ c_j (t − x_k)^(m − j), j
+/// = 0..m, and before the first and after the last break the end value is held, at rest.
 #pragma once
 
 #include <Eigen/Core>

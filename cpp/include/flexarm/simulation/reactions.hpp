@@ -1,9 +1,10 @@
 /// @file
-/// What one part of an arm puts on the next: section forces of beams, joint torques, motor torques, base reactions.
+/// What one part of an arm puts on the next: section forces of beams, joint torques, motor torques, base
+/// reactions.
 ///
-/// A section force is what the part further from the link's origin puts on the part nearer to it, (N, V_y, V_z) and
-/// (T, M_y, M_z) in the section's axes; N > 0 is tension. At the ends of a link it includes the inertia and weight of the
-/// end elements, so reactions balance weight and inertia to rounding.
+/// A section force is what the part further from the link's origin puts on the part nearer to it, (N, V_y,
+/// V_z) and (T, M_y, M_z) in the section's axes; N > 0 is tension. At the ends of a link it includes the
+/// inertia and weight of the end elements, so reactions balance weight and inertia to rounding.
 #pragma once
 
 #include "flexarm/assembly/system.hpp"
@@ -24,7 +25,8 @@ SectionForces section_forces(const System& system, const State& state, const Loa
 /// Torque on the child about the joint's axis, friction of the bearing already lost [N m, N].
 double joint_torque(const System& system, const State& state, int joint);
 
-/// Torque of the motor, output-referred: rotor inertia and motor friction included. One a joint, zero without a drive.
+/// Torque of the motor, output-referred: rotor inertia and motor friction included. One a joint, zero without
+/// a drive.
 Eigen::VectorXd motor_torques(const System& system, const State& state, bool friction);
 
 /// Force and moment about the origin that the arm puts on the base, in base axes.

@@ -12,46 +12,49 @@
 namespace flexarm::simulation {
 
 struct TransientOptions {
-  double start = 0, end = 1;      ///< [s]
-  double step = 2e-3;             ///< [s]; the last instant is the first at or after `end`
+  double start = 0, end = 1;  ///< [s]
+  double step = 2e-3;         ///< [s]; the last instant is the first at or after `end`
   double alpha = -0.05;
   double tolerance = 1e-10;       ///< of HhtOptions
   bool record_points = true;      ///< positions and velocities of the points
   bool record_rotations = false;  ///< their orientations and angular rates
   bool record_joints = true;      ///< angles, rates, torques
   bool record_energies = false;
-  bool record_forces = false;     ///< section forces and base wrench
+  bool record_forces = false;  ///< section forces and base wrench
 };
 
 /// Recorded columns; one column an instant. Sizes: n instants, p points, j joints, l links.
 struct Transient {
   using Matrix = Eigen::MatrixXd;
-  Eigen::VectorXd time;                                ///< (n) [s]
-  Matrix position, velocity;                           ///< (3 p, n), base axes [m], [m/s]
-  Matrix orientation;                                  ///< (4 p, n), unit quaternion x, y, z, w of the link's axes
-  Matrix angular_rate;                                 ///< (3 p, n), link axes [rad/s]
-  Matrix joint_angle, joint_rate;                      ///< (j, n), θ [rad], [rad/s]
-  Matrix drive_angle, drive_rate;                      ///< (j, n), φ
-  Matrix joint_torque, motor_torque;                   ///< (j, n) [N m], output side
-  Eigen::VectorXd kinetic, elastic, gravity;           ///< (n) [J]
-  Eigen::VectorXd damped, work;                        ///< (n) since the start [J]
-  Matrix section_forces;                               ///< (12 l, n): start then end
-  Matrix base_wrench;                                  ///< (6, n)
+  Eigen::VectorXd time;                       ///< (n) [s]
+  Matrix position, velocity;                  ///< (3 p, n), base axes [m], [m/s]
+  Matrix orientation;                         ///< (4 p, n), unit quaternion x, y, z, w of the link's axes
+  Matrix angular_rate;                        ///< (3 p, n), link axes [rad/s]
+  Matrix joint_angle, joint_rate;             ///< (j, n), θ [rad], [rad/s]
+  Matrix drive_angle, drive_rate;             ///< (j, n), φ
+  Matrix joint_torque, motor_torque;          ///< (j, n) [N m], output side
+  Eigen::VectorXd kinetic, elastic, gravity;  ///< (n) [J]
+  Eigen::VectorXd damped, work;               ///< (n) since the start [J]
+  Matrix section_forces;                      ///< (12 l, n): start then end
+  Matrix base_wrench;                         ///< (6, n)
   solvers::HhtStatistics statistics;
   State final_state;
-  double seconds = 0;                                  ///< of the stepping, wall clock
-  bool cancelled = false;                              ///< then only the instants reached are there
+  double seconds = 0;      ///< of the stepping, wall clock
+  bool cancelled = false;  ///< then only the instants reached are there
 };
 
 /// Told now and then how much is done, 0 to 1; returns false to cancel.
 using Progress = std::function<bool(double done)>;
 
-/// @param drives one a joint: angle of driven joints [rad], torque of motors [N m]; not read for free and locked joints.
+/// @param drives one a joint: angle of driven joints [rad], torque of motors [N m]; not read for free and
+/// locked joints.
 /// @throws NotConverged
-Transient simulate(const System& system, const Equilibrium& equilibrium, const std::vector<PiecewisePolynomial>& drives,
-                   const TransientOptions& options, const Progress& progress = {});
+Transient simulate(const System& system, const Equilibrium& equilibrium,
+                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                   const Progress& progress = {});
 
 /// Joint drives as drive values for the stepper; locked joints stay where the state has them.
-solvers::Drives drives_of_joints(const System& system, const State& state, std::vector<PiecewisePolynomial> drives);
+solvers::Drives drives_of_joints(const System& system, const State& state,
+                                 std::vector<PiecewisePolynomial> drives);
 
 }  // namespace flexarm::simulation

@@ -4,9 +4,10 @@
 ///     (K − ω² M) x + Φ_qᵀ λ = 0,   Φ_q x = 0                                                        (1)
 ///     (μ² M + μ C + K) x + Φ_qᵀ λ = 0,   ζ = −Re μ/|μ|                                              (2)
 ///
-/// (1) by subspace iteration with a small shift, so that arms with free joints have their zero frequencies; (2) starts
-/// from the modes of (1) and is refined by Newton's method on the full quadratic problem, so that strong dampers in one
-/// joint are right too. Units: rad/s. Sources: [Bathe1982] for the subspace iteration, [Ruhe1973] for (2).
+/// (1) by subspace iteration with a small shift, so that arms with free joints have their zero frequencies;
+/// (2) starts from the modes of (1) and is refined by Newton's method on the full quadratic problem, so that
+/// strong dampers in one joint are right too. Units: rad/s. Sources: [Bathe1982] for the subspace iteration,
+/// [Ruhe1973] for (2).
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -17,16 +18,16 @@ namespace flexarm::solvers {
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 struct Eigenmodes {
-  Eigen::VectorXd omega_squared;        ///< rising [rad²/s²]; negative: unstable
-  Eigen::MatrixXd shapes;               ///< columns, unit modal mass
-  Eigen::VectorXcd damped;              ///< μ of (2) with Im μ >= 0 [1/s]; empty without damping
+  Eigen::VectorXd omega_squared;  ///< rising [rad²/s²]; negative: unstable
+  Eigen::MatrixXd shapes;         ///< columns, unit modal mass
+  Eigen::VectorXcd damped;        ///< μ of (2) with Im μ >= 0 [1/s]; empty without damping
   int iterations = 0;
-  double residual = 0;                  ///< largest relative change of ω² in the last turn
+  double residual = 0;  ///< largest relative change of ω² in the last turn
 };
 
 /// The `count` lowest modes (fewer if the system has fewer). C may have no entries.
 /// @throws NotConverged
-Eigenmodes eigenmodes(const SparseMatrix& K, const SparseMatrix& C, const SparseMatrix& M, const SparseMatrix& J,
-                      int count);
+Eigenmodes eigenmodes(const SparseMatrix& K, const SparseMatrix& C, const SparseMatrix& M,
+                      const SparseMatrix& J, int count);
 
 }  // namespace flexarm::solvers

@@ -6,18 +6,19 @@
 ///     H₁ = H₀ exp(h v₀ + h² [(½ − β) a₀ + β a₁])                      (3)
 ///     v₁ = v₀ + h [(1 − γ) a₀ + γ a₁]                                 (4)
 ///
-/// with β = (1 − α)²/4, γ = ½ − α: of the family of [Chung1993] and [Bruls2012] the member α_m = 0, α_f = −α. It is of
-/// order two in positions, velocities and multipliers and damps the highest frequencies by the spectral radius
-/// (1 + α)/(1 − α) a step. An iterate corrects the argument of exp in (3) by
+/// with β = (1 − α)²/4, γ = ½ − α: of the family of [Chung1993] and [Bruls2012] the member α_m = 0, α_f = −α.
+/// It is of order two in positions, velocities and multipliers and damps the highest frequencies by the
+/// spectral radius (1 + α)/(1 − α) a step. An iterate corrects the argument of exp in (3) by
 ///
 ///     S Δ = −(r, s Φ),   S = [M/(β h² (1 + α)) + γ/(β h) C + K,  s Φ_qᵀ;  s Φ_q, 0]                   (5)
 ///
-/// with constraints scaled by s = m/(β h²) so that conditioning does not depend on the step [Bottasso2008]. In local
-/// frames S hardly changes while the arm swings, so its factors are kept as long as the iteration contracts. The tangents
-/// of joint laws (friction, backlash) that do change enter by the Woodbury identity, with one kept solve a law.
+/// with constraints scaled by s = m/(β h²) so that conditioning does not depend on the step [Bottasso2008].
+/// In local frames S hardly changes while the arm swings, so its factors are kept as long as the iteration
+/// contracts. The tangents of joint laws (friction, backlash) that do change enter by the Woodbury identity,
+/// with one kept solve a law.
 ///
-/// The iteration stops when the error left, estimated from the contraction as in [HairerWanner1996], is below the
-/// tolerance; what is left over does not add up, for every step restores equilibrium (1) by itself.
+/// The iteration stops when the error left, estimated from the contraction as in [HairerWanner1996], is below
+/// the tolerance; what is left over does not add up, for every step restores equilibrium (1) by itself.
 /// Units: SI, h in s. docs/theory.md, section "Time stepping".
 #pragma once
 
@@ -45,18 +46,19 @@ struct HhtCoefficients {
   double spectral_radius() const { return (1 + alpha) / (1 - alpha); }
 };
 
-/// What drives the arm at one instant: prescribed scalar coordinates with their derivatives, and motor torques.
+/// What drives the arm at one instant: prescribed scalar coordinates with their derivatives, and motor
+/// torques.
 struct DriveValues {
-  VectorXd s, v, v_dot;   ///< n_scalars() each; entries of free coordinates are not read
-  VectorXd torques;       ///< n_scalars()
+  VectorXd s, v, v_dot;  ///< n_scalars() each; entries of free coordinates are not read
+  VectorXd torques;      ///< n_scalars()
 };
 
 /// Writes the drive values at time t.
 using Drives = std::function<void(double t, DriveValues& values)>;
 
 struct HhtOptions {
-  double tolerance = 1e-10;     ///< error of a step, in parts of the reach and rad
-  int max_iterations = 12;      ///< before new factors, or a smaller step
+  double tolerance = 1e-10;  ///< error of a step, in parts of the reach and rad
+  int max_iterations = 12;   ///< before new factors, or a smaller step
   int max_halvings = 8;
   double slow_contraction = 0.25;  ///< above this rate the matrix is factored anew
 };
@@ -68,7 +70,8 @@ struct HhtStatistics {
 
 class HhtStepper {
  public:
-  HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads, HhtOptions options = {});
+  HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads,
+             HhtOptions options = {});
 
   /// One step of size h; halved where Newton's iteration fails.
   /// @throws NotConverged naming time, iteration and residual; the state is then as before.
@@ -95,12 +98,12 @@ class HhtStepper {
 
   assembly::IterationMatrix matrix_;
   SparseFactor factor_;
-  double factored_h_ = 0;          // step for which the factors hold; 0: none
-  double contraction_ = 0.5;       // of the last steps, for the first iterate's error estimate
+  double factored_h_ = 0;     // step for which the factors hold; 0: none
+  double contraction_ = 0.5;  // of the last steps, for the first iterate's error estimate
   double mass_scale_;
 
-  State before_;                   // state 0
-  VectorXd exponent_;              // argument of exp in (3), and scalar increments
+  State before_;       // state 0
+  VectorXd exponent_;  // argument of exp in (3), and scalar increments
   VectorXd r_, phi_, dx_;
   VectorXd kept_tangents_;         // of the laws, in the factors
   Eigen::MatrixXd law_solutions_;  // S⁻¹ times each law's direction

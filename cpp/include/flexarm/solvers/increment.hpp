@@ -13,7 +13,8 @@ using Eigen::VectorXd;
 /// Moves nodes and free scalar coordinates by the first n_free() entries of `dx`.
 void move(const System& system, const Eigen::Ref<const VectorXd>& dx, State& state);
 
-/// Largest entry of an increment, translations and sliding joints in parts of the arm's reach, rotations in rad.
+/// Largest entry of an increment, translations and sliding joints in parts of the arm's reach, rotations in
+/// rad.
 double increment_norm(const System& system, const Eigen::Ref<const VectorXd>& dx);
 
 }  // namespace flexarm::solvers

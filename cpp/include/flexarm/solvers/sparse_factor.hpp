@@ -1,8 +1,8 @@
 /// @file
 /// LU factors of a sparse matrix whose pattern stays while its numbers change: analyse once, refactor often.
 ///
-/// KLU (SuiteSparse) where the build has it, Eigen's SparseLU otherwise. KLU keeps its pivots from one set of numbers to
-/// the next and pivots anew when their growth tells that it must.
+/// KLU (SuiteSparse) where the build has it, Eigen's SparseLU otherwise. KLU keeps its pivots from one set of
+/// numbers to the next and pivots anew when their growth tells that it must.
 #pragma once
 
 #include <Eigen/SparseCore>

@@ -16,12 +16,14 @@ struct CubicSpring {
 
   LawResponse respond(double x, double, const LawMemory&) const {
     const double x2 = x * x;
-    return {.force = stiffness * x2 * x, .stiffness = 3 * stiffness * x2, .energy = 0.25 * stiffness * x2 * x2};
+    return {
+        .force = stiffness * x2 * x, .stiffness = 3 * stiffness * x2, .energy = 0.25 * stiffness * x2 * x2};
   }
 
   void check() const {
     if (!(stiffness >= 0)) {
-      throw InvalidParameter("cubic stiffness must not be negative, got " + std::to_string(stiffness) + " N m/rad³");
+      throw InvalidParameter("cubic stiffness must not be negative, got " + std::to_string(stiffness) +
+                             " N m/rad³");
     }
   }
 };

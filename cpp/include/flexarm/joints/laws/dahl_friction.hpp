@@ -1,5 +1,6 @@
 /// @file
-/// Coulomb friction in Dahl's form: rate-independent, sticks over a small width, saturates at the Coulomb torque.
+/// Coulomb friction in Dahl's form: rate-independent, sticks over a small width, saturates at the Coulomb
+/// torque.
 ///
 ///     Q = T_c z,    z' = (1 − z sgn x') x'/w                                                     (1)
 ///
@@ -7,8 +8,8 @@
 ///
 ///     z₁ = s − (s − z₀) exp(−|Δx|/w)                                                            (2)
 ///
-/// which the implicit step uses as it stands: no integration error, whatever the step. Units: T_c in N m, w in rad.
-/// Source: [Dahl1968]; docs/theory.md, section "Joint laws".
+/// which the implicit step uses as it stands: no integration error, whatever the step. Units: T_c in N m, w
+/// in rad. Source: [Dahl1968]; docs/theory.md, section "Joint laws".
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 /// @file
-/// Linear spring and damper:  Q = k x + c x'.  Units: N m/rad and N m s/rad (N/m and N s/m on a prismatic joint).
+/// Linear spring and damper:  Q = k x + c x'.  Units: N m/rad and N m s/rad (N/m and N s/m on a prismatic
+/// joint).
 #pragma once
 
 #include <string>
@@ -26,10 +27,12 @@ struct LinearSpring {
 
   void check() const {
     if (!(stiffness > 0)) {
-      throw InvalidParameter("joint stiffness must be positive, got " + std::to_string(stiffness) + " N m/rad");
+      throw InvalidParameter("joint stiffness must be positive, got " + std::to_string(stiffness) +
+                             " N m/rad");
     }
     if (!(damping >= 0)) {
-      throw InvalidParameter("joint damping must not be negative, got " + std::to_string(damping) + " N m s/rad");
+      throw InvalidParameter("joint damping must not be negative, got " + std::to_string(damping) +
+                             " N m s/rad");
     }
   }
 };

@@ -21,7 +21,8 @@ struct ViscousFriction {
 
   void check() const {
     if (!(coefficient >= 0)) {
-      throw InvalidParameter("viscous friction must not be negative, got " + std::to_string(coefficient) + " N m s/rad");
+      throw InvalidParameter("viscous friction must not be negative, got " + std::to_string(coefficient) +
+                             " N m s/rad");
     }
   }
 };
