@@ -28,7 +28,10 @@ from itertools import pairwise
 import numpy as np
 
 from flexarm.analytic.nonlinear_modal import Array
+from flexarm.errors import NotConverged
 
+LARGEST_STATE = 1e9
+"""No arm moves 1e9 kg^½ m or as much per second; beyond it the step is too long for the nonlinear part."""
 _THIRDS = np.arange(4) / 3
 _CUBIC = np.linalg.inv(np.vander(_THIRDS, 4, increasing=True))
 """Coefficients g_j of the cubic through values at 0, h/3, 2h/3, h."""
@@ -99,5 +102,8 @@ def march(A: Array, advance: Advance, z: Array, time: Array, step: float) -> Arr
             propagators[key] = Propagator.of(A, h)
         for k in range(n_steps):
             z = advance(propagators[key], start + k * h, z)
+            if not np.abs(z).max() < LARGEST_STATE:
+                reached = float(start + (k + 1) * h)
+                raise NotConverged(f"t = {reached:.4g} s: the motion grows without bound", time=reached)
         states.append(z)
     return np.array(states)

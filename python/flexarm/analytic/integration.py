@@ -51,7 +51,8 @@ def simulate(
     method : str
         exponential: equation (1) at order four in `step`, equation (2) exactly where the loads are
         cubics in each step. DOP853 (follows every vibration), Radau, BDF, LSODA: SciPy's `solve_ivp`;
-        friction needs one of these.
+        friction needs one of these, and so does a stiff spring under a strongly bent arm, because c of
+        `jointed_arm` times the spring is not in the linear part.
     step : float
         Longest step of the exponential method [s]; those between two instants of `time` are equal.
     rtol, atol : float
@@ -95,12 +96,7 @@ def _exponential(system: JointedArm, start: Array, time: Array, step: float) -> 
             return by.forced(lambda s: system.rhs(s, np.zeros_like(z)), t, z)
         return by.runge_kutta(remainder, t, z)
 
-    states = march(A, advance, start, time, step)
-    lost = np.flatnonzero(~np.isfinite(states).all(axis=1))
-    if len(lost):
-        reached = float(time[lost[0]])
-        raise NotConverged(f"t = {reached:.4g} s: the motion grows without bound", time=reached)
-    return states
+    return march(A, advance, start, time, step)
 
 
 def _solve_ivp(

@@ -12,6 +12,7 @@ p = 0 and the torque is the multiplier pᵀ [(I + c α αᵀ) qdd - f]/pᵀ p. S
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +21,22 @@ from flexarm.analytic.linear_modal import LinearModal
 from flexarm.analytic.motion import ArmMotion, make_motion
 from flexarm.analytic.nonlinear_modal import Array
 from flexarm.analytic.statics import Equation, Freedom, stiffness_matrix
+from flexarm.errors import NotConverged
 
 Drive = MotorAngle | JointTorque
+_BEYOND = "the inertia I + c α αᵀ is no longer positive; equation (1) holds for small deflections"
+
+
+class Motor(NamedTuple):
+    """φ, its rate and its acceleration at one time [rad, rad/s, rad/s²]."""
+
+    angle: float
+    rate: float
+    acceleration: float
+
+
+_NO_MOTOR = Motor(0.0, 0.0, 0.0)
+"""Under a torque no coordinate is prescribed."""
 
 
 @dataclass(frozen=True)
@@ -40,25 +55,27 @@ class JointedArm:
 
     def reduce(self, t: float, q: Array, v: Array) -> Array:
         """State z of coordinates and rates; what the drive prescribes is taken out."""
-        e, T = self.freedom.rigid, self.freedom.free
-        phi, rate = self._phi(t, 0) or 0.0, self._phi(t, 1) or 0.0
-        return np.concatenate([T.T @ (q - e * phi), T.T @ (v - e * rate)])
+        e, T, motor = self.freedom.rigid, self.freedom.free, self._motor(t)
+        return np.concatenate([T.T @ (q - e * motor.angle), T.T @ (v - e * motor.rate)])
 
-    def expand(self, t: float, z: Array) -> tuple[Array, Array]:
+    def expand(self, z: Array, motor: Motor) -> tuple[Array, Array]:
         """Coordinates q and their rates."""
         e, T = self.freedom.rigid, self.freedom.free
         y, u = np.split(z, 2)
-        phi, rate = self._phi(t, 0) or 0.0, self._phi(t, 1) or 0.0
-        return e * phi + T @ y, e * rate + T @ u
+        return e * motor.angle + T @ y, e * motor.rate + T @ u
 
     def rhs(self, t: float, z: Array) -> Array:
         """dz/dt, eq. (M1)."""
-        q, v = self.expand(t, z)
+        motor = self._motor(t)
+        q, v = self.expand(z, motor)
         e, T, alpha = self.freedom.rigid, self.freedom.free, self.arm.basis.rotation
         c, a = self.arm.coupling(q), T.T @ alpha
-        prescribed = (e + c * (alpha @ e) * alpha) * (self._phi(t, 2) or 0.0)
-        force = T.T @ (self._forces(t, q, v) - prescribed)
-        acceleration = force - a * (c * (a @ force) / (1 + c * (a @ a)))  # eq. (M2)
+        inertia = 1 + c * (a @ a)
+        if inertia <= 0:
+            raise NotConverged(f"t = {t:.4g} s: bent so far that {_BEYOND}", time=t)
+        prescribed = (e + c * (alpha @ e) * alpha) * motor.acceleration
+        force = T.T @ (self._forces(t, q, v, motor) - prescribed)
+        acceleration = force - a * (c * (a @ force) / inertia)  # eq. (M2)
         return np.concatenate([z[len(z) // 2 :], acceleration])
 
     def linear_part(self) -> Array:
@@ -69,47 +86,50 @@ class JointedArm:
             spring, damper = self.drive.stiffness, self.drive.damping
         K = np.diag(self.arm.basis.omega**2) + spring * np.outer(p, p)
         if isinstance(self.arm, LinearModal):
-            K = stiffness_matrix(self.arm, np.zeros_like(p), spring, self._phi(0.0, 0))
+            angle = 0.0 if isinstance(self.drive, MotorAngle) else None  # gravity: (L1) or (L2)
+            K = stiffness_matrix(self.arm, np.zeros_like(p), spring, angle)
         D = np.diag(self.arm.damping) + damper * np.outer(p, p)
         zero, one = np.zeros((T.shape[1],) * 2), np.eye(T.shape[1])
         return np.block([[zero, one], [-T.T @ K @ T, -T.T @ D @ T]])
 
-    def torque(self, t: float, z: Array) -> float:
-        """The drive's torque on the hub [N m], friction excluded."""
-        q, v = self.expand(t, z)
-        if isinstance(self.drive, MotorAngle) and self.drive.rigid:
-            return self._reaction(t, z, q, v)
-        return self._torque(t, q, v)
-
     def motion(self, time: Array, z: Array) -> ArmMotion:
         """Coordinates, torque and tip at every time."""
-        states = [self.expand(t, row) for t, row in zip(time, z, strict=True)]
+        motors = [self._motor(t) for t in time]
+        states = [self.expand(row, motor) for row, motor in zip(z, motors, strict=True)]
         q, v = (np.array(part) for part in zip(*states, strict=True))
         torque = np.array([self.torque(t, row) for t, row in zip(time, z, strict=True)])
-        phi = np.array([self.drive.angle(t) for t in time]) if isinstance(self.drive, MotorAngle) else None
-        return make_motion(self.arm, time, q, v, phi, torque)
+        angles = np.array([motor.angle for motor in motors]) if isinstance(self.drive, MotorAngle) else None
+        return make_motion(self.arm, time, q, v, angles, torque)
 
-    def _phi(self, t: float, derivative: int) -> float | None:
-        return float(self.drive.angle(t, derivative)) if isinstance(self.drive, MotorAngle) else None
+    def torque(self, t: float, z: Array) -> float:
+        """The drive's torque on the hub [N m], friction excluded."""
+        motor = self._motor(t)
+        q, v = self.expand(z, motor)
+        if not (isinstance(self.drive, MotorAngle) and self.drive.rigid):
+            return self._torque(t, q, v, motor)
+        e, T = self.freedom.rigid, self.freedom.free
+        alpha, p = self.arm.basis.rotation, self.arm.basis.hub_slope
+        acceleration = e * motor.acceleration + T @ self.rhs(t, z)[len(z) // 2 :]
+        inertia = acceleration + self.arm.coupling(q) * (alpha @ acceleration) * alpha
+        return float(p @ (inertia - self._forces(t, q, v, motor)) / (p @ p))
 
-    def _forces(self, t: float, q: Array, v: Array) -> Array:
+    def _motor(self, t: float) -> Motor:
+        if isinstance(self.drive, JointTorque):
+            return _NO_MOTOR
+        angle = self.drive.angle
+        return Motor(float(angle(t)), float(angle(t, 1)), float(angle(t, 2)))
+
+    def _forces(self, t: float, q: Array, v: Array, motor: Motor) -> Array:
         p = self.arm.basis.hub_slope
         friction = self.drive.friction(float(p @ v)) if self.drive.friction else 0.0
-        total: Array = self.arm.forces(q, v, self._phi(t, 0)) + p * (self._torque(t, q, v) + friction)
+        angle = None if motor is _NO_MOTOR else motor.angle
+        total: Array = self.arm.forces(q, v, angle) + p * (self._torque(t, q, v, motor) + friction)
         return total
 
-    def _torque(self, t: float, q: Array, v: Array) -> float:
+    def _torque(self, t: float, q: Array, v: Array, motor: Motor) -> float:
         drive, p = self.drive, self.arm.basis.hub_slope
         if isinstance(drive, JointTorque):
             return drive(t)
         if drive.rigid:
             return 0.0  # a reaction, orthogonal to all that is free
-        twist, rate = float(drive.angle(t)) - p @ q, float(drive.angle(t, 1)) - p @ v
-        return float(drive.stiffness * twist + drive.damping * rate)
-
-    def _reaction(self, t: float, z: Array, q: Array, v: Array) -> float:
-        e, T, alpha = self.freedom.rigid, self.freedom.free, self.arm.basis.rotation
-        acceleration = e * (self._phi(t, 2) or 0.0) + T @ self.rhs(t, z)[len(z) // 2 :]
-        inertia = acceleration + self.arm.coupling(q) * (alpha @ acceleration) * alpha
-        p = self.arm.basis.hub_slope
-        return float(p @ (inertia - self._forces(t, q, v)) / (p @ p))
+        return float(drive.stiffness * (motor.angle - p @ q) + drive.damping * (motor.rate - p @ v))
