@@ -8,6 +8,7 @@ turns the first two into exit code 2 and the last into exit code 3.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 
@@ -83,6 +84,12 @@ class InvalidFile(InvalidParameter):
         super().__init__(f"{file}: {first}", problems=problems or (first,))
         self.file = str(file)
         self.where = where
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Errors cross process borders, and this one is not made from its message."""
+        first = self.problems[0]
+        keywords = {"line": first.line, "problems": self.problems}
+        return partial(type(self), **keywords), (self.file, self.where, first.what)  # type: ignore[arg-type]
 
     def lines(self) -> list[str]:
         """Every problem as `FILE: WHERE: what`."""

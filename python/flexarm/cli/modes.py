@@ -22,8 +22,8 @@ def modes(
 
     Frequencies [Hz] and damping ratios about the equilibrium under gravity, the joints' drives held.
 
-    flexarm modes arm.toml
-    flexarm modes arm.toml --joint hinge=1.57 --count 10
+        flexarm modes arm.toml
+        flexarm modes arm.toml --joint hinge=1.57 --count 10
     """
     arm = load_arm(model)
     values = joint_values(arm, model, joint)

@@ -1,0 +1,230 @@
+"""The command line: exit codes, standard output and error, and no traceback for a user's mistake."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from flexarm.cli.run import run
+from pytest import approx
+
+
+def flexarm(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own."""
+    code = "from flexarm.cli import main; main()"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+@pytest.fixture
+def bad_model(tmp_path: Path, model_text: str) -> Path:
+    path = tmp_path / "bad.toml"
+    path.write_text(model_text.replace("mass = 14.1", "mass = -1"))
+    return path
+
+
+# ------------------------------------------------------------------------ processes
+
+
+def test_a_mistake_ends_as_exit_code_2_and_one_line(bad_model: Path) -> None:
+    done = flexarm("check", bad_model)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == f"error: {bad_model}: payloads.load.mass (line 42): must be at least 0, got -1 kg\n"
+
+
+@pytest.mark.parametrize("command", ["check", "static", "modes"])
+def test_every_command_refuses_a_model_that_is_garbage(command: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_bytes(bytes(range(256)))
+    done = flexarm(command, tmp_path / "arm.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"error: {tmp_path / 'arm.toml'}: line ")
+    assert "Traceback" not in done.stderr
+
+
+def test_a_record_that_goes_back_in_time_is_told_with_its_line(record_dir: Path) -> None:
+    (record_dir / "encoder.csv").write_text("time_s,encoder_deg\n0,1\n0.1,2\n0.1,3\n")
+    done = flexarm("check", record_dir)
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"error: {record_dir / 'encoder.csv'}: line 4, column time_s: "
+        "0.1 repeats 0.1 of line 3; times must rise\n"
+    )
+
+
+def test_check_starts_without_numpy_and_help_without_the_model(model_file: Path) -> None:
+    """What makes the command line start in a third of a second."""
+    code = (
+        "import sys; from flexarm.cli.run import run; code = run(sys.argv[1:]); "
+        "heavy = {'numpy', 'scipy', 'xarray', 'matplotlib', 'rich', 'flexarm.arm'}; "
+        "print(code, *sorted(heavy & set(sys.modules)))"
+    )
+    for arguments, loaded in ((["check", str(model_file)], "0 flexarm.arm"), (["--help"], "0")):
+        done = subprocess.run(
+            [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True
+        )
+        assert done.stdout.splitlines()[-1] == loaded
+
+
+def test_a_reader_that_goes_away_is_no_error(model_file: Path) -> None:
+    code = "import sys; from flexarm.cli import main; main()"
+    pipe = f"'{sys.executable}' -c '{code}' check '{model_file}' | head -c 1"
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {pipe}"], capture_output=True, text=True, check=False
+    )
+    assert "Traceback" not in done.stderr
+    assert "BrokenPipe" not in done.stderr
+
+
+# ------------------------------------------------------------------------- in process
+
+
+def test_check_prints_a_weight_statement(model_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["check", str(model_file)]) == 0
+    out = capsys.readouterr().out
+    assert "weight at q = 0" in out
+    assert "whole                   29.8032" in out  # 13.7032 + 2 + 14.1 kg
+
+
+def test_check_json_is_one_object(model_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["check", str(model_file), "--json"]) == 0
+    captured = capsys.readouterr()
+    told = json.loads(captured.out)
+    assert captured.err == ""
+    assert told["kind"] == "model"
+    assert told["weight"]["whole"]["mass"] == approx(29.8032, abs=1e-4)
+    assert told["weight"]["links"]["rod"]["centre"] == approx([0, 0, 0.4 + 1.5])
+    assert told["problems"] == told["warnings"] == []
+
+
+def test_check_json_lists_the_problems_of_a_bad_model(
+    bad_model: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["check", str(bad_model), "--json"]) == 2
+    captured = capsys.readouterr()
+    [problem] = json.loads(captured.out)["problems"]
+    assert problem["where"] == "payloads.load.mass"
+    assert captured.err.startswith("error: ")
+
+
+def test_check_tells_signals_rates_and_drop_outs(
+    record_dir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["check", str(record_dir), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["kind"] == "record"
+    assert told["signals"]["hinge"]["rate_hz"] == approx(10)
+    assert told["signals"]["tip"]["drop_outs"] == 2
+    assert run(["check", str(record_dir / "record.toml")]) == 0
+    assert "clock tracker: 0.01 +- 0.002 s" in capsys.readouterr().out
+
+
+def test_warnings_leave_the_exit_code_at_0(
+    tmp_path: Path, model_text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(model_text.replace("-9.81]", "-1.62]"))
+    assert run(["check", str(path)]) == 0
+    assert (
+        capsys.readouterr().err
+        == f"warning: {path}: gravity: has a magnitude of 1.62 m/s2; on Earth it is 9.81 m/s2\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["check"], "command line: Missing argument"),
+        (["check", "a", "b"], "command line: Got unexpected extra argument"),
+        (["chek"], "command line: No such command 'chek'"),
+        (["check", "arm.toml", "--jsn"], "command line: No such option"),
+        (["check", "nowhere.toml"], "nowhere.toml: file: there is no such file"),
+        (
+            ["static", "MODEL", "--joint", "hinge"],
+            "command line: --joint: must be NAME=RAD such as hinge=0.5, got 'hinge'",
+        ),
+        (["static", "MODEL", "--joint", "hinge=fast"], "command line: --joint: must be NAME=RAD"),
+        (["static", "MODEL", "--joint", "hinge=inf"], "command line: --joint: must be NAME=RAD"),
+        (
+            ["static", "MODEL", "--joint", "elbow=1"],
+            "MODEL: --joint: there is no moving joint 'elbow'; there are hinge",
+        ),
+        (["modes", "MODEL", "--joint", "wrist=1"], "MODEL: --joint: there is no moving joint 'wrist'"),
+        (
+            ["modes", "MODEL", "--joint", "hinge=1", "--joint", "hinge=2"],
+            "--joint: joint 'hinge' is given twice",
+        ),
+        (["modes", "MODEL", "--count", "0"], "command line: Invalid value for '--count'"),
+        (["simulate", "MODEL", "--out", "run"], "command line: Missing option '--drive'"),
+        (
+            ["simulate", "MODEL", "--drive", "d.csv", "--out", "run", "--step", "0"],
+            "--step: must be positive, got 0 s",
+        ),
+        (
+            ["simulate", "MODEL", "--drive", "d.csv", "--out", "run", "--alpha", "0.1"],
+            "--alpha: must lie between -1/3 and 0",
+        ),
+        (["compare", "MODEL", "nowhere"], "nowhere: record: there is no such directory"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_told(
+    arguments: list[str], said: str, model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run([str(model_file) if word == "MODEL" else word for word in arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    last = captured.err.splitlines()[-1]
+    assert last.startswith("error: ")
+    assert said.replace("MODEL", str(model_file)) in last
+
+
+def test_an_occupied_output_directory_is_refused_before_anything_runs(
+    model_file: Path, record_dir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = sorted(record_dir.iterdir())
+    assert run(["simulate", str(model_file), "--drive", "nowhere.csv", "--out", str(record_dir)]) == 2
+    assert "output: holds files already" in capsys.readouterr().err
+    assert sorted(record_dir.iterdir()) == before
+    assert sorted(record_dir.parent.iterdir()) == sorted([model_file, record_dir])
+
+
+def test_help_shows_an_example_of_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run([]) == 0
+    assert "flexarm compare arm.toml measured" in capsys.readouterr().out
+    for command in ("check", "static", "modes", "simulate", "compare", "reproduce"):
+        assert run([command, "--help"]) == 0
+        assert f"\n      flexarm {command} " in capsys.readouterr().out
+
+
+def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out.startswith("flexarm 0.")
+
+
+def test_failed_numbers_end_as_exit_code_3_with_time_iteration_and_residual(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from flexarm.cli import app
+    from flexarm.errors import NotConverged
+
+    def fail(**options: object) -> None:
+        raise NotConverged("no equilibrium", time=0.824, iteration=12, residual=3.1e-2)
+
+    monkeypatch.setattr(app, "app", fail)
+    assert run(["static", "arm.toml"]) == 3
+    assert (
+        capsys.readouterr().err
+        == "error: no equilibrium (time = 0.824 s, iteration = 12, residual = 0.031)\n"
+    )
+
+
+def test_ctrl_c_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from flexarm.cli import app
+
+    def interrupt(**options: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(app, "app", interrupt)
+    assert run(["check", "arm.toml"]) == 130
+    assert capsys.readouterr() == ("", "")

@@ -1,0 +1,132 @@
+"""Every mistake in a model ends as one line with the file, the place, the value and what is allowed."""
+
+# ruff: noqa: E501 (a mistake a line, as a table)
+
+from pathlib import Path
+
+import pytest
+from flexarm import Arm
+from flexarm.errors import InvalidFile
+
+# what is replaced, by what, where the error stands, what it says besides
+MISTAKES = {
+    "unknown key": ("elements = 4", "elments = 4", "links.rod.elments", "did you mean 'elements'?"),
+    "unknown table": ("[[payloads]]", "[[payload]]", "payload", "did you mean 'payloads'?"),
+    "missing key": ("mass = 14.1\n", "", "payloads.load.mass", "is missing; needed is mass [kg]"),
+    "missing axis": ("axis = [0, 1, 0]\n", "", "joints.hinge.axis", "is missing; a revolute joint needs"),
+    "zero axis": ("axis = [0, 1, 0]", "axis = [0, 0, 0]", "joints.hinge.axis", "must not be zero"),
+    "short vector": ("axis = [0, 1, 0]", "axis = [0, 1]", "joints.hinge.axis", "a list of 3 numbers, got [0, 1]"),
+    "text in vector": ("[0, 1, 0]", '[0, "1", 0]', "joints.hinge.axis[1]", "must be a number, got '1'"),
+    "text for number": ("mass = 14.1", 'mass = "14.1"', "payloads.load.mass", "a number [kg], got '14.1'"),
+    "truth for number": ("mass = 14.1", "mass = true", "payloads.load.mass", "a number [kg], got true"),
+    "nan": ("density = 7850", "density = nan", "links.rod.material.density", "must be a finite number [kg/m3]"),
+    "infinite": ("mass = 2.0", "mass = inf", "links.gripper.mass", "must be a finite number [kg], got inf"),
+    "negative mass": ("mass = 14.1", "mass = -1", "payloads.load.mass", "must be at least 0, got -1 kg"),
+    "zero modulus": ("210e9", "0", "links.rod.material.youngs_modulus", "must be positive, got 0 Pa"),
+    "Poisson's ratio": ("= 0.3", "= 0.5", "links.rod.material.poisson_ratio", "must be less than 0.5, got 0.5"),
+    "solid tube": ("= 3.25e-3", "= 0.04", "links.rod.section.thickness", "half the outer diameter of 0.06024 m"),
+    "unknown shape": ('"tube"', '"tubular"', "links.rod.section.shape", "'rectangle', 'general', got 'tubular'"),
+    "no shape": ('shape = "tube", ', "", "links.rod.section.shape", "is missing"),
+    "unknown type": ('"beam"', '"rod"', "links.rod.type", "must be one of 'beam', 'rigid', 'superelement'"),
+    "unknown joint type": ('"revolute"', '"ball"', "joints.hinge.type", "'prismatic' or 'fixed', got 'ball'"),
+    "no length": ("end = [0, 0, 3.0]", "end = [0, 0, 0]", "links.rod.end", "must have a length"),
+    "half an element": ("elements = 4", "elements = 2.5", "links.rod.elements", "must be a whole number, got 2.5"),
+    "no element": ("elements = 4", "elements = 0", "links.rod.elements", "must be at least 1, got 0"),
+    "zero ratio": ("gear_ratio = 120", "gear_ratio = 0", "joints.hinge.gear_ratio", "must not be zero"),
+    "impossible inertia": ("0.01]", "0.05]", "links.gripper.inertia", "none may exceed the sum of the others"),
+    "negative inertia": ("[0.02, 0.02,", "[-0.02, 0.02,", "links.gripper.inertia", "must not be negative"),
+    "unknown child": ('child = "rod"', 'child = "rot"', "joints.hinge.child", "there are rod, gripper"),
+    "unknown parent": ('parent = "rod"', 'parent = "rot"', "joints.wrist.parent", "there is no link 'rot'"),
+    "loop": ('parent = "base"', 'parent = "gripper"', "links.rod", "hangs on itself and not on the base"),
+    "two joints, one child": ('parent = "rod"\nchild = "gripper"\nat = "end"', 'parent = "base"\nchild = "rod"',
+                              "joints.wrist.child", "link 'rod' is already the child of joint 'hinge'"),
+    "joint to itself": ('child = "gripper"', 'child = "rod"', "joints.wrist.child", "joins 'rod' to itself"),
+    "link without joint": ('[[payloads]]', '[[links]]\nname = "spare"\ntype = "rigid"\nmass = 1\n[[payloads]]',
+                           "links.spare", "no joint has link 'spare' as its child"),
+    "joint twice": ('name = "wrist"', 'name = "hinge"', "joints.hinge.name", "is used twice"),
+    "link called base": ('name = "gripper"', 'name = "base"', "links.base.name", "cannot be the name of a link"),
+    "end of a rigid link": ('parent = "base"', 'parent = "base"\nat = "end"', "joints.hinge.at", "needs a beam"),
+    "payload on nothing": ('link = "gripper"', 'link = "hand"', "payloads.load.link", "there is no link 'hand'"),
+    "point on an interface": ('link = "rod"', 'link = "rod:end"', "points.tip.link", "must be LINK"),
+    "sensor of nothing": ('point = "tip"', 'point = "top"', "sensors.tracker.point", "there are tip"),
+    "sensor without place": ('point = "tip"\n', "", "sensors.tracker.point", "position needs the name of a point"),
+    "sensor at a wrong place": ('point = "tip"', 'joint = "hinge"', "sensors.tracker.joint", "but at a point"),
+    "unknown quantity": ('"position"', '"place"', "sensors.tracker.quantity", "got 'place'"),
+    "unit of another kind": ('unit = "mm"', 'unit = "deg"', "sensors.tracker.unit", "unit 'deg' does not fit"),
+    "axis twice": ('["x", "z"]', '["x", "x"]', "sensors.tracker.axes", "none twice"),
+    "motor of nothing": ('joint = "hinge"\nres', 'joint = "wrist"\nres', "motors[0].joint", "no moving joint 'wrist'"),
+    "controller of nothing": ('joint = "hinge"\ntype', 'joint = "h"\ntype', "controllers[0].joint", "there are hinge"),
+    "unknown effect": ('"joint_compliance"', '"joint_complianc"', "effects.joint_complianc.hinge", "did you mean"),
+    "effect not yet simulated": ('"joint_compliance"', '"backlash"', "effects.backlash.hinge", "is known but cannot"),
+    "parameter of an effect": ("stiffness = 1.0e5", "stiffness = -5", "effects.joint_compliance.hinge.stiffness",
+                               "must be positive, got -5 N m/rad"),
+    "effect nowhere": ('at = "hinge"', 'at = "wrist"', "effects.joint_compliance.wrist.at", "there are hinge"),
+    "uncertainty of nothing": ("load.mass", "lead.mass", "uncertainty.payloads.lead.mass", "there are load"),
+    "relative vector": ("position_m", "position", "uncertainty.points.tip.position", "write position_m"),
+    "wrong format": ("flexarm-arm/1", "flexarm-arm/9", "format", "is 'flexarm-arm/9'; allowed is 'flexarm-arm/1'"),
+    "no format": ("format =", "formatted =", "format", "is missing"),
+    "not TOML": ("gravity =", "gravity", "line 3, column 9", "not valid TOML"),
+    "URDF": ('name = "crane"', 'urdf = "arm.urdf"', "urdf", "not supported yet"),
+    "name with a dot": ('name = "tip"', 'name = "tip.1"', "points.tip.1.name", "contains '.'"),
+    "section of two planes": ('shape = "tube", outer_diameter = 0.06024, thickness = 3.25e-3',
+                              'shape = "rectangle", width = 0.1, height = 0.02', "links.rod.up", "is missing"),
+    "table for a list": ("[[points]]", "[points]", "points", "must be a list"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_in_a_model_is_named_with_file_and_place(
+    mistake: str, model_text: str, tmp_path: Path
+) -> None:
+    old, new, where, what = MISTAKES[mistake]
+    assert old in model_text
+    file = tmp_path / "arm.toml"
+    file.write_text(model_text.replace(old, new, 1))
+
+    with pytest.raises(InvalidFile) as caught:
+        Arm.from_toml(file)
+
+    lines = [line for line in caught.value.lines() if f": {where}" in line and what in line]
+    assert lines, caught.value.lines()
+    assert all(line.startswith(f"{file}: ") for line in caught.value.lines())
+
+
+def test_all_mistakes_are_reported_together(model_text: str, tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    file.write_text(model_text.replace("mass = 14.1", "mass = -1").replace("elements = 4", "elements = 0"))
+    with pytest.raises(InvalidFile) as caught:
+        Arm.from_toml(file)
+    assert [problem.where for problem in caught.value.problems] == [
+        "links.rod.elements",
+        "payloads.load.mass",
+    ]
+
+
+def test_the_line_of_a_mistake_is_named(model_text: str, tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    text = model_text.replace("mass = 14.1", "mass = -1")
+    file.write_text(text)
+    with pytest.raises(InvalidFile) as caught:
+        Arm.from_toml(file)
+    assert text.splitlines()[caught.value.problems[0].line - 1] == "mass = -1"
+
+
+@pytest.mark.parametrize(("content", "what"), [
+    (None, "there is no such file"),
+    (b"\x89PNG\r\n\x1a\n\x00\x00", "not a text in UTF-8: byte 0x89"),
+    (b"name = \"caf\xe9\"", "not a text in UTF-8: byte 0xe9"),
+    (b"a\x00b = 1", "not valid TOML"),
+    (b"", "format: is missing"),
+    (b"x = " + b"[" * 5000, "not valid TOML"),
+])  # fmt: skip
+def test_a_file_that_is_no_model_is_told_apart(content: bytes | None, what: str, tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(InvalidFile, match=what):
+        Arm.from_toml(file)
+
+
+def test_a_directory_is_no_model(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match="is a directory, a file is needed"):
+        Arm.from_toml(tmp_path)

@@ -1,0 +1,60 @@
+"""Output is whole or not there."""
+
+from pathlib import Path
+
+import pytest
+from flexarm.errors import InvalidFile
+from flexarm.output import output_directory
+
+
+def test_output_appears_when_the_block_ends(tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "results"
+    with output_directory(target) as directory:
+        (directory / "a.txt").write_text("a")
+        assert not target.exists()
+    assert [p.name for p in target.iterdir()] == ["a.txt"]
+    assert [p.name for p in target.parent.iterdir()] == ["results"]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit])
+def test_nothing_is_left_behind_when_the_block_fails(tmp_path: Path, error: type[BaseException]) -> None:
+    with pytest.raises(error), output_directory(tmp_path / "deep" / "results") as directory:
+        (directory / "a.txt").write_text("half")
+        raise error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_that_are_there_are_kept_unless_forced(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text("old")
+    (tmp_path / "b.txt").write_text("old")
+    with pytest.raises(InvalidFile, match="output: holds files already"), output_directory(tmp_path):
+        pass
+    with output_directory(tmp_path, force=True) as directory:
+        (directory / "a.txt").write_text("new")
+        (directory / "sub").mkdir()
+        (directory / "sub" / "c.txt").write_text("new")
+    assert {p.name: p.read_text() for p in tmp_path.rglob("*.txt")} == {
+        "a.txt": "new",
+        "b.txt": "old",
+        "c.txt": "new",
+    }
+    assert [p.name for p in tmp_path.parent.iterdir() if ".partial-" in p.name] == []
+
+
+def test_an_empty_directory_is_taken(tmp_path: Path) -> None:
+    with output_directory(tmp_path) as directory:
+        (directory / "a.txt").write_text("a")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_a_file_in_the_way_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with (
+        pytest.raises(InvalidFile, match="is a file, a directory is needed"),
+        output_directory(tmp_path / "file"),
+    ):
+        pass
+    with pytest.raises(InvalidFile, match="cannot be written"), output_directory(tmp_path / "file" / "below"):
+        pass
+    with pytest.raises(InvalidFile, match="cannot be written"), output_directory("/proc/flexarm"):
+        pass

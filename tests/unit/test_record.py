@@ -1,0 +1,313 @@
+"""A record holds what was measured, in SI, each signal on its own instants."""
+
+import pickle
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flexarm import Arm, Record, Signal
+from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.record import Clock, Frame
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from pytest import approx
+
+STATIC = """\
+format = "flexarm-record/1"
+kind = "static"
+
+[[signals]]
+name = "hinge"
+quantity = "joint_angle"
+joint = "hinge"
+side = "motor"
+file = "poses.csv"
+pose = "pose"
+channels = ["angle_rad"]
+
+[[signals]]
+name = "tip"
+quantity = "position"
+point = "tip"
+axes = ["z"]
+file = "tracker.csv"
+pose = "pose"
+channels = ["tip_z_m"]
+noise_std = 5.0e-5
+
+[[signals]]
+name = "pull"
+quantity = "force"
+point = "tip"
+axes = ["x"]
+file = "poses.csv"
+pose = "pose"
+channels = ["pull_N"]
+
+[[signals]]
+name = "carried"
+quantity = "payload_mass"
+payload = "load"
+file = "poses.csv"
+pose = "pose"
+channels = ["mass_g"]
+unit = "g"
+"""
+
+
+def test_values_and_noise_are_converted_to_si(record_dir: Path) -> None:
+    record = Record.load(record_dir)
+    hinge, tip = record.signals["hinge"], record.signals["tip"]
+    assert hinge.unit == "rad"
+    assert hinge.values[:, 0] == approx(np.array([10, 20, 30]) * pi / 180)
+    assert hinge.noise_std == approx(1e-4 * pi / 180)
+    assert tip.values[0] == approx([0.52, 3.35])
+    assert tip.noise_std == approx(5e-5)
+
+
+def test_milliseconds_become_seconds(record_dir: Path, record_files: dict[str, str]) -> None:
+    toml = record_files["record.toml"].replace('unit = "deg"', 'unit = "deg"\ntime_unit = "ms"')
+    (record_dir / "record.toml").write_text(toml)
+    (record_dir / "encoder.csv").write_text("time_s,encoder_deg\n0,1\n4,2\n8,3\n")
+    assert Record.load(record_dir).signals["hinge"].time == approx([0, 0.004, 0.008])
+
+
+def test_empty_cells_and_nan_are_drop_outs(record_dir: Path) -> None:
+    tip = Record.load(record_dir).signals["tip"]
+    assert tip.valid.tolist() == [True, False, False]
+    assert tip.values[1, 1] == approx(3.2)  # the other channel of the row is kept
+    assert np.isnan(tip.values[2]).all()
+
+
+@pytest.mark.parametrize("text", [
+    "time_s,encoder_deg\n# started by hand\n0.0,10.0\n0.1,20.0\n0.2,30.0\n",
+    "# a comment first\n\ntime_s , encoder_deg\r\n0.0,10.0\r\n\r\n0.1,20.0\r\n0.2,30.0",
+    "﻿time_s,encoder_deg\n0,10\n0.1 , 2e1\n0.2,+30.\n",
+    'time_s,"encoder_deg"\n0,"10"\n0.1,"20"\n0.2,"30"\n',
+    "note,encoder_deg,time_s\nstart,10,0\n,20,0.1\n,30,0.2\n",
+])  # fmt: skip
+def test_csv_files_are_read_however_they_are_laid_out(text: str, record_dir: Path) -> None:
+    (record_dir / "encoder.csv").write_text(text)
+    hinge = Record.load(record_dir).signals["hinge"]
+    assert hinge.time.tolist() == [0, 0.1, 0.2]
+    assert np.degrees(hinge.values[:, 0]) == approx([10, 20, 30])
+
+
+def test_drop_outs_are_found_in_every_corner_of_a_file(record_dir: Path) -> None:
+    (record_dir / "tracker.csv").write_text("tip_x_mm,time_s,tip_z_mm\n,1,\n2,2,\n,3,4\n , 4 ,NaN\n5,5,")
+    tip = Record.load(record_dir).signals["tip"]
+    nan = np.nan
+    expected = np.array([[nan, nan], [2, nan], [nan, 4], [nan, nan], [5, nan]]) * 1e-3
+    np.testing.assert_allclose(tip.values, expected)
+
+
+def test_clocks_and_frames_are_read_as_stated(record_dir: Path, record_files: dict[str, str]) -> None:
+    record = Record.load(record_dir)
+    assert record.reference_clock == "controller"
+    assert record.clocks["tracker"] == Clock(offset=0.01, sigma=2e-3)
+    assert record.frame_of(record.signals["tip"]) == Frame(translation=1e-3, rotation=5e-4)
+    assert record.frame_of(record.signals["hinge"]) == Frame()
+    unknown = record_files["record.toml"].replace("{ offset = 0.01, sigma = 2.0e-3 }", '"unknown"')
+    (record_dir / "record.toml").write_text(
+        unknown.replace("{ translation = 1.0e-3, rotation = 5.0e-4 }", '"unknown"')
+    )
+    record = Record.load(record_dir)
+    assert record.clocks["tracker"].unknown
+    assert record.frames["tracker"].unknown
+
+
+def test_signals_without_a_clock_belong_to_the_reference(
+    record_dir: Path, record_files: dict[str, str]
+) -> None:
+    (record_dir / "record.toml").write_text(record_files["record.toml"].replace('clock = "tracker"\n', ""))
+    assert Record.load(record_dir).signals["tip"].clock == "controller"
+
+
+def test_a_static_record_holds_rows_of_poses(tmp_path: Path) -> None:
+    (tmp_path / "record.toml").write_text(STATIC)
+    (tmp_path / "poses.csv").write_text("pose,angle_rad,pull_N,mass_g\n1,0.0,0,5000\n2,0.5,10,5000\n")
+    (tmp_path / "tracker.csv").write_text("pose,tip_z_m\n1,3.0\n1,3.1\n2,2.9\n2.0,\n")
+    record = Record.load(tmp_path)
+    tip = record.signals["tip"]
+    assert record.poses == ("1", "2")
+    assert tip.pose.tolist() == ["1", "1", "2", "2"]
+    assert tip.valid.tolist() == [True, True, True, False]
+    assert len(tip.time) == 0
+    assert record.signals["carried"].values[:, 0] == approx([5, 5])
+    record.save(tmp_path / "again")
+    assert Record.load(tmp_path / "again").signals["tip"] == tip
+
+
+def test_arrays_of_a_record_cannot_be_changed(record_dir: Path) -> None:
+    signal = Record.load(record_dir).signals["tip"]
+    with pytest.raises(ValueError, match="read-only"):
+        signal.values[0, 0] = 1
+    with pytest.raises(ValueError, match="read-only"):
+        signal.time[0] = 1
+
+
+def test_a_signal_does_not_follow_the_array_it_was_made_of() -> None:
+    values = np.zeros(3)
+    signal = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=np.arange(3), values=values)
+    values[0] = 7
+    assert signal.values[0, 0] == 0
+
+
+def test_a_record_crosses_process_borders(record_dir: Path) -> None:
+    record = Record.load(record_dir)
+    assert pickle.loads(pickle.dumps(record)) == record
+
+
+# ------------------------------------------------------------------ written and read
+
+
+def test_a_record_written_and_read_is_the_same_record_in_si(record_dir: Path, tmp_path: Path) -> None:
+    record = Record.load(record_dir)
+    record.save(tmp_path / "again")
+    again = Record.load(tmp_path / "again")
+    assert again.signals["tip"].channels == ("tip_x_m", "tip_z_m")  # the old names said millimetres
+    assert again.replace(signals=renamed(again, record)) == record
+    again.save(tmp_path / "third")
+    assert Record.load(tmp_path / "third") == again
+    assert again.check() == []
+
+
+def renamed(record: Record, like: Record) -> dict[str, Signal]:
+    """The signals with the column names of another record."""
+    return {
+        name: signal.replace(channels=like.signals[name].channels) for name, signal in record.signals.items()
+    }
+
+
+@settings(deadline=None, derandomize=True, max_examples=40)
+@given(
+    values=arrays(
+        float, st.tuples(st.integers(1, 20), st.just(2)), elements=st.floats(width=64, allow_infinity=False)
+    )
+)
+def test_any_values_survive_writing_and_reading(
+    tmp_path_factory: pytest.TempPathFactory, values: np.ndarray
+) -> None:
+    tip = Signal(name="tip", quantity="position", point="tip", axes=("y", "z"), values=values,
+                 time=np.cumsum(np.full(len(values), 0.1)))  # fmt: skip
+    directory = tmp_path_factory.mktemp("record") / "run"
+    Record(signals=[tip]).save(directory)
+    again = Record.load(directory).signals["tip"]
+    np.testing.assert_array_equal(again.values, values)
+    np.testing.assert_array_equal(again.time, tip.time)
+
+
+def test_signals_of_one_name_of_file_and_other_instants_get_files_of_their_own(tmp_path: Path) -> None:
+    a = Signal(name="a", quantity="joint_angle", joint="a", time=[0, 1], values=[1, 2], file="log.csv")
+    b = Signal(name="b", quantity="joint_angle", joint="b", time=[0, 2], values=[3, 4], file="log.csv")
+    c = Signal(name="c", quantity="joint_angle", joint="c", time=[0, 1], values=[5, 6], file="log.csv")
+    Record(signals=[a, b, c], drive=("a", "b", "c")).save(tmp_path / "run")
+    assert sorted(p.name for p in (tmp_path / "run").iterdir()) == ["log-2.csv", "log.csv", "record.toml"]
+    assert list(Record.load(tmp_path / "run").signals) == ["a", "b", "c"]
+    assert Record.load(tmp_path / "run").signals["b"].time.tolist() == [0, 2]
+
+
+def test_saving_into_a_directory_with_files_needs_force(record_dir: Path) -> None:
+    record = Record.load(record_dir)
+    with pytest.raises(InvalidFile, match="holds files already"):
+        record.save(record_dir)
+    (record_dir / "notes.txt").write_text("mine")
+    record.save(record_dir, force=True)
+    assert (record_dir / "notes.txt").read_text() == "mine"
+    assert Record.load(record_dir).signals["tip"].unit == "m"
+
+
+# --------------------------------------------------------------------------- doubts
+
+
+def test_degrees_read_as_radians_are_reported(record_dir: Path, record_files: dict[str, str]) -> None:
+    (record_dir / "record.toml").write_text(
+        record_files["record.toml"].replace('unit = "deg"', 'unit = "rad"')
+    )
+    said = [str(problem) for problem in Record.load(record_dir).check()]
+    assert any("reaches 30 rad at the output" in text and 'unit = "deg"' in text for text in said)
+    assert any("'encoder_deg' ends in 'deg', but its unit is 'rad'" in text for text in said)
+
+
+def test_millimetres_read_as_metres_are_reported_beside_the_arm(
+    record_dir: Path, record_files: dict[str, str], model_file: Path
+) -> None:
+    (record_dir / "record.toml").write_text(record_files["record.toml"].replace('unit = "mm"', 'unit = "m"'))
+    [problem] = Record.load(record_dir).check_against(without_wrist(model_file))
+    assert problem.where == "signals.tip"
+    assert "reaches 3350 m" in problem.what
+
+
+def without_wrist(model_file: Path) -> Arm:
+    """The model with a wrist that moves, as the record wants it."""
+    arm = Arm.from_toml(model_file)
+    wrist = arm.joint("wrist").replace(type="revolute", axis=(0, 1, 0))
+    return arm.replace(joints=(arm.joint("hinge"), wrist))
+
+
+def test_names_that_the_arm_does_not_have_are_errors(record_dir: Path, model_file: Path) -> None:
+    with pytest.raises(
+        InvalidFile, match=r"record\.toml: joints\.wrist: there is no joint 'wrist'; there are hinge"
+    ):
+        Record.load(record_dir).check_against(Arm.from_toml(model_file))
+    other = without_wrist(model_file).replace(points=(), sensors=(), uncertainty={})
+    with pytest.raises(
+        InvalidFile, match=r"signals\.tip\.point: there is no point 'tip'; the model has no points"
+    ):
+        Record.load(record_dir).check_against(other)
+
+
+def test_a_dead_channel_is_reported() -> None:
+    dead = Signal(name="tip", quantity="position", point="tip", time=np.arange(20), noise_std=1e-5,
+                  values=np.column_stack([np.sin(np.arange(20)), np.ones(20), np.cos(np.arange(20))]),
+                  channels=("x", "y", "z"))  # fmt: skip
+    said = [problem.what for problem in Record(signals=[dead], kind="motion").check()]
+    assert "channel 'y' holds 1 m throughout, although its noise is 1e-05" in said
+
+
+def test_a_pause_is_reported() -> None:
+    time = np.concatenate([np.arange(10), np.arange(100, 110)])
+    signal = Signal(
+        name="a", quantity="joint_angle", joint="a", time=time, values=np.sin(time), noise_std=1e-6
+    )
+    [problem] = Record(signals=[signal], drive=("a",)).check()
+    assert "has a pause of 91 s after t = 9 s" in problem.what
+
+
+# ------------------------------------------------------------------ in the program
+
+
+def test_a_weighed_payload_takes_precedence_over_the_model(record_dir: Path, model_file: Path) -> None:
+    record = Record.load(record_dir)
+    carried = record.applied_to(Arm.from_toml(model_file))
+    assert [load.mass for load in carried.payloads] == [5.0]
+    assert record.replace(payloads={}).applied_to(carried) is carried
+
+
+def test_records_made_wrongly_in_python_name_the_signal() -> None:
+    with pytest.raises(InvalidParameter, match=r"signals\.tip: has 2 channels; position needs 3"):
+        Signal(name="tip", quantity="position", point="tip", time=[0, 1], values=np.zeros((2, 2)))
+    with pytest.raises(InvalidParameter, match=r"signals\.a\.time: stamps must be finite and rise"):
+        Signal(name="a", quantity="joint_angle", joint="a", time=[0, 0], values=[1, 2])
+    with pytest.raises(InvalidParameter, match="values of shape"):
+        Signal(name="a", quantity="joint_angle", joint="a", time=[0, 1], values=[1, 2, 3])
+    with pytest.raises(InvalidParameter, match="unknown quantity 'angle'"):
+        Signal(name="a", quantity="angle", joint="a", time=[0], values=[1])
+    good = Signal(name="a", quantity="joint_angle", joint="a", time=[0, 1], values=[1, 2])
+    with pytest.raises(InvalidParameter, match="there is no signal 'b'; there are a"):
+        Record(signals=[good], drive=("b",))
+
+
+def test_every_record_of_the_cases_is_read_and_fits_its_model(shared_dir: Path) -> None:
+    files = sorted(shared_dir.glob("cases/case_*/*/record.toml"))
+    assert len(files) >= 54
+    for file in files:
+        record = Record.load(file.parent)
+        arm = Arm.from_toml(file.parents[1] / "model.toml")
+        assert record.check() == []
+        assert record.check_against(arm) == []
+        assert [record.signals[name].quantity for name in record.drive] == ["joint_angle"] * len(
+            arm.moving_joints
+        )
