@@ -9,7 +9,6 @@ from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import CannotMeasure, ClockError, Registration, measure, predict
-from flexarm.measurement.replay import replay
 from flexarm.record import Clock, Frame
 
 LENGTH, HEIGHT, G, RATIO = 3.0, 0.4, 9.81, 120.0
@@ -299,18 +298,6 @@ def test_after_the_run_nothing_is_known_and_before_it_the_arm_rests():
     )
     late = signal.replace(time=signal.time + 5.0)
     assert np.array_equal(np.isnan(predict(run, late)[:, 0]), late.time > run.time[-1] + 1e-6)
-
-
-def test_replay_keeps_drives_and_predicts_the_rest():
-    run = motion()
-    sensors = [
-        sensor(name="hinge", quantity="joint_angle", joint="hinge", noise_std=1e-6),
-        sensor(name="tip", quantity="position", noise_std=1e-3),
-    ]
-    record = measure(run, sensors, np.random.default_rng(0), drive=["hinge"])
-    predicted = replay(run, record)
-    assert predicted.signals["hinge"] == record.signals["hinge"]
-    np.testing.assert_allclose(predicted.signals["tip"].values, tip(record.signals["tip"].time), atol=1e-11)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,7 @@
+"""A model beside a record: simulate, align, and show the gap by direction and band."""
+
+from flexarm.comparison.compare import compare
+from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.gap import SignalGap
+
+__all__ = ["Comparison", "SignalGap", "compare"]

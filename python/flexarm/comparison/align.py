@@ -1,0 +1,143 @@
+"""Alignment: offsets of clocks and registrations of frames that bring a record closest to a simulation.
+
+    sum over signals |(y - prediction(u))/sigma_y|^2 + sum_i ((u_i - c_i)/sigma_i)^2 -> min            (1)
+
+u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. The simulation is not
+repeated: predictions are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not
+lower (1) is halved. What the data do not determine keeps its prior, and is said: the standard deviation after
+alignment is then that of the prior (more than `KEPT` of it), or, without a prior, infinite.
+
+A gap of the model much larger than the noise outweighs the priors: whatever of it looks like a shift in time
+or space is then aligned away, in measurement and in the report alike. `compare(..., align=False)` shows the
+gap without that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.comparison.subject import Placement, Subject, noise_of
+from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
+
+Floats = NDArray[np.float64]
+
+KEPT = 0.9
+"""Share of a prior's sigma that is left where the data say nothing."""
+ITERATIONS = 30
+
+
+@dataclass(frozen=True)
+class Aligned:
+    """Outcome of an alignment.
+
+    Attributes
+    ----------
+    placement : Placement
+        Clocks and frames after it.
+    unknowns : tuple of Unknown
+        What was allowed to move.
+    values, std : ndarray
+        Where it ended and 1 sigma [s, m, rad]; the sigma counts noise and priors, not an error of the model.
+    """
+
+    placement: Placement
+    unknowns: tuple[Unknown, ...] = ()
+    values: Floats | tuple[float, ...] = ()
+    std: Floats | tuple[float, ...] = ()
+
+    @property
+    def undetermined(self) -> list[str]:
+        """What the data say nothing about."""
+        return [
+            str(u)
+            for u, std in zip(self.unknowns, self.std, strict=True)
+            if not std < (KEPT * u.sigma if np.isfinite(u.sigma) else np.inf)
+        ]
+
+
+def align(subject: Subject, start: Placement) -> Aligned:
+    """Clocks and frames that minimise (1).
+
+    Parameters
+    ----------
+    subject : Subject
+        Simulation and record.
+    start : Placement
+        Where to start; clocks and frames without a prior must be near already.
+    """
+    unknown = unknowns(subject, start)
+    if not unknown:
+        return Aligned(start)
+    rows = _rows(subject, start, unknown)
+    values = np.array([each.centre for each in unknown])
+    residual, jacobian = rows(values), _jacobian(rows, values, unknown)
+    for _ in range(ITERATIONS):
+        change = _least_norm(jacobian, -residual, unknown)[0]
+        values, residual, moved = _descend(rows, values, residual, change)
+        scaled = np.abs(moved) / [each.step for each in unknown]
+        if scaled.max() < 1e-3:
+            break
+        jacobian = _jacobian(rows, values, unknown)
+    return Aligned(
+        placed(start, unknown, values), tuple(unknown), values, _least_norm(jacobian, residual, unknown)[1]
+    )
+
+
+class _rows:
+    """Whitened residuals and priors of (1) as one vector; rows without a value are zero."""
+
+    def __init__(self, subject: Subject, start: Placement, unknown: list[Unknown]) -> None:
+        self.subject, self.start, self.unknown = subject, start, unknown
+        places = {each.place for each in unknown}
+        self.signals = [
+            signal
+            for signal in subject.evidence.values()
+            if noise_is_stated(signal.noise_std) and (signal.clock in places or signal.frame in places)
+        ]
+        prior = [(each.centre, each.sigma) for each in unknown]
+        self.centre, self.sigma = np.array(prior).T
+
+    def __call__(self, values: Floats) -> Floats:
+        placement = placed(self.start, self.unknown, values)
+        parts = [
+            self.subject.residual(signal, placement).ravel() / noise_of(signal) for signal in self.signals
+        ]
+        found: Floats = np.nan_to_num(np.concatenate([*parts, (values - self.centre) / self.sigma]))
+        return found
+
+
+def _jacobian(rows: _rows, values: Floats, unknown: list[Unknown]) -> Floats:
+    """Central differences of the rows by the unknowns."""
+    columns = []
+    for i, each in enumerate(unknown):
+        step = np.zeros(len(unknown))
+        step[i] = each.step
+        columns.append((rows(values + step) - rows(values - step)) / (2 * each.step))
+    found: Floats = np.stack(columns, axis=1)
+    return found
+
+
+def _least_norm(jacobian: Floats, right: Floats, unknown: list[Unknown]) -> tuple[Floats, Floats]:
+    """Least-squares step and standard deviations; what nothing determines stays, infinitely unsure."""
+    scale = np.array([each.sigma if np.isfinite(each.sigma) else 100 * each.step for each in unknown])
+    scaled = jacobian * scale
+    squares, axes = np.linalg.eigh(scaled.T @ scaled)
+    firm = squares > 1e-12 * squares[-1]
+    step = axes[:, firm] @ ((axes[:, firm].T @ (scaled.T @ right)) / squares[firm])
+    variance = np.sum(axes[:, firm] ** 2 / squares[firm], axis=1)
+    loose = np.sum(axes[:, ~firm] ** 2, axis=1) > 1e-3
+    return step * scale, np.where(loose, np.inf, np.sqrt(variance) * scale)
+
+
+def _descend(rows: _rows, values: Floats, residual: Floats, change: Floats) -> tuple[Floats, Floats, Floats]:
+    """A step along `change`, halved until (1) falls; none if it never does."""
+    cost = residual @ residual
+    for _ in range(12):
+        there = rows(values + change)
+        if there @ there <= cost:
+            return values + change, there, change
+        change = change / 2
+    return values, residual, np.zeros_like(change)

@@ -1,0 +1,128 @@
+"""How much of a gap lies in which band of frequencies, from samples taken when they were.
+
+Samples at times t_i, of a length T, are projected on the cosines
+
+    c_k(t) = cos(pi k (t - t_0 + dt/2)/T),   frequency k/(2 T),   k = 0, 1, 2, ...                    (1)
+
+made orthogonal one after another, so that the energies of bands add up to the energy of the samples whatever
+their spacing. At equal spacing (1) is the discrete cosine transform, and is computed as such; else
+block by block of at most `BLOCK` samples. The last band is what the others leave. Jitter and drop-outs are no error
+here. Half of the sampling rate (Nyquist) is the highest edge: faster motion appears below it (aliases), in
+measurement and prediction alike.
+
+Cosines have no jump at the ends of a block as sines and cosines of period T would, so a slow gap leaks little
+into higher bands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+BLOCK = 128
+"""Most samples of a block whose samples are not equally spaced."""
+ROUNDING = 1e-12
+"""Share of a cosine's energy added to each, so that nearly equal ones (aliases) can be told apart."""
+EVEN = 1e-3
+"""Greatest deviation from equal spacing, as a share of it."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """A band of frequencies and what of a gap lies in it.
+
+    Attributes
+    ----------
+    low, high : float
+        Its edges [Hz].
+    rms : float
+        Root of the mean square of the gap's part in the band, all measured directions together.
+    """
+
+    low: float
+    high: float
+    rms: float
+
+
+def band_edges(time: Floats, modes_hz: Sequence[float], inner: Sequence[float] | None = None) -> list[float]:
+    """Edges [Hz]: quasi-static below half of the first mode, around the first mode, the rest up to Nyquist.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Instants of the samples [s].
+    modes_hz : sequence of float
+        Frequencies of the arm, ascending; empty: the edges are an eighth and a half of Nyquist.
+    inner : sequence of float, optional
+        Edges to use instead, between 0 and Nyquist.
+    """
+    if len(time) < 2:
+        return []
+    nyquist = float(0.5 / np.median(np.diff(time)))
+    if inner is None:
+        inner = [0.5 * modes_hz[0], 2.0 * modes_hz[0]] if len(modes_hz) else [nyquist / 8, nyquist / 2]
+    return [0.0, *(edge for edge in sorted(inner) if 0 < edge < nyquist), nyquist]
+
+
+def alias(frequency: float, rate: float) -> float:
+    """Frequency [Hz] at which samples at `rate` [Hz] show a motion of `frequency`."""
+    return abs(frequency - rate * round(frequency / rate))
+
+
+def band_split(time: Floats, values: Floats, edges: Sequence[float]) -> list[Band]:
+    """Root mean square of samples in each band; their squares add up to the mean square of the samples.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Rising instants [s].
+    values : ndarray, shape (n, channels)
+        Finite samples.
+    edges : sequence of float
+        Rising edges of the bands [Hz], the first 0, the last Nyquist.
+    """
+    if len(edges) < 2 or not len(time):
+        return []
+    rms = np.sqrt(np.maximum(_energies(time, values, edges), 0.0) / len(time))
+    return [Band(low, high, float(r)) for low, high, r in zip(edges[:-1], edges[1:], rms, strict=True)]
+
+
+def _energies(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
+    """Sum of squares in each band."""
+    steps = np.diff(time)
+    if len(steps) and np.ptp(steps) < EVEN * steps.min():
+        from scipy.fft import dct
+
+        powers = np.sum(dct(values, norm="ortho", axis=0) ** 2, axis=1)
+        return _summed(powers, float(np.sum(values**2)), edges, len(time) * float(steps.mean()))
+    blocks = max(1, -(-len(time) // BLOCK))
+    parts = zip(np.array_split(time, blocks), np.array_split(values, blocks), strict=True)
+    found: Floats = np.sum([_block_energy(t, v, edges) for t, v in parts], axis=0)
+    return found
+
+
+def _summed(powers: Floats, total: float, edges: Sequence[float], length: float) -> Floats:
+    """Powers of the cosines of (1) summed in all bands but the last, which gets the rest of the total."""
+    ends = [min(int(np.ceil(2 * length * edge)), len(powers)) for edge in edges[1:-1]]  # k/(2 T) < edge
+    inner = [float(powers[i:j].sum()) for i, j in zip([0, *ends], ends, strict=False)]
+    return np.array([*inner, total - sum(inner)])
+
+
+def _block_energy(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
+    """Sum of squares of one block; Cholesky's factor of their overlaps makes the cosines orthogonal in order."""
+    from scipy.linalg import cholesky, solve_triangular
+
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 1.0
+    length = float(time[-1] - time[0]) + step
+    below = min(int(np.ceil(2 * length * edges[-2])), len(time))  # cosines below the last band
+    phase = np.pi * (time - time[0] + step / 2) / length
+    cosines = np.cos(phase[:, None] * np.arange(below))  # eq. (1)
+    overlap = cosines.T @ cosines + ROUNDING * len(time) * np.eye(below)
+    parts = solve_triangular(cholesky(overlap, lower=True), cosines.T @ values, lower=True)
+    powers = np.sum(parts**2, axis=1)
+    return _summed(powers, float(np.sum(values**2)), edges, length)

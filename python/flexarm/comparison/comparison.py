@@ -1,0 +1,143 @@
+"""The outcome of a comparison: numbers, table, figure, JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.comparison.align import Aligned
+from flexarm.comparison.gap import SignalGap
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """The gap between a model and a record.
+
+    Attributes
+    ----------
+    arm, record : str
+        Name of the model, description of the record.
+    signals : dict of str to SignalGap
+        The gap of every signal that could be compared; drives are marked.
+    aligned : Aligned
+        Clocks and frames as they were used.
+    skipped : dict of str to str
+        Signals that were not compared, and why.
+    modes_hz : tuple of float
+        Frequencies of the arm that set the bands [Hz].
+    notes : tuple of str
+        What a reader should know: aliasing, what alignment could not determine.
+    """
+
+    arm: str
+    record: str
+    signals: Mapping[str, SignalGap]
+    aligned: Aligned
+    skipped: Mapping[str, str]
+    modes_hz: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def evidence(self) -> dict[str, SignalGap]:
+        """Gaps that say something about the model: those of all signals that do not drive it."""
+        return {name: gap for name, gap in self.signals.items() if not gap.is_drive}
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `flexarm compare --json`: `signals`, and beside it what led to them."""
+        return {
+            "signals": {name: gap.to_json_dict() for name, gap in self.signals.items()},
+            "drives": [name for name, gap in self.signals.items() if gap.is_drive],
+            "alignment": [
+                {
+                    "parameter": str(unknown),
+                    "value": float(value),
+                    "std": _finite(std),
+                    "prior": unknown.centre,
+                    "prior_sigma": _finite(unknown.sigma),
+                    "unit": unknown.unit,
+                }
+                for unknown, value, std in zip(
+                    self.aligned.unknowns, self.aligned.values, self.aligned.std, strict=True
+                )
+            ],
+            "modes_hz": list(self.modes_hz),
+            "skipped": dict(self.skipped),
+            "notes": list(self.notes),
+        }
+
+    def summary(self) -> str:
+        """Tables that a person reads: the gap, its bands, the alignment."""
+        title = f"gap between {self.arm!r} and " + (repr(self.record) if self.record else "the record")
+        lines = [title, "", *self._gap_table(), "", *self._band_table()]
+        if self.aligned.unknowns:
+            lines += ["", "aligned, +- 1 sigma beside the stated one"]
+            rows = zip(self.aligned.unknowns, self.aligned.values, self.aligned.std, strict=True)
+            lines += [
+                f"  {u!s:<36}{value:12.3e} +- {std:8.1e}  ({u.sigma:.1e}) {u.unit}" for u, value, std in rows
+            ]
+        lines += [f"not compared: {name}: {why}" for name, why in self.skipped.items()]
+        lines += [f"note: {note}" for note in self.notes]
+        return "\n".join(lines)
+
+    def _gap_table(self) -> list[str]:
+        """Root mean square by direction, the noise and the greatest gap."""
+        names = list(dict.fromkeys(key for gap in self.signals.values() for key in gap.rms if key != "total"))
+        columns = [*names, "total", "noise", "max"]
+        lines = [f"{'rms':<18}{'unit':<7}" + "".join(f"{name:>12}" for name in columns)]
+        for gap in self.signals.values():
+            cells = [gap.rms.get(name) for name in [*names, "total"]] + [gap.noise_rms, gap.max["total"]]
+            label = f"{gap.name} (drive)" if gap.is_drive else gap.name
+            lines.append(f"{label:<18}{gap.unit:<7}" + "".join(f"{_cell(cell):>12}" for cell in cells))
+        return lines
+
+    def _band_table(self) -> list[str]:
+        """Root mean square of the total by band."""
+        lines = []
+        for gap in self.evidence.values():
+            parts = [f"{band.low:.3g}-{band.high:.3g} Hz: {band.rms:.3e}" for band in gap.bands]
+            if parts:
+                lines.append(f"{gap.name:<18}{gap.unit:<7}" + "   ".join(parts))
+        return lines
+
+    def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
+        """The gap of a signal over time, by direction, and the noise (2 sigma) as a band.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        signal : str, optional
+            Which signal; default: the first that does not drive.
+        """
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        gap = self.signals[signal] if signal is not None else next(iter(self.evidence.values()))
+        parts = {name: part for name, part in gap.parts.items() if part is not None}
+        for name, part in parts.items():
+            axes.plot(gap.time, part, lw=0.8, label=name)
+        if gap.noise_rms:
+            sigma = gap.noise_rms / np.sqrt(max(len(parts), 1))
+            axes.axhspan(-2 * sigma, 2 * sigma, color="0.85", zorder=0, label="noise, 2 sigma")
+        axes.set(
+            xlabel="time [s]" if gap.bands else "pose", ylabel=f"{gap.name}: measured - model [{gap.unit}]"
+        )
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _cell(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3e}"

@@ -1,0 +1,161 @@
+"""The gap of one signal: measured minus predicted, by direction and by band, beside the noise.
+
+    rms_d = sqrt(mean r_d^2),   total = sqrt(sum over measured channels of rms^2)                    (1)
+    noise = noise_std sqrt(number of measured channels)                                             (2)
+
+A model without a gap has a total of about (2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.comparison.bands import Band, band_edges, band_split
+from flexarm.comparison.directions import base_directions, joint_directions, project
+from flexarm.comparison.subject import Placement, Subject, noise_of
+from flexarm.measurement.sampling import sample
+
+if TYPE_CHECKING:
+    from flexarm.record import Signal
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SignalGap:
+    """Residual of one signal and its measures.
+
+    Attributes
+    ----------
+    name, quantity, unit : str
+        The signal; the unit is that of the residual.
+    time : ndarray, shape (n,)
+        Instants in the simulation's time [s], or numbers of poses.
+    parts : dict of str to ndarray, shape (n,), or None
+        Residual along each direction; None where it was not measured. Scalars have "total" only.
+    rms, max : dict of str to float or None
+        Of the parts, and of all measured channels together ("total": eq. (1), greatest length).
+    bands : tuple of Band
+        Of the total.
+    noise_rms : float or None
+        Eq. (2); None where no noise is stated.
+    is_drive : bool
+        Whether the signal drives the simulation: then the gap says nothing about the model.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    time: Floats
+    parts: Mapping[str, Floats | None]
+    rms: Mapping[str, float | None]
+    max: Mapping[str, float | None]
+    bands: tuple[Band, ...]
+    noise_rms: float | None
+    is_drive: bool = False
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The signal's object of `compare --json`."""
+        return {
+            "unit": self.unit,
+            "rms": dict(self.rms),
+            "max": dict(self.max),
+            "bands": [{"hz": [band.low, band.high], "rms": band.rms} for band in self.bands],
+            "noise_rms": self.noise_rms,
+        }
+
+
+def signal_gap(
+    subject: Subject,
+    signal: Signal,
+    placement: Placement,
+    joint: str | None,
+    modes_hz: Sequence[float],
+    edges: Sequence[float] | None = None,
+) -> SignalGap:
+    """The gap of a signal.
+
+    Parameters
+    ----------
+    subject : Subject
+        Simulation and record.
+    signal : Signal
+        One of the subject's signals.
+    placement : Placement
+        Clocks and frames.
+    joint : str or None
+        The one joint that moves; None: several.
+    modes_hz : sequence of float
+        Frequencies of the arm [Hz], for the bands.
+    edges : sequence of float, optional
+        Inner edges of the bands [Hz] instead.
+    """
+    instants, residual = subject.instants(signal, placement), subject.residual(signal, placement)
+    keep = np.isfinite(residual).all(axis=1)
+    instants, residual = instants[keep], residual[keep]
+    parts = _parts(subject, signal, placement, joint, instants, residual)
+    noise = noise_of(signal) * np.sqrt(residual.shape[1])
+    bands: list[Band] = []
+    if subject.record.kind == "motion":
+        bands = band_split(instants, residual, band_edges(instants, modes_hz, edges))
+    return SignalGap(
+        signal.name,
+        signal.quantity,
+        "rad" if signal.quantity == "orientation" else signal.unit,
+        instants,
+        parts,
+        {
+            **{name: _rms(part) for name, part in parts.items()},
+            "total": _rms(np.linalg.norm(residual, axis=1)),
+        },
+        {
+            **{name: _max(part) for name, part in parts.items()},
+            "total": _max(np.linalg.norm(residual, axis=1)),
+        },
+        tuple(bands),
+        float(noise) if signal.noise_std is not None else None,
+        signal.name in subject.record.drive,
+    )
+
+
+def _parts(
+    subject: Subject,
+    signal: Signal,
+    placement: Placement,
+    joint: str | None,
+    instants: Floats,
+    residual: Floats,
+) -> dict[str, Floats | None]:
+    """Residual along the directions of the signal: of the arm for positions, of its own axes else."""
+    if signal.quantity == "position":
+        directions = None
+        if joint is not None and signal.point is not None:
+            directions = joint_directions(
+                subject.simulation.arm, joint, signal.point, _angles(subject, instants)
+            )
+        frame = placement.frame(signal)
+        return project(residual, signal.axes, frame, directions or base_directions(len(instants)))
+    if signal.quantity == "orientation" or (signal.spec.channels is None and signal.axes):
+        axes = signal.axes or ("x", "y", "z")
+        return {axis: residual[:, axes.index(axis)] if axis in axes else None for axis in "xyz"}
+    return {"total": residual[:, 0]}
+
+
+def _angles(subject: Subject, instants: Floats) -> dict[str, Floats]:
+    """Drive angles of all joints at the instants."""
+    run = subject.simulation
+    values = sample(run.time, np.asarray(run.drive_angle), instants, np.asarray(run.drive_rate))
+    return {name: values[:, j] for j, name in enumerate(run.joints)}
+
+
+def _rms(part: Floats | None) -> float | None:
+    return None if part is None or not len(part) else float(np.sqrt(np.mean(part**2)))
+
+
+def _max(part: Floats | None) -> float | None:
+    return None if part is None or not len(part) else float(np.abs(part).max())

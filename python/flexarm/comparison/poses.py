@@ -1,0 +1,137 @@
+"""Static records: every pose an equilibrium, together a sequence that reads like a simulation.
+
+The number of the pose takes the place of time, so sensors read poses as they read instants. Inputs of a pose
+are its joint angles (drive signals; other joints stand where the record says), forces at points and payload
+masses. Rows of one pose are repeated measurements: inputs are their means, outputs are compared row by row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.measurement.sampling import columns
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record, Signal
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PoseSequence:
+    """Equilibria of an arm, one a pose, with the arrays that sensors read of a simulation.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    time : ndarray, shape (n,)
+        Numbers of the poses: 0, 1, 2, ...
+    points, joints : tuple of str
+        Names, in the order of the arrays.
+    position, velocity : ndarray, shape (n, point, 3)
+        Places [m]; nothing moves.
+    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
+        Angles [rad] and the drive's torques, output side [N m].
+    section_forces : ndarray, shape (n, link, 2, 6)
+        At both ends of each link [N, N m].
+    """
+
+    arm: Any
+    time: Floats
+    points: tuple[str, ...]
+    joints: tuple[str, ...]
+    position: Floats
+    velocity: Floats
+    joint_angle: Floats
+    joint_rate: Floats
+    drive_angle: Floats
+    drive_rate: Floats
+    motor_torque: Floats
+    section_forces: Floats
+
+
+def is_input(record: Record, signal: Signal) -> bool:
+    """Whether a signal of a static record says what the arm was told, not how it answered."""
+    return signal.name in record.drive or signal.quantity in ("force", "payload_mass")
+
+
+def solve_poses(arm: Arm, record: Record) -> PoseSequence:
+    """The equilibrium of every pose of a static record.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with what the record says it carried.
+    record : Record
+        Its poses.
+
+    Raises
+    ------
+    NotConverged
+        If a pose has no stable equilibrium.
+    """
+    from flexarm.statics import static
+
+    found = []
+    for pose in record.poses:
+        angles, forces, masses = _inputs(record, pose)
+        loaded = arm.replace(
+            payloads=tuple(
+                load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads
+            )
+        )
+        found.append(static(loaded, joints={**record.joints, **angles}, forces=forces))
+    position = np.array([s.position for s in found])
+    link_angle = np.array([s.link_angle for s in found])
+    return PoseSequence(
+        arm,
+        np.arange(float(len(found))),
+        found[0].points,
+        found[0].joints,
+        position,
+        np.zeros_like(position),
+        link_angle,
+        np.zeros_like(link_angle),
+        np.array([s.drive_angle for s in found]),
+        np.zeros_like(link_angle),
+        np.array([s.joint_torque for s in found]),
+        np.array([s.section_forces for s in found]),
+    )
+
+
+def pose_numbers(record: Record) -> dict[str, Floats]:
+    """The number of the pose of every row, by signal."""
+    number = {pose: float(i) for i, pose in enumerate(record.poses)}
+    return {
+        name: np.array([number[str(pose)] for pose in signal.pose])
+        if signal.pose is not None
+        else signal.time
+        for name, signal in record.signals.items()
+    }
+
+
+def _inputs(record: Record, pose: str) -> tuple[dict[str, float], dict[str, Floats], dict[str, float]]:
+    """Joint angles, forces and payload masses of one pose."""
+    angles: dict[str, float] = {}
+    forces: dict[str, Floats] = {}
+    masses: dict[str, float] = {}
+    for signal in record.signals.values():
+        if signal.pose is None or not is_input(record, signal):
+            continue
+        rows = signal.values[(signal.pose == pose) & signal.valid]
+        if not len(rows):
+            continue
+        mean = rows.mean(axis=0)
+        if signal.quantity == "force" and signal.point is not None:
+            forces.setdefault(signal.point, np.zeros(3))[columns(signal.axes)] += mean
+        elif signal.quantity == "payload_mass" and signal.payload is not None:
+            masses[signal.payload] = float(mean[0])
+        elif signal.joint is not None:
+            angles[signal.joint] = float(mean[0])
+    return angles, forces, masses

@@ -1,0 +1,144 @@
+"""What is compared: a simulation, and the signals of a record that it predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.frames import IDENTITY, Registration
+from flexarm.measurement.predict import read
+from flexarm.measurement.sampling import CannotMeasure
+
+if TYPE_CHECKING:
+    from flexarm.record import Record, Signal
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Clocks and frames of a record, as stated or as aligned.
+
+    Attributes
+    ----------
+    clocks : dict of str to ClockError
+        Against the clock of the drive, whose time is the simulation's.
+    frames : dict of str to Registration
+        Where the frames of measurement are.
+    """
+
+    clocks: Mapping[str, ClockError] = field(default_factory=dict)
+    frames: Mapping[str, Registration] = field(default_factory=dict)
+
+    def clock(self, signal: Signal) -> ClockError:
+        """The clock of a signal."""
+        return self.clocks.get(signal.clock, ClockError())
+
+    def frame(self, signal: Signal) -> Registration:
+        """The frame of a signal."""
+        return self.frames.get(signal.frame, IDENTITY)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A simulation beside a record.
+
+    Attributes
+    ----------
+    simulation : Simulation
+        The motion, or a sequence of poses whose time is the number of the pose.
+    record : Record
+        What was measured.
+    stamps : dict of str to ndarray, shape (n,)
+        Stamp of every row, by signal: its time, or the number of its pose.
+    signals : dict of str to Signal
+        Those that the simulation predicts.
+    skipped : dict of str to str
+        Why the others are not compared.
+    """
+
+    simulation: Any
+    record: Record
+    stamps: Mapping[str, Floats]
+    signals: Mapping[str, Signal]
+    skipped: Mapping[str, str]
+
+    @property
+    def evidence(self) -> dict[str, Signal]:
+        """Signals that say something about the model: all that do not drive it."""
+        return {name: signal for name, signal in self.signals.items() if name not in self.record.drive}
+
+    def instants(self, signal: Signal, placement: Placement) -> Floats:
+        """Time of the simulation at every row of a signal."""
+        return placement.clock(signal).instants(self.stamps[signal.name])
+
+    def predicted(self, signal: Signal, placement: Placement) -> Floats:
+        """What the simulation says of a signal, shape (n, channels)."""
+        return read(self.simulation, signal, self.instants(signal, placement), placement.frame(signal))
+
+    def residual(self, signal: Signal, placement: Placement) -> Floats:
+        """Measured minus predicted, shape (n, channels); of orientations the rotation vector between them."""
+        values = self.predicted(signal, placement)
+        return (
+            turned_by(signal.values, values) if signal.quantity == "orientation" else signal.values - values
+        )
+
+
+def turned_by(measured: Floats, predicted: Floats) -> Floats:
+    """Rotation vector [rad] from the predicted to the measured orientation, frame axes, shape (n, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    known = np.isfinite(measured).all(axis=1) & np.isfinite(predicted).all(axis=1)
+    found = np.full((len(measured), 3), np.nan)
+    if known.any():
+        turn = Rotation.from_quat(measured[known]) * Rotation.from_quat(predicted[known]).inv()
+        found[known] = turn.as_rotvec()
+    return found
+
+
+def noise_of(signal: Signal) -> float:
+    """1 sigma of a component of the residual, 0 where not stated; a quaternion turns by half the angle."""
+    noise = signal.noise_std or 0.0
+    return 2.0 * noise if signal.quantity == "orientation" else noise
+
+
+def subject(
+    simulation: Any,
+    record: Record,
+    stamps: Mapping[str, Floats] | None = None,
+    inputs: Mapping[str, str] | None = None,
+) -> Subject:
+    """The signals of a record that a simulation predicts, and why not the others.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The motion.
+    record : Record
+        What was measured.
+    stamps : dict, optional
+        Stamps by signal; default: their times.
+    inputs : dict of str to str, optional
+        Signals not to be compared, and why.
+    """
+    stamps = {name: signal.time for name, signal in record.signals.items()} if stamps is None else stamps
+    kept: dict[str, Signal] = {}
+    skipped = dict(inputs or {})
+    for name, signal in record.signals.items():
+        if name in skipped:
+            continue
+        if not signal.valid.any():
+            skipped[name] = "no row holds a value in every channel"
+            continue
+        try:
+            read(simulation, signal, stamps[name][:1])
+        except CannotMeasure as error:
+            skipped[name] = str(error)
+        else:
+            kept[name] = signal
+    return Subject(simulation, record, stamps, kept, skipped)

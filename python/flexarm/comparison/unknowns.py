@@ -1,0 +1,111 @@
+"""What alignment may move: the offsets of clocks and the registrations of frames, as one vector.
+
+    delay      of every clock but the drive's: Gaussian about its stated offset                      (1)
+    (translation, rotation) of every frame: Gaussian about zero, per axis                            (2)
+
+Sigmas are those of the record; zero means exact and is not moved, "unknown" means no prior.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.frames import Registration
+
+if TYPE_CHECKING:
+    from flexarm.record import Record
+
+Floats = NDArray[np.float64]
+KINDS = ("translation", "rotation")
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number that alignment may move.
+
+    Attributes
+    ----------
+    place, kind, axis : str
+        Name of the clock or frame; "delay", "translation" or "rotation"; "", "x", "y" or "z".
+    centre, sigma : float
+        Prior [s, m, rad]; an infinite sigma is no prior.
+    step : float
+        Change for difference quotients.
+    """
+
+    place: str
+    kind: str
+    axis: str
+    centre: float
+    sigma: float
+    step: float
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return {"delay": "s", "translation": "m", "rotation": "rad"}[self.kind]
+
+    def __str__(self) -> str:
+        joined = {"delay": "", "translation": f" along {self.axis}", "rotation": f" about {self.axis}"}
+        return f"{self.kind} of {self.place}{joined[self.kind]}"
+
+
+def drive_clock(record: Record) -> str:
+    """The clock of the drive, whose time is the simulation's; the reference where nothing drives."""
+    return next((record.signals[name].clock for name in record.drive), record.reference_clock)
+
+
+def stated(record: Record) -> Placement:
+    """Clocks and frames as the record states them."""
+    own = record.clocks[drive_clock(record)].offset
+    clocks = {name: ClockError(delay=clock.offset - own) for name, clock in record.clocks.items()}
+    frames = {name: Registration(origin=frame.xyz, rpy=frame.rpy) for name, frame in record.frames.items()}
+    return Placement(clocks, frames)
+
+
+def unknowns(subject: Subject, start: Placement) -> list[Unknown]:
+    """Everything that may move and that a compared signal depends on."""
+    record = subject.record
+    signals = [signal for signal in subject.evidence.values() if noise_is_stated(signal.noise_std)]
+    found: list[Unknown] = []
+    if record.kind == "motion":
+        own = drive_clock(record)
+        for name in dict.fromkeys(signal.clock for signal in signals):
+            sigma = np.hypot(record.clocks[name].sigma, record.clocks[own].sigma)
+            sigma = np.inf if record.clocks[name].unknown or record.clocks[own].unknown else float(sigma)
+            if name != own and sigma > 0:
+                found.append(Unknown(name, "delay", "", start.clocks[name].delay, sigma, 1e-4))
+    framed = [signal for signal in signals if signal.quantity in ("position", "orientation")]
+    for name in dict.fromkeys(signal.frame for signal in framed):
+        frame = record.frames.get(name)
+        if frame is not None:
+            for kind, step in zip(KINDS, (1e-4, 1e-5), strict=True):
+                sigma = np.inf if frame.unknown else getattr(frame, kind)
+                found += [Unknown(name, kind, axis, 0.0, sigma, step) for axis in "xyz" if sigma > 0]
+    return found
+
+
+def noise_is_stated(noise_std: float | None) -> bool:
+    """Whether a signal can be weighed: its noise is stated and not zero."""
+    return noise_std is not None and noise_std > 0
+
+
+def placed(start: Placement, unknown: list[Unknown], values: Floats) -> Placement:
+    """Clocks and frames at given values of the unknowns."""
+    clocks, frames = dict(start.clocks), dict(start.frames)
+    moved: dict[tuple[str, str], Floats] = {}
+    for each, value in zip(unknown, values, strict=True):
+        if each.kind == "delay":
+            clocks[each.place] = ClockError(delay=float(value), rate=clocks[each.place].rate)
+        else:
+            moved.setdefault((each.place, each.kind), np.zeros(3))["xyz".index(each.axis)] = value
+    for name in {place for place, _ in moved}:
+        translation, rotation = (moved.get((name, kind), np.zeros(3)) for kind in KINDS)
+        frames[name] = Registration(translation, rotation, frames[name].origin, frames[name].rpy)
+    return Placement(clocks, frames)
