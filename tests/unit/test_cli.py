@@ -1,11 +1,14 @@
 """The command line: exit codes, standard output and error, and no traceback for a user's mistake."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+from flexarm import Record, Signal
 from flexarm.cli.run import run
 from pytest import approx
 
@@ -228,3 +231,76 @@ def test_ctrl_c_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     monkeypatch.setattr(app, "app", interrupt)
     assert run(["check", "arm.toml"]) == 130
     assert capsys.readouterr() == ("", "")
+
+
+# --------------------------------------------------------------------- a whole run
+
+
+@pytest.fixture
+def drive_file(tmp_path: Path) -> Path:
+    path = tmp_path / "swing.csv"
+    path.write_text("time_s,hinge\n0,0\n0.5,0.1\n1,0.2\n1.5,0.2\n")
+    return path
+
+
+def test_simulate_leaves_a_record_of_every_point_and_the_drive(
+    model_text: str, tmp_path: Path, drive_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin, end = model_text.index("[[sensors]]"), model_text.index("[[motors]]")
+    model = tmp_path / "arm.toml"
+    model.write_text(model_text[:begin] + model_text[end:])
+    out = tmp_path / "out"
+    assert run(["simulate", str(model), "--drive", str(drive_file), "--step", "0.01", "--out", str(out)]) == 0
+    assert capsys.readouterr().err == ""
+    record = Record.load(out)
+    assert record.drive == ("hinge",)
+    assert record.signals["hinge"].quantity == "joint_angle"
+    assert record.signals["tip"].channels == ("tip_x_m", "tip_y_m", "tip_z_m")
+    assert record.signals["tip"].time == approx([0.01 * i for i in range(151)])
+    assert (out / "simulation.nc").stat().st_size > 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.toml", "out", "swing.csv"]
+
+
+def test_simulate_measures_with_the_sensors_of_the_model(
+    model_file: Path, tmp_path: Path, drive_file: Path
+) -> None:
+    arguments = ["simulate", str(model_file), "--drive", str(drive_file), "--step", "0.01"]
+    for name, seed in (("a", "1"), ("b", "1"), ("c", "2")):
+        assert run([*arguments, "--seed", seed, "--out", str(tmp_path / name)]) == 0
+    a, b, c = (Record.load(tmp_path / name).signals["tracker"] for name in "abc")
+    assert a.time == approx([0.1 * i for i in range(16)])  # 10 Hz
+    assert a == b
+    assert a != c
+    assert abs(a.values - c.values).max() < 10 * 5e-5  # both within their noise of 0.05 mm
+
+
+def test_a_simulation_of_a_record_gives_its_signals_at_its_instants(model_file: Path, tmp_path: Path) -> None:
+    angle = {"quantity": "joint_angle", "joint": "hinge", "time": [0, 0.4, 0.8], "values": [0, 0.1, 0.1]}
+    place = {"quantity": "position", "point": "tip", "time": [0.1, 0.35], "values": [[0, 0, 1], [1, 0, 0]]}
+    signals = [Signal(name="enc", **angle), Signal(name="tip", **place)]
+    record, out = tmp_path / "measured", tmp_path / "out"
+    Record(signals=signals, drive=("enc",)).save(record)
+    assert run(["simulate", str(model_file), "--drive", str(record), "--out", str(out)]) == 0
+    again = Record.load(out)
+    assert again.signals["tip"].time.tolist() == [0.1, 0.35]
+    assert again.signals["tip"].values[0, 2] == approx(3.4, abs=0.05)  # hinge at 0.4 m, a tube of 3 m
+    assert again.signals["enc"].values[:, 0] == approx([0, 0.1, 0.1], abs=1e-9)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_run_leaves_nothing_behind(
+    number: signal.Signals, code: int, model_file: Path, drive_file: Path, tmp_path: Path
+) -> None:
+    drive_file.write_text("time_s,hinge\n0,0\n5000,0.1\n10000,0.2\n15000,0.2\n")  # hours at 2 ms
+    out = tmp_path / "out"
+    program = "from flexarm.cli import main; main()"
+    words = [sys.executable, "-c", program, "simulate", model_file, "--drive", drive_file, "--out", out]
+    process = subprocess.Popen([*map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + 30
+    while not list(tmp_path.glob(".out.partial-*")) and time.monotonic() < until:
+        time.sleep(0.02)
+    time.sleep(0.5)  # into the run
+    process.send_signal(number)
+    assert process.communicate(timeout=30) == ("", "")
+    assert process.returncode == code
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.toml", "swing.csv"]

@@ -34,7 +34,7 @@ def compare(
     warn(record, [*measured.check(), *measured.check_against(arm)])
     from flexarm.comparison import compare as gap
 
-    with blame(model):
+    with blame(model, record):
         result = gap(arm, measured, align=not raw)
     if json:
         print_json(result.to_json_dict())

@@ -82,15 +82,34 @@ def _is_finite(text: str) -> bool:
 
 
 @contextmanager
-def blame(file: Path) -> Iterator[None]:
-    """Names the file in errors that the library raises about what it holds."""
+def blame(file: Path, record: Path | None = None) -> Iterator[None]:
+    """Names the file in errors that the library raises about what it holds.
+
+    Parameters
+    ----------
+    file : Path
+        The model.
+    record : Path, optional
+        Blamed instead where the error stands in a table that only records have.
+    """
     try:
         yield
     except InvalidFile:
         raise
     except InvalidParameter as error:
         problem = error.problems[0]
-        raise InvalidFile(file, problem.where or "model", problem.what, problems=error.problems) from None
+        in_record = record is not None and problem.where.split(".")[0] in (
+            "signals",
+            "drive",
+            "clocks",
+            "frames",
+        )
+        raise InvalidFile(
+            record if record and in_record else file,
+            problem.where or "model",
+            problem.what,
+            problems=error.problems,
+        ) from None
 
 
 def print_json(value: object) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,7 +12,9 @@ from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.drive import Drive as Motion
     from flexarm.record import Record
+    from flexarm.simulation import Simulation
 
 Drive = Annotated[
     Path, typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles.")
@@ -53,16 +55,18 @@ def simulate(
         raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
     if not -1 / 3 - 1e-12 <= alpha <= 0:
         raise InvalidFile("command line", "--alpha", f"must lie between -1/3 and 0, got {alpha:g}")
-    from flexarm.cli.virtual_record import virtual_record  # NumPy and the core, not needed for --help
+    from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help
     from flexarm.output import output_directory
     from flexarm.record.save import write
 
     with output_directory(out, force) as directory:
         record = _record(drive, arm)
-        run = _run(arm, drive, record, model, {"step": step, "alpha": alpha, "forces": forces})
-        run.save(directory / "simulation.nc")
+        motion = _motion(drive, arm, record)
         with blame(model):
-            write(virtual_record(run, arm, record, seed), directory)
+            run = _run(arm, motion, record, step, alpha, forces)
+            seen = sensed(run, arm, motion.joints, seed) if record is None else simulated(record, run, arm)
+        run.save(directory / "simulation.nc")
+        write(seen, directory)
     print(f"written to {out}: simulation.nc and a record")
 
 
@@ -77,13 +81,31 @@ def _record(drive: Path, arm: Arm) -> Record | None:
     return record
 
 
-def _run(arm: Arm, drive: Path, record: Record | None, model: Path, options: dict[str, Any]) -> Any:
-    """The transient."""
-    from flexarm.drive import Drive
-    from flexarm.simulation import simulate as solve
+def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
+    """What moves the joints."""
+    from flexarm.drive import Drive as Motion
 
     with blame(drive):
-        motion = Drive.from_csv(drive, arm) if record is None else Drive.from_record(record, arm)
-    with blame(model):
-        carried = arm if record is None else record.applied_to(arm)
-        return solve(carried, motion, progress=show_progress(), **options)
+        return Motion.from_csv(drive, arm) if record is None else Motion.from_record(record, arm)
+
+
+TURNS = {"orientation", "inclination", "angular_rate", "acceleration"}
+"""Quantities that need rotations of the points."""
+
+
+def _run(
+    arm: Arm, motion: Motion, record: Record | None, step: float, alpha: float, forces: bool
+) -> Simulation:
+    """The transient, with what the sensors need."""
+    from flexarm.simulation import simulate as solve
+
+    seen = {entry.quantity for entry in (arm.sensors if record is None else record.signals.values())}
+    return solve(
+        arm if record is None else record.applied_to(arm),
+        motion,
+        step=step,
+        alpha=alpha,
+        forces=forces or "strain" in seen,
+        rotations=bool(seen & TURNS),
+        progress=show_progress(),
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +14,11 @@ from flexarm.record import Record, Signal
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.simulation import Simulation
 
 
-def virtual_record(run: Any, arm: Arm, driven_by: Record | None, seed: int) -> Record:
-    """What the sensors saw of a run.
+def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Record:
+    """What the sensors of the model saw of a run.
 
     Parameters
     ----------
@@ -24,22 +26,14 @@ def virtual_record(run: Any, arm: Arm, driven_by: Record | None, seed: int) -> R
         The run.
     arm : Arm
         Its sensors measure, with noise; without sensors every point's position is stored, one row a step.
-    driven_by : Record or None
-        The record that drove the run: then its signals at its instants, without noise.
+    driven : iterable of str
+        Joints whose drive becomes a joint_angle signal.
     seed : int
         Seed of the sensors' noise.
-
-    Returns
-    -------
-    Record
-        With the drive as a joint_angle signal of every joint.
     """
-    if driven_by is not None:
-        signals = {name: _again(signal, run, driven_by) for name, signal in driven_by.signals.items()}
-        return driven_by.replace(signals=signals, description=f"simulation of {arm.name}", path=None)
     seen = measure(run, arm.sensors, np.random.default_rng(seed))
     signals = dict(seen.signals) or {name: _position(run, i, name) for i, name in enumerate(run.points)}
-    drives = [_drive(run, i, name, signals) for i, name in enumerate(run.joints)]
+    drives = [_drive(run, joint, signals) for joint in driven]
     return seen.replace(
         signals={**{signal.name: signal for signal in drives}, **signals},
         drive=tuple(signal.name for signal in drives),
@@ -47,7 +41,13 @@ def virtual_record(run: Any, arm: Arm, driven_by: Record | None, seed: int) -> R
     )
 
 
-def _again(signal: Signal, run: Any, record: Record) -> Signal:
+def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
+    """The record that drove a run, with its signals as the run has them: its instants, without noise."""
+    signals = {name: _again(signal, run, record) for name, signal in record.signals.items()}
+    return record.replace(signals=signals, description=f"simulation of {arm.name}", path=None)
+
+
+def _again(signal: Signal, run: Simulation, record: Record) -> Signal:
     """A signal of the record as the simulation has it; what went into the simulation stays as it was."""
     if signal.quantity not in READINGS and signal.quantity not in FRAMED_READINGS:
         return signal
@@ -59,7 +59,7 @@ def _again(signal: Signal, run: Any, record: Record) -> Signal:
     )
 
 
-def _position(run: Any, i: int, name: str) -> Signal:
+def _position(run: Simulation, i: int, name: str) -> Signal:
     """Position of a point at every step, base axes."""
     return Signal(
         name=name,
@@ -72,7 +72,7 @@ def _position(run: Any, i: int, name: str) -> Signal:
     )
 
 
-def _drive(run: Any, i: int, joint: str, taken: dict[str, Signal]) -> Signal:
+def _drive(run: Simulation, joint: str, taken: dict[str, Signal]) -> Signal:
     """The drive of a joint: the motor's angle over the ratio at every step."""
     name = joint if joint not in taken else f"{joint}_drive"
     return Signal(
@@ -81,7 +81,7 @@ def _drive(run: Any, i: int, joint: str, taken: dict[str, Signal]) -> Signal:
         joint=joint,
         side="motor",
         time=run.time,
-        values=run.drive_angle[:, i],
+        values=run.drive_angle[:, run.joints.index(joint)],
         noise_std=0.0,
         file="drive.csv",
     )
