@@ -121,10 +121,13 @@ void bind_transient(py::module_& m) {
   m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),
         py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
   py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")
-      .def(py::init<const System&, const Equilibrium&, double, double>(), py::arg("system"),
-           py::arg("equilibrium"), py::arg("step"), py::arg("alpha") = -0.05, py::keep_alive<1, 2>())
+      .def(py::init<const System&, const Equilibrium&, std::vector<PiecewisePolynomial>,
+                    const TransientOptions&>(),
+           py::arg("system"), py::arg("equilibrium"), py::arg("drives"), py::arg("options"),
+           py::keep_alive<1, 2>())
       .def("advance", &SampledRun::advance, "Steps with motor torques held.", py::arg("motor_torque"),
            py::arg("n_steps"))
+      .def_property_readonly("done", &SampledRun::done)
       .def_property_readonly("time", &SampledRun::time)
       .def_property_readonly("state", &SampledRun::state)
       .def_property_readonly("drive_angles", &SampledRun::drive_angles)
@@ -133,7 +136,8 @@ void bind_transient(py::module_& m) {
       .def_property_readonly("joint_rates", &SampledRun::joint_rates)
       .def("point_position", &SampledRun::point_position, py::arg("point"))
       .def("point_velocity", &SampledRun::point_velocity, py::arg("point"))
-      .def_property_readonly("statistics", &SampledRun::statistics);
+      .def_property_readonly("statistics", &SampledRun::statistics)
+      .def("result", &SampledRun::result, "What was recorded so far.");
 }
 
 }  // namespace

@@ -1,17 +1,24 @@
 #include "flexarm/simulation/sampled_run.hpp"
 
+#include <algorithm>
+
 #include "flexarm/errors.hpp"
 
 namespace flexarm::simulation {
 
-SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium, double step, double alpha)
+SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
+                       std::vector<PiecewisePolynomial> drives, const TransientOptions& options)
     : system_(system),
+      options_(options),
       state_(equilibrium.state),
-      step_(step),
-      stepper_(system, solvers::HhtCoefficients::from_alpha(alpha), equilibrium.loads) {
-  if (!(step > 0)) throw InvalidParameter("step must be positive, got " + std::to_string(step) + " s");
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system.n_scalars());
-  held_ = {state_.s, zero, zero, zero};
+      n_steps_(number_of_steps(system, drives, options)),
+      stepper_(system, solvers::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
+               {.tolerance = options.tolerance}),
+      drive_(drives_of_joints(system, equilibrium.state, std::move(drives))),
+      torques_(Eigen::VectorXd::Zero(system.n_scalars())),
+      recorder_(system, options, n_steps_ + 1, run_) {
+  state_.t = options.start;
+  recorder_.record(0, state_, equilibrium.loads);
 }
 
 void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
@@ -21,11 +28,26 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
   }
   for (std::size_t j = 0; j < system_.joints().size(); ++j) {
     if (system_.drives()[j] == assembly::DriveKind::torque) {
-      held_.torques[system_.joints()[j].phi] = motor_torque[static_cast<Eigen::Index>(j)];
+      torques_[system_.joints()[j].phi] = motor_torque[static_cast<Eigen::Index>(j)];
     }
   }
-  const auto hold = [this](double, solvers::DriveValues& values) { values = held_; };
-  for (int k = 0; k < n_steps; ++k) stepper_.advance(state_, step_, hold);
+  const auto hold = [this](double t, solvers::DriveValues& values) {
+    drive_(t, values);
+    values.torques = torques_;
+  };
+  for (const Eigen::Index last = std::min(k_ + n_steps, n_steps_); k_ < last;) {
+    stepper_.advance(state_, options_.step, hold);
+    state_.t = options_.start + static_cast<double>(++k_) * options_.step;  // no drift from adding up
+    recorder_.record(k_, state_, stepper_.loads());
+  }
+}
+
+Transient SampledRun::result() const {
+  Transient run = run_;
+  run.finish(k_ + 1);
+  run.statistics = stepper_.statistics();
+  run.final_state = state_;
+  return run;
 }
 
 Eigen::VectorXd SampledRun::of_joints(const Eigen::Ref<const Eigen::VectorXd>& scalars, bool theta) const {

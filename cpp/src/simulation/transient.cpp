@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "flexarm/errors.hpp"
-#include "flexarm/simulation/energy.hpp"
-#include "flexarm/simulation/reactions.hpp"
+#include "flexarm/simulation/recorder.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -17,135 +16,18 @@ using Clock = std::chrono::steady_clock;
 constexpr long steps_between_looks = 32;
 constexpr double seconds_between_calls = 0.02;
 
-/// Writes what the options ask for, and sums losses and work from step to step.
-class Recorder {
- public:
-  Recorder(const System& system, const TransientOptions& options, Eigen::Index n, Transient& out)
-      : system_(system), options_(options), out_(out) {
-    const auto p = static_cast<Eigen::Index>(system.points().size());
-    const auto j = static_cast<Eigen::Index>(system.joints().size());
-    const auto l = static_cast<Eigen::Index>(system.meshes().size());
-    out.time.resize(n);
-    if (options.record_points) resize(n, {{&out.position, 3 * p}, {&out.velocity, 3 * p}});
-    if (options.record_rotations) resize(n, {{&out.orientation, 4 * p}, {&out.angular_rate, 3 * p}});
-    if (options.record_joints) {
-      resize(n, {{&out.joint_angle, j}, {&out.joint_rate, j}, {&out.drive_angle, j}, {&out.drive_rate, j}});
-      resize(n, {{&out.joint_torque, j}, {&out.motor_torque, j}});
-    }
-    if (options.record_energies) {
-      for (auto* column : {&out.kinetic, &out.elastic, &out.gravity, &out.damped, &out.work})
-        column->setZero(n);
-    }
-    if (options.record_forces) resize(n, {{&out.section_forces, 12 * l}, {&out.base_wrench, 6}});
-  }
+}  // namespace
 
-  void record(Eigen::Index k, const State& state, const Loads& loads) {
-    out_.time[k] = state.t;
-    if (options_.record_points || options_.record_rotations) points(k, state);
-    if (options_.record_joints) joints(k, state);
-    if (options_.record_energies) energy(k, state, loads);
-    if (options_.record_forces) {
-      for (int link = 0; link < static_cast<int>(system_.meshes().size()); ++link) {
-        const SectionForces f = section_forces(system_, state, loads, link);
-        out_.section_forces.col(k).segment<12>(12 * link) << f.start, f.end;
-      }
-      out_.base_wrench.col(k) = base_wrench(system_, state);
-    }
-  }
-
- private:
-  static void resize(Eigen::Index n,
-                     std::initializer_list<std::pair<Eigen::MatrixXd*, Eigen::Index>> columns) {
-    for (auto [matrix, rows] : columns) matrix->resize(rows, n);
-  }
-
-  void points(Eigen::Index k, const State& state) {
-    for (int p = 0; p < static_cast<int>(system_.points().size()); ++p) {
-      const geometry::Frame H = system_.point_frame(state, p);
-      const geometry::Vector6d v = system_.point_velocity(state, p);
-      if (options_.record_points) {
-        out_.position.col(k).segment<3>(3 * p) = H.x;
-        out_.velocity.col(k).segment<3>(3 * p) = H.R * v.head<3>();
-      }
-      if (options_.record_rotations) {
-        out_.orientation.col(k).segment<4>(4 * p) = Eigen::Quaterniond(H.R).normalized().coeffs();
-        out_.angular_rate.col(k).segment<3>(3 * p) = v.tail<3>();
-      }
-    }
-  }
-
-  void joints(Eigen::Index k, const State& state) {
-    const Eigen::VectorXd motor = motor_torques(system_, state, true);
-    for (int j = 0; j < static_cast<int>(system_.joints().size()); ++j) {
-      const auto [theta, phi] = system_.joints()[j];
-      const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system_.scalar_offset() + s]; };
-      const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
-      out_.joint_angle(j, k) = angle(theta);
-      out_.joint_rate(j, k) = rate(theta);
-      out_.drive_angle(j, k) = angle(phi);
-      out_.drive_rate(j, k) = rate(phi);
-      out_.joint_torque(j, k) = joint_torque(system_, state, j);
-      out_.motor_torque(j, k) = motor[j];
-    }
-  }
-
-  /// Losses and work between two instants by the trapezoidal rule, over time or over the path.
-  void energy(Eigen::Index k, const State& state, const Loads& loads) {
-    const Energies E = energies(system_, state, loads);
-    out_.kinetic[k] = E.kinetic;
-    out_.elastic[k] = E.elastic;
-    out_.gravity[k] = E.gravity;
-    Instant now{beam_dissipation(system_, state),
-                load_power(system_, state, loads),
-                law_losses(system_, state),
-                motor_torques(system_, state, true),
-                state.s,
-                state.t};
-    if (k > 0) {
-      const double h = now.t - last_.t;
-      double damped = 0.5 * h * (now.dissipation + last_.dissipation);
-      double work = 0.5 * h * (now.power + last_.power);
-      for (std::size_t i = 0; i < system_.laws().size(); ++i) {
-        const double dx =
-            system_.deflection(system_.laws()[i], now.s) - system_.deflection(system_.laws()[i], last_.s);
-        damped += 0.5 * dx * (now.loss[i] + last_.loss[i]);
-      }
-      for (std::size_t j = 0; j < system_.joints().size(); ++j) {
-        const int phi = system_.joints()[j].phi;
-        if (phi >= 0) work += 0.5 * (now.s[phi] - last_.s[phi]) * (now.motor[j] + last_.motor[j]);
-      }
-      out_.damped[k] = out_.damped[k - 1] + damped;
-      out_.work[k] = out_.work[k - 1] + work;
-    }
-    last_ = std::move(now);
-  }
-
-  struct Instant {
-    double dissipation, power;
-    Eigen::VectorXd loss, motor, s;
-    double t;
-  };
-
-  const System& system_;
-  const TransientOptions& options_;
-  Transient& out_;
-  Instant last_;
-};
-
-/// Keeps the first n columns.
-void truncate(Transient& run, Eigen::Index n) {
-  run.time.conservativeResize(n);
-  for (auto* m : {&run.position, &run.velocity, &run.orientation, &run.angular_rate, &run.joint_angle,
-                  &run.joint_rate, &run.drive_angle, &run.drive_rate, &run.joint_torque, &run.motor_torque,
-                  &run.section_forces, &run.base_wrench}) {
+void Transient::finish(Eigen::Index n) {
+  time.conservativeResize(n);
+  for (auto* m : {&position, &velocity, &orientation, &angular_rate, &joint_angle, &joint_rate, &drive_angle,
+                  &drive_rate, &joint_torque, &motor_torque, &section_forces, &base_wrench}) {
     if (m->cols() > 0) m->conservativeResize(Eigen::NoChange, n);
   }
-  for (auto* v : {&run.kinetic, &run.elastic, &run.gravity, &run.damped, &run.work}) {
+  for (auto* v : {&kinetic, &elastic, &gravity, &damped, &work}) {
     if (v->size() > 0) v->conservativeResize(n);
   }
 }
-
-}  // namespace
 
 solvers::Drives drives_of_joints(const System& system, const State& state,
                                  std::vector<PiecewisePolynomial> drives) {
@@ -177,9 +59,8 @@ solvers::Drives drives_of_joints(const System& system, const State& state,
   };
 }
 
-Transient simulate(const System& system, const Equilibrium& equilibrium,
-                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                   const Progress& progress) {
+Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePolynomial>& drives,
+                             const TransientOptions& options) {
   if (!(options.step > 0))
     throw InvalidParameter("step must be positive, got " + std::to_string(options.step) + " s");
   if (!(options.end > options.start)) {
@@ -190,8 +71,13 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
     throw InvalidParameter("one drive for each of the " + std::to_string(system.joints().size()) +
                            " joints is needed, got " + std::to_string(drives.size()));
   }
-  const auto n_steps =
-      static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
+  return static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
+}
+
+Transient simulate(const System& system, const Equilibrium& equilibrium,
+                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                   const Progress& progress) {
+  const Eigen::Index n_steps = number_of_steps(system, drives, options);
   Transient run;
   Recorder recorder(system, options, n_steps + 1, run);
   State state = equilibrium.state;
@@ -213,7 +99,7 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
       called = Clock::now();
       if (!progress(static_cast<double>(k) / static_cast<double>(n_steps))) {
         run.cancelled = true;
-        truncate(run, k + 1);
+        run.finish(k + 1);
         break;
       }
     }

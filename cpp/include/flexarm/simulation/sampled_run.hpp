@@ -1,23 +1,27 @@
 /// @file
 /// A run under a sampled controller: motor torques held from one sample to the next, the arm looked at in
-/// between.
+/// between. Instants are recorded as in a transient.
 #pragma once
 
-#include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/hht.hpp"
+#include "flexarm/simulation/recorder.hpp"
+#include "flexarm/simulation/transient.hpp"
 
 namespace flexarm::simulation {
 
 class SampledRun {
  public:
-  /// Starts at rest in the equilibrium, whose motors hold the arm. @param step of the integration [s]
-  SampledRun(const System& system, const Equilibrium& equilibrium, double step, double alpha);
+  /// Starts at rest in the equilibrium, whose motors hold the arm.
+  /// @param drives one a joint, as in `simulate`; those of motors with a torque are not read.
+  SampledRun(const System& system, const Equilibrium& equilibrium, std::vector<PiecewisePolynomial> drives,
+             const TransientOptions& options);
+  SampledRun(const SampledRun&) = delete;  // the recorder writes into this run's columns
+  SampledRun& operator=(const SampledRun&) = delete;
 
-  /// `n_steps` steps with these motor torques, one a joint, output-referred [N m]; joints driven otherwise
-  /// stay.
+  /// `n_steps` steps with these motor torques, one a joint, output-referred [N m]; not beyond the end.
   /// @throws NotConverged
   void advance(const Eigen::VectorXd& motor_torque, int n_steps);
 
+  bool done() const { return k_ >= n_steps_; }
   const State& state() const { return state_; }
   double time() const { return state_.t; }
   Eigen::VectorXd drive_angles() const;  ///< φ of every joint [rad]
@@ -28,14 +32,21 @@ class SampledRun {
   Eigen::Vector3d point_velocity(int point) const;  ///< base axes [m/s]
   const solvers::HhtStatistics& statistics() const { return stepper_.statistics(); }
 
+  /// What was recorded so far.
+  Transient result() const;
+
  private:
   Eigen::VectorXd of_joints(const Eigen::Ref<const Eigen::VectorXd>& scalars, bool theta) const;
 
   const System& system_;
+  TransientOptions options_;
   State state_;
-  double step_;
+  Eigen::Index n_steps_, k_ = 0;
   solvers::HhtStepper stepper_;
-  solvers::DriveValues held_;
+  solvers::Drives drive_;
+  Eigen::VectorXd torques_;  // one a scalar coordinate
+  Transient run_;
+  Recorder recorder_;
 };
 
 }  // namespace flexarm::simulation

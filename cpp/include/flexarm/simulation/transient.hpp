@@ -41,6 +41,8 @@ struct Transient {
   State final_state;
   double seconds = 0;      ///< of the stepping, wall clock
   bool cancelled = false;  ///< then only the instants reached are there
+
+  void finish(Eigen::Index n);  ///< keeps the first n instants
 };
 
 /// Told now and then how much is done, 0 to 1; returns false to cancel.
@@ -52,6 +54,11 @@ using Progress = std::function<bool(double done)>;
 Transient simulate(const System& system, const Equilibrium& equilibrium,
                    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
                    const Progress& progress = {});
+
+/// Number of steps from start to end.
+/// @throws InvalidParameter if step, end or the number of drives is wrong.
+Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePolynomial>& drives,
+                             const TransientOptions& options);
 
 /// Joint drives as drive values for the stepper; locked joints stay where the state has them.
 solvers::Drives drives_of_joints(const System& system, const State& state,
