@@ -5,10 +5,10 @@ Samples at times t_i, of a length T, are projected on the cosines
     c_k(t) = cos(pi k (t - t_0 + dt/2)/T),   frequency k/(2 T),   k = 0, 1, 2, ...                    (1)
 
 made orthogonal one after another, so that the energies of bands add up to the energy of the samples whatever
-their spacing. At equal spacing (1) is the discrete cosine transform, and is computed as such; else
-block by block of at most `BLOCK` samples. The last band is what the others leave. Jitter and drop-outs are no error
-here. Half of the sampling rate (Nyquist) is the highest edge: faster motion appears below it (aliases), in
-measurement and prediction alike.
+their spacing. At equal spacing (1) is the discrete cosine transform, and is computed as such; else block by
+block of at most `BLOCK` samples. The last band is what the others leave. With a few per cent of drop-outs or
+jitter as much of a tone leaks into other bands. Half of the sampling rate (Nyquist) is the highest edge:
+faster motion appears below it (aliases), in measurement and prediction alike.
 
 Cosines have no jump at the ends of a block as sines and cosines of period T would, so a slow gap leaks little
 into higher bands.
@@ -114,7 +114,7 @@ def _summed(powers: Floats, total: float, edges: Sequence[float], length: float)
 
 
 def _block_energy(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
-    """Sum of squares of one block; Cholesky's factor of their overlaps makes the cosines orthogonal in order."""
+    """Sum of squares of one block; Cholesky's factor of their overlaps makes the cosines orthogonal."""
     from scipy.linalg import cholesky, solve_triangular
 
     step = float(np.median(np.diff(time))) if len(time) > 1 else 1.0

@@ -165,7 +165,9 @@ def _only_joint(pair: Subject) -> str | None:
 
 def _notes(gaps: dict[str, SignalGap], modes_hz: list[float], aligned: Aligned, wanted: bool) -> list[str]:
     """What a reader of the numbers should know."""
-    found = [f"{name} is not determined by the data and keeps its prior" for name in aligned.undetermined]
+    found = []
+    if aligned.undetermined:
+        found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
     if wanted:
         unweighed = [g.name for g in gaps.values() if not g.noise_rms and not g.is_drive]
         if unweighed and aligned.unknowns:
