@@ -2,6 +2,7 @@
 
 import argparse
 import difflib
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,7 +20,14 @@ def generate() -> str:
         run_module("pybind11_stubgen", "flexarm._core", "--exit-code", "--output-dir", folder)
         run_module("ruff", "check", "--fix-only", "--select", "I,F401", *config, str(stub))
         run_module("ruff", "format", *config, str(stub))
-        return stub.read_text()
+        return with_enum_members(stub.read_text())
+
+
+def with_enum_members(text: str) -> str:
+    """Members of enums as the typing specification wants them, `name = ...`, and no untyped `__new__`."""
+    for enum in re.findall(r"^class (\w+)\(enum\.Enum\):", text, flags=re.MULTILINE):
+        text = text.replace(f": typing.ClassVar[{enum}]", " = ...")
+    return text.replace("    @classmethod\n    def __new__(cls, value): ...\n", "")
 
 
 def run_module(*arguments: str) -> None:

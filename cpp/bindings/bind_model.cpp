@@ -39,8 +39,9 @@ void bind_model(py::module_& m) {
              return BeamLink{std::move(name), end, up, section, material, theory, elements, damping_ratio};
            }),
            py::kw_only(), py::arg("name"), py::arg("end"), py::arg("up") = Vector3d::Zero(),
-           py::arg("section"), py::arg("material"), py::arg("theory") = BeamTheory::timoshenko,
-           py::arg("elements") = 4, py::arg("damping_ratio") = 0.0);
+           py::arg("section"), py::arg("material"),
+           py::arg_v("theory", BeamTheory::timoshenko, "BeamTheory.timoshenko"), py::arg("elements") = 4,
+           py::arg("damping_ratio") = 0.0);
   py::class_<RigidLink>(m, "RigidLink", "A rigid body.")
       .def(py::init([](std::string name, double mass, const Vector3d& com, const Matrix3d& inertia) {
              return RigidLink{std::move(name), mass, com, inertia};

@@ -4,7 +4,60 @@ C++ core of flexarm (private).
 
 from __future__ import annotations
 
-__all__: list[str] = ["BuildInfo", "build_info"]
+import collections.abc
+import enum
+import typing
+
+import numpy
+import numpy.typing
+
+__all__: list[str] = [
+    "Arm",
+    "BeamLink",
+    "BeamTheory",
+    "BuildInfo",
+    "CubicSpring",
+    "DahlFriction",
+    "DriveKind",
+    "DriveTrain",
+    "Equilibrium",
+    "Frame",
+    "Gear",
+    "HhtStatistics",
+    "Joint",
+    "JointType",
+    "LinearSpring",
+    "Loads",
+    "Material",
+    "Modes",
+    "Payload",
+    "PiecewisePolynomial",
+    "Point",
+    "PointLoad",
+    "RigidLink",
+    "SampledRun",
+    "Section",
+    "SectionForces",
+    "State",
+    "System",
+    "Transient",
+    "TransientOptions",
+    "ViscousFriction",
+    "base_wrench",
+    "build_info",
+    "exp6",
+    "joint_angles",
+    "joint_torque",
+    "log6",
+    "modes",
+    "motor_torques",
+    "rectangle_section",
+    "round_section",
+    "section_forces",
+    "simulate",
+    "static_equilibrium",
+    "tube_section",
+]
 
 class BuildInfo:
     """
@@ -39,7 +92,587 @@ class BuildInfo:
     @property
     def version(self) -> str: ...
 
+class Frame:
+    """
+    A rigid placement: rotation matrix R and position x [m].
+    """
+    def __init__(
+        self,
+        R: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"] = ...,
+        x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+    ) -> None: ...
+    def __matmul__(self, other: Frame) -> Frame: ...
+    def inverse(self) -> Frame: ...
+    @property
+    def R(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @R.setter
+    def R(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None: ...
+    @property
+    def x(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @x.setter
+    def x(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+
+class JointType(enum.Enum):
+    fixed = ...
+    prismatic = ...
+    revolute = ...
+    spherical = ...
+
+class LinearSpring:
+    """
+    Linear spring and damper.
+    """
+    def __init__(
+        self,
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
+class CubicSpring:
+    """
+    Cubic stiffening.
+    """
+    def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class ViscousFriction:
+    """
+    Viscous friction.
+    """
+    def __init__(self, coefficient: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class DahlFriction:
+    """
+    Coulomb friction in Dahl's form.
+    """
+    def __init__(
+        self,
+        torque: typing.SupportsFloat | typing.SupportsIndex,
+        width: typing.SupportsFloat | typing.SupportsIndex = 2e-05,
+    ) -> None: ...
+
+class DriveTrain:
+    """
+    What stands between a motor and its link.
+    """
+    def __init__(
+        self,
+        *,
+        gear_ratio: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        rotor_inertia: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        stages: collections.abc.Sequence[
+            collections.abc.Sequence[LinearSpring | CubicSpring | ViscousFriction | DahlFriction]
+        ] = [],
+        motor: collections.abc.Sequence[LinearSpring | CubicSpring | ViscousFriction | DahlFriction] = [],
+        bearing: collections.abc.Sequence[LinearSpring | CubicSpring | ViscousFriction | DahlFriction] = [],
+    ) -> None: ...
+
+class Section:
+    """
+    Properties of a cross-section, shear factors included in the shear areas.
+    """
+    def __init__(
+        self,
+        *,
+        area: typing.SupportsFloat | typing.SupportsIndex,
+        second_moment_y: typing.SupportsFloat | typing.SupportsIndex,
+        second_moment_z: typing.SupportsFloat | typing.SupportsIndex,
+        torsion_constant: typing.SupportsFloat | typing.SupportsIndex,
+        shear_area_y: typing.SupportsFloat | typing.SupportsIndex = ...,
+        shear_area_z: typing.SupportsFloat | typing.SupportsIndex = ...,
+    ) -> None: ...
+    @property
+    def area(self) -> float: ...
+    @property
+    def second_moment_y(self) -> float: ...
+    @property
+    def second_moment_z(self) -> float: ...
+    @property
+    def shear_area_y(self) -> float: ...
+    @property
+    def shear_area_z(self) -> float: ...
+    @property
+    def torsion_constant(self) -> float: ...
+
+class Material:
+    """
+    Isotropic linear elastic material.
+    """
+    def __init__(
+        self,
+        *,
+        youngs_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        shear_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        density: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class BeamTheory(enum.Enum):
+    euler_bernoulli = ...
+    timoshenko = ...
+
+class BeamLink:
+    """
+    A straight beam.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        end: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        up: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        section: Section,
+        material: Material,
+        theory: BeamTheory = ...,
+        elements: typing.SupportsInt | typing.SupportsIndex = 4,
+        damping_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
+class RigidLink:
+    """
+    A rigid body.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        mass: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        com: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        inertia: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"] = ...,
+    ) -> None: ...
+
+class Payload:
+    """
+    A concentrated mass.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        link: str,
+        position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        mass: typing.SupportsFloat | typing.SupportsIndex,
+        inertia: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"] = ...,
+        offset: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+    ) -> None: ...
+
+class Point:
+    """
+    A place to look at, or to push at.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        link: str,
+        position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        loaded: bool = False,
+    ) -> None: ...
+
+class Joint:
+    """
+    A joint with its drive train.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        type: JointType,
+        parent: str,
+        child: str,
+        at_end: bool = False,
+        origin: Frame,
+        axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        drive_train: DriveTrain,
+    ) -> None: ...
+
+class Gear:
+    """
+    theta of input = ratio times theta of output.
+    """
+    def __init__(
+        self, *, name: str, input: str, output: str, ratio: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None: ...
+
+class Arm:
+    """
+    An arm as plain data.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        links: collections.abc.Sequence[BeamLink | RigidLink],
+        joints: collections.abc.Sequence[Joint],
+        payloads: collections.abc.Sequence[Payload],
+        points: collections.abc.Sequence[Point],
+        gears: collections.abc.Sequence[Gear],
+    ) -> None: ...
+
+class DriveKind(enum.Enum):
+    free = ...
+    link_angle = ...
+    locked = ...
+    motor_angle = ...
+    torque = ...
+
+class PointLoad:
+    """
+    Force and moment at a point, in base axes, or in the link's if it follows.
+    """
+    def __init__(
+        self,
+        *,
+        point: typing.SupportsInt | typing.SupportsIndex,
+        force: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        moment: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        follows: bool = False,
+    ) -> None: ...
+
+class Loads:
+    """
+    What acts from outside: gravity and point loads.
+    """
+    def __init__(
+        self,
+        *,
+        gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        points: collections.abc.Sequence[PointLoad] = [],
+    ) -> None: ...
+    @property
+    def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @gravity.setter
+    def gravity(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+
+class State:
+    """
+    State of an arm at one instant.
+    """
+    @property
+    def frames(self) -> list[Frame]:
+        """
+        Node frames in the base frame.
+        """
+    @property
+    def multipliers(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def t(self) -> float: ...
+    @property
+    def v(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+
+class System:
+    """
+    An arm, assembled.
+    """
+    def __init__(self, arm: Arm, drives: collections.abc.Mapping[str, DriveKind]) -> None: ...
+    def point_frame(self, state: State, point: typing.SupportsInt | typing.SupportsIndex) -> Frame:
+        """
+        Frame of a point.
+        """
+    def rigid_state(
+        self, joint_values: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
+    ) -> State:
+        """
+        The undeformed arm.
+        """
+    @property
+    def mass(self) -> float:
+        """
+        Mass of everything [kg].
+        """
+    @property
+    def n_nodes(self) -> int: ...
+    @property
+    def n_unknowns(self) -> int: ...
+
+class Equilibrium:
+    """
+    An equilibrium at rest.
+    """
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def load_steps(self) -> int: ...
+    @property
+    def residual(self) -> float:
+        """
+        Largest unbalanced force [N].
+        """
+    @property
+    def state(self) -> State: ...
+
+class Modes:
+    """
+    Modes about an equilibrium.
+    """
+    @property
+    def damped_frequency_hz(self) -> list[float]: ...
+    @property
+    def damping_ratio(self) -> list[float]: ...
+    @property
+    def frequency_hz(self) -> list[float]: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def shapes(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+
+class SectionForces:
+    """
+    Section forces at both ends of a beam.
+    """
+    @property
+    def end(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
+    @property
+    def start(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
+
+class PiecewisePolynomial:
+    """
+    Piecewise polynomial as scipy.interpolate.PPoly.
+    """
+    @staticmethod
+    def constant(value: typing.SupportsFloat | typing.SupportsIndex) -> PiecewisePolynomial: ...
+    def __call__(
+        self, t: typing.SupportsFloat | typing.SupportsIndex
+    ) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        Value and two derivatives.
+        """
+    def __init__(
+        self,
+        breaks: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+    ) -> None: ...
+
+class HhtStatistics:
+    """
+    Counts of a run.
+    """
+    @property
+    def factorisations(self) -> int: ...
+    @property
+    def halvings(self) -> int: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def steps(self) -> int: ...
+
+class TransientOptions:
+    """
+    Options of a run.
+    """
+
+    record_energies: bool
+    record_forces: bool
+    record_joints: bool
+    record_points: bool
+    record_rotations: bool
+    def __init__(self) -> None: ...
+    @property
+    def alpha(self) -> float: ...
+    @alpha.setter
+    def alpha(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def end(self) -> float: ...
+    @end.setter
+    def end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def start(self) -> float: ...
+    @start.setter
+    def start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def step(self) -> float: ...
+    @step.setter
+    def step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tolerance(self) -> float: ...
+    @tolerance.setter
+    def tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class Transient:
+    """
+    A run: one column an instant.
+    """
+    @property
+    def angular_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def base_wrench(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def cancelled(self) -> bool: ...
+    @property
+    def damped(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def drive_angle(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def drive_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def elastic(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def final_state(self) -> State: ...
+    @property
+    def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def joint_angle(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def joint_rate(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def joint_torque(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def kinetic(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def motor_torque(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def orientation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def position(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def section_forces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def statistics(self) -> HhtStatistics: ...
+    @property
+    def time(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def velocity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def work(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+
+class SampledRun:
+    """
+    A run under a sampled controller.
+    """
+    def __init__(
+        self,
+        system: System,
+        equilibrium: Equilibrium,
+        drives: collections.abc.Sequence[PiecewisePolynomial],
+        options: TransientOptions,
+    ) -> None: ...
+    def advance(
+        self,
+        motor_torque: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+        n_steps: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        Steps with motor torques held.
+        """
+    def point_position(
+        self, point: typing.SupportsInt | typing.SupportsIndex
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    def point_velocity(
+        self, point: typing.SupportsInt | typing.SupportsIndex
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    def result(self) -> Transient:
+        """
+        What was recorded so far.
+        """
+    @property
+    def done(self) -> bool: ...
+    @property
+    def drive_angles(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def drive_rates(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def joint_angles(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def joint_rates(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def state(self) -> State: ...
+    @property
+    def statistics(self) -> HhtStatistics: ...
+    @property
+    def time(self) -> float: ...
+
+def base_wrench(
+    system: System, state: State
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+    """
+    What the arm puts on the base.
+    """
+
 def build_info() -> BuildInfo:
     """
     What this build of the core is made of.
+    """
+
+def exp6(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> Frame:
+    """
+    Exponential of SE(3).
+    """
+
+def joint_angles(
+    system: System, state: State
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    Angle of every link about its joint.
+    """
+
+def joint_torque(system: System, state: State, joint: typing.SupportsInt | typing.SupportsIndex) -> float:
+    """
+    Torque on the child about the axis.
+    """
+
+def log6(H: Frame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+    """
+    Logarithm of SE(3).
+    """
+
+def modes(
+    system: System, equilibrium: Equilibrium, count: typing.SupportsInt | typing.SupportsIndex
+) -> Modes:
+    """
+    Lowest modes about an equilibrium.
+    """
+
+def motor_torques(
+    system: System, state: State, friction: bool
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    Motor torques, output-referred.
+    """
+
+def rectangle_section(
+    width: typing.SupportsFloat | typing.SupportsIndex, height: typing.SupportsFloat | typing.SupportsIndex
+) -> Section:
+    """
+    Rectangular section.
+    """
+
+def round_section(diameter: typing.SupportsFloat | typing.SupportsIndex) -> Section:
+    """
+    Section of a solid rod.
+    """
+
+def section_forces(
+    system: System, state: State, loads: Loads, link: typing.SupportsInt | typing.SupportsIndex
+) -> SectionForces:
+    """
+    Section forces of a link.
+    """
+
+def simulate(
+    system: System,
+    equilibrium: Equilibrium,
+    drives: collections.abc.Sequence[PiecewisePolynomial],
+    options: TransientOptions,
+    progress: typing.Any = None,
+) -> Transient:
+    """
+    A run from equilibrium along drives.
+    """
+
+def static_equilibrium(
+    system: System,
+    joint_values: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    loads: Loads,
+) -> Equilibrium:
+    """
+    Equilibrium of the loaded arm, drives held.
+    """
+
+def tube_section(
+    outer_diameter: typing.SupportsFloat | typing.SupportsIndex,
+    thickness: typing.SupportsFloat | typing.SupportsIndex,
+) -> Section:
+    """
+    Section of a tube.
     """

@@ -83,7 +83,7 @@ def assemble(
 
 
 def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
-    """Drive angle of every joint, in the model's order; 0 where not given, outputs of gears follow their input.
+    """Drive angle of every joint, in the model's order: 0 where not given, outputs of gears from their input.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLo
             )
         force: NDArray[np.float64] = np.asarray(value, dtype=float)
         if force.shape != (3,) or not np.all(np.isfinite(force)):
-            raise InvalidParameter(f"must be three finite numbers [N], got {value}", where=f"forces.{name}")
+            raise InvalidParameter(f"must be three finite numbers [N], got {value!r}", where=f"forces.{name}")
         loads.append(_core.PointLoad(point=names.index(name), force=force))
     return loads
 

@@ -33,8 +33,8 @@ class JointDrive:
     coefficients : ndarray, shape (order + 1, m)
         Of each piece, highest power first [rad, m for a prismatic joint; N m for a torque].
     side : {"motor", "output", "torque"}
-        What is prescribed: the motor's angle over the ratio, the link's own angle, or the motor's torque times
-        the ratio.
+        What is prescribed: the motor's angle over the ratio, the link's own angle, or the motor's torque
+        times the ratio.
     """
 
     breaks: Floats
@@ -62,7 +62,7 @@ class JointDrive:
         """Values at times [s]."""
         t = np.clip(np.asarray(time, dtype=float), self.breaks[0], self.breaks[-1])
         i = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
-        value = np.zeros_like(t)
+        value: Floats = np.zeros_like(t)
         for row in self.coefficients:
             value = value * (t - self.breaks[i]) + row[i]
         return value
@@ -195,7 +195,10 @@ class Drive:
             raise InvalidParameter("holds no times", where="signals")
         starts = [drive.breaks[0] for drive in joints.values()] or [min(t[0] for t in stamps)]
         return cls(
-            joints, dict(record.joints), float(min(starts)), float(max(t[-1] for t in stamps)) + _AFTER_THE_LAST
+            joints,
+            dict(record.joints),
+            float(min(starts)),
+            float(max(t[-1] for t in stamps)) + _AFTER_THE_LAST,
         )
 
 

@@ -8,18 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,8 +28,6 @@ class Modes:
     ----------
     arm : Arm
         The model.
-    points : tuple of str
-        Names of the points in `shape`.
     frequency_hz, damped_frequency_hz : ndarray, shape (mode,)
         Without and with damping [Hz].
     damping_ratio : ndarray, shape (mode,)
@@ -43,12 +39,16 @@ class Modes:
     """
 
     arm: Arm
-    points: tuple[str, ...]
     frequency_hz: Floats
     damped_frequency_hz: Floats
     damping_ratio: Floats
     shape: Floats
     solver: dict[str, Any]
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of the points in `shape`."""
+        return tuple(point.name for point in self.arm.points)
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm modes --json`."""
@@ -104,10 +104,12 @@ class Modes:
 
         data = load(path, "modes")
         return cls(
-            model_of(data),
-            tuple(str(name) for name in data["point"].values),
-            *(data[name].values for name in ("frequency", "damped_frequency", "damping_ratio", "shape")),
-            {k: data.attrs[k] for k in ("backend", "iterations")},
+            arm=model_of(data),
+            frequency_hz=data["frequency"].values,
+            damped_frequency_hz=data["damped_frequency"].values,
+            damping_ratio=data["damping_ratio"].values,
+            shape=data["shape"].values,
+            solver={k: data.attrs[k] for k in ("backend", "iterations")},
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -118,7 +120,9 @@ class Modes:
         number = np.arange(1, len(self.frequency_hz) + 1)
         axes.stem(number, self.frequency_hz)
         for x, f, zeta in zip(number, self.frequency_hz, self.damping_ratio, strict=True):
-            axes.annotate(f"{f:.4g} Hz\n{100 * zeta:.2g} %", (x, f), xytext=(4, 4), textcoords="offset points")
+            axes.annotate(
+                f"{f:.4g} Hz\n{100 * zeta:.2g} %", (x, f), xytext=(4, 4), textcoords="offset points"
+            )
         axes.set(xlabel="mode [-]", ylabel="frequency [Hz]", xticks=number)
         axes.margins(0.15)
         return axes
@@ -136,9 +140,7 @@ class Modes:
         return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
 
 
-def modes(
-    arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, gravity: bool = True
-) -> Modes:
+def modes(arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, gravity: bool = True) -> Modes:
     """Modes about the equilibrium with the joints' drives held.
 
     Parameters
@@ -166,8 +168,11 @@ def modes(
     equilibrium = _core.static_equilibrium(system, joint_values(arm, joints or {}), _core.Loads(gravity=g))
     found = _core.modes(system, equilibrium, count)
     shape = np.array(found.shapes).T.reshape(-1, len(arm.points), 6)
-    arrays = [np.array(a) for a in (found.frequency_hz, found.damped_frequency_hz, found.damping_ratio)]
-    for array in (*arrays, shape):
-        array.setflags(write=False)
-    solver = {"backend": _core.build_info().solver, "iterations": found.iterations}
-    return Modes(arm, tuple(point.name for point in arm.points), *arrays, shape, solver)
+    return Modes(
+        arm=arm,
+        frequency_hz=frozen(found.frequency_hz),
+        damped_frequency_hz=frozen(found.damped_frequency_hz),
+        damping_ratio=frozen(found.damping_ratio),
+        shape=frozen(shape),
+        solver={"backend": _core.build_info().solver, "iterations": found.iterations},
+    )

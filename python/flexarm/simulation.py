@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-Floats = NDArray[np.float64]
 Progress = bool | Callable[[float], object] | None
 
 
@@ -101,7 +101,7 @@ class Simulation:
         rate = CubicSpline(self.time, self.velocity)(self.time, 1)
         specific = rate - np.asarray(self.arm.gravity)
         turn = Rotation.from_quat(self.orientation.reshape(-1, 4))
-        return turn.inv().apply(specific.reshape(-1, 3)).reshape(specific.shape)
+        return np.asarray(turn.inv().apply(specific.reshape(-1, 3))).reshape(specific.shape)
 
     def at(self, times: ArrayLike, point: str) -> Floats:
         """Positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation."""
@@ -159,9 +159,9 @@ class Simulation:
         from flexarm.result import load, model_of
 
         data = load(path, "simulation")
-        arrays = {name: _frozen(data[name].values) for name in _VARIABLES if name in data}
+        arrays = {name: frozen(data[name].values) for name in _VARIABLES if name in data}
         solver = {name: data.attrs[name] for name in _COUNTS if name in data.attrs}
-        return cls(model_of(data), _frozen(data["time"].values), **arrays, solver=solver)
+        return cls(model_of(data), frozen(data["time"].values), **arrays, solver=solver)
 
     def plot(self, ax: Axes | None = None, point: str | None = None) -> Axes:
         """Coordinates of a point (default: the last one) against time; all joints' angles without points."""
@@ -228,7 +228,7 @@ def simulate(
     arm : Arm
         The model, with its effects.
     drive : Drive or Record
-        What moves the joints. A record's drive signals are smoothed by their noise, and its payloads are used.
+        What moves the joints. A record's drive signals are smoothed by their noise, its payloads carried.
     step : float
         Time step [s].
     alpha : float
@@ -303,7 +303,9 @@ def _reported(progress: Progress, name: str) -> Iterator[Callable[[float], objec
         return
     from tqdm import tqdm
 
-    with tqdm(total=100, desc=name, unit="%", bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}") as bar:
+    with tqdm(
+        total=100, desc=name, unit="%", bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}"
+    ) as bar:
 
         def show(done: float) -> None:
             bar.update(100 * done - bar.n)
@@ -318,14 +320,14 @@ def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions)
 
     def columns(name: str, *shape: int) -> Floats | None:
         block = getattr(run, name)
-        return _frozen(block.T.reshape(n, *shape)) if block.size or 0 in shape else None
+        return frozen(block.T.reshape(n, *shape)) if block.size or 0 in shape else None
 
     joints = {
         name: columns(name, len(arm.joints))
         for name in ("joint_angle", "joint_rate", "drive_angle", "drive_rate", "joint_torque", "motor_torque")
     }
     energies = {
-        name: _frozen(getattr(run, name)) for name in ("kinetic", "elastic", "gravity", "damped", "work")
+        name: frozen(getattr(run, name)) for name in ("kinetic", "elastic", "gravity", "damped", "work")
     }
     arrays: dict[str, Any] = {
         **joints,
@@ -348,10 +350,4 @@ def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions)
         "halvings": counts.halvings,
         "seconds": run.seconds,
     }
-    return Simulation(arm, _frozen(run.time), **arrays, solver=solver)
-
-
-def _frozen(values: ArrayLike) -> Floats:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
+    return Simulation(arm, frozen(run.time), **arrays, solver=solver)

@@ -8,17 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values, point_loads
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,8 +28,6 @@ class Statics:
     ----------
     arm : Arm
         The model.
-    points, joints, links : tuple of str
-        Names, in the order of the arrays.
     position, displacement : ndarray, shape (point, 3)
         Where the points are, base axes, and how far from the rigid arm at the same drive angles [m].
     joint_torque, drive_angle, link_angle : ndarray, shape (joint,)
@@ -44,9 +41,6 @@ class Statics:
     """
 
     arm: Arm
-    points: tuple[str, ...]
-    joints: tuple[str, ...]
-    links: tuple[str, ...]
     position: Floats
     displacement: Floats
     joint_torque: Floats
@@ -55,6 +49,16 @@ class Statics:
     section_forces: Floats
     base_wrench: Floats
     solver: dict[str, Any]
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of the points."""
+        return tuple(point.name for point in self.arm.points)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return tuple(joint.name for joint in self.arm.joints)
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm static --json`."""
@@ -107,7 +111,7 @@ class Statics:
             {
                 "point": list(self.points),
                 "joint": list(self.joints),
-                "link": list(self.links),
+                "link": [link.name for link in self.arm.links],
                 "axis": axis,
                 "end": ["start", "end"],
                 "component": component,
@@ -134,15 +138,18 @@ class Statics:
         from flexarm.result import load, model_of
 
         data = load(path, "statics")
-        names = ("position", "displacement", "joint_torque", "drive_angle", "link_angle", "section_forces")
-        solver = {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")}
-        return cls(
-            model_of(data),
-            *(tuple(str(name) for name in data[kind].values) for kind in ("point", "joint", "link")),
-            *(_frozen(data[name].values) for name in names),
-            _frozen(data["base_wrench"].values),
-            solver,
+        names = (
+            "position",
+            "displacement",
+            "joint_torque",
+            "drive_angle",
+            "link_angle",
+            "section_forces",
+            "base_wrench",
         )
+        arrays: dict[str, Any] = {name: frozen(data[name].values) for name in names}
+        solver = {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")}
+        return cls(arm=model_of(data), solver=solver, **arrays)
 
     def plot(self, ax: Axes | None = None, scale: float = 1.0) -> Axes:
         """Rigid and deformed places of the points in the x-z plane, displacements times `scale`."""
@@ -154,7 +161,7 @@ class Statics:
         axes.plot(rigid[:, 0], rigid[:, 2], "o", mfc="none", color="0.5", label="rigid arm")
         axes.plot(shown[:, 0], shown[:, 2], "o", color="C0", label=f"equilibrium, displacement x{scale:g}")
         for i, name in enumerate(self.points):
-            axes.annotate(name, shown[i, [0, 2]], xytext=(6, 4), textcoords="offset points")
+            axes.annotate(name, (shown[i, 0], shown[i, 2]), xytext=(6, 4), textcoords="offset points")
         axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
         axes.legend()
         return axes
@@ -220,21 +227,19 @@ def static(
     acting = _core.Loads(gravity=np.array(arm.gravity), points=loads)
     equilibrium = _core.static_equilibrium(system, values, acting)
     state, rigid = equilibrium.state, system.rigid_state(values)
-    names = tuple(point.name for point in arm.points)
-    position = _positions(system, state, len(names))
+    position = _positions(system, state, len(arm.points))
     return Statics(
-        arm,
-        names,
-        tuple(joint.name for joint in arm.joints),
-        tuple(link.name for link in arm.links),
-        _frozen(position),
-        _frozen(position - _positions(system, rigid, len(names))),
-        _frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
-        _frozen(values),
-        _frozen(_core.joint_angles(system, state)),
-        _frozen([_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]),
-        _frozen(_core.base_wrench(system, state)),
-        {
+        arm=arm,
+        position=frozen(position),
+        displacement=frozen(position - _positions(system, rigid, len(arm.points))),
+        joint_torque=frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
+        drive_angle=frozen(values),
+        link_angle=frozen(_core.joint_angles(system, state)),
+        section_forces=frozen(
+            [_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]
+        ),
+        base_wrench=frozen(_core.base_wrench(system, state)),
+        solver={
             "backend": _core.build_info().solver,
             "iterations": equilibrium.iterations,
             "load_steps": equilibrium.load_steps,
@@ -260,9 +265,3 @@ def _wrench(values: Floats) -> dict[str, list[float]]:
 
 def _text(values: Floats) -> str:
     return ", ".join(f"{value:.4f}" for value in values)
-
-
-def _frozen(values: ArrayLike) -> Floats:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

@@ -1,0 +1,15 @@
+"""Arrays of results: doubles that nobody writes to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+def frozen(values: ArrayLike) -> Floats:
+    """A read-only copy."""
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
