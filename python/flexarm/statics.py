@@ -228,6 +228,7 @@ def static(
     equilibrium = _core.static_equilibrium(system, values, acting)
     state, rigid = equilibrium.state, system.rigid_state(values)
     position = _positions(system, state, len(arm.points))
+    sections = [_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]
     return Statics(
         arm=arm,
         position=frozen(position),
@@ -235,9 +236,7 @@ def static(
         joint_torque=frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
         drive_angle=frozen(values),
         link_angle=frozen(_core.joint_angles(system, state)),
-        section_forces=frozen(
-            [_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]
-        ),
+        section_forces=frozen(sections),
         base_wrench=frozen(_core.base_wrench(system, state)),
         solver={
             "backend": _core.build_info().solver,
