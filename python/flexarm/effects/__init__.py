@@ -1,7 +1,7 @@
 """Effects that can be simulated, one a file; the file is named after the effect.
 
 The shared vocabulary is `flexarm.arm.effect.KNOWN_EFFECTS`. A new effect is one new file here; its class is
-then found by its name, `joint_compliance` in files and `JointCompliance` in Python, and imported when first used.
+then found by its name, `joint_compliance` in files and `JointCompliance` in Python, imported when first used.
 """
 
 from importlib import import_module, util
