@@ -17,7 +17,8 @@ def generate() -> str:
     with tempfile.TemporaryDirectory() as folder:
         stub = Path(folder) / "flexarm" / "_core.pyi"
         config = ["--quiet", "--config", str(ROOT / "pyproject.toml")]
-        run_module("pybind11_stubgen", "flexarm._core", "--exit-code", "--output-dir", folder)
+        enums = ["--enum-class-locations", ".+:flexarm._core"]  # enumerations among default values
+        run_module("pybind11_stubgen", "flexarm._core", "--exit-code", *enums, "--output-dir", folder)
         run_module("ruff", "check", "--fix-only", "--select", "I,F401", *config, str(stub))
         run_module("ruff", "format", *config, str(stub))
         return with_enum_members(stub.read_text())

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flexarm import Arm
-from flexarm.arm import Beam, General, Joint, Material, Payload, Rectangle, RigidLink, Round, Tube
-from flexarm.effects import CoulombFriction, JointCompliance
-from flexarm.errors import InvalidParameter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from pytest import approx
+
+from flexarm import Arm
+from flexarm.arm import Beam, General, Joint, Material, Payload, Rectangle, RigidLink, Round, Tube
+from flexarm.effects import CoulombFriction, JointCompliance
+from flexarm.errors import InvalidParameter
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 

@@ -8,9 +8,10 @@ import time
 from pathlib import Path
 
 import pytest
+from pytest import approx
+
 from flexarm import Record, Signal
 from flexarm.cli.run import run
-from pytest import approx
 
 
 def flexarm(*arguments: object) -> subprocess.CompletedProcess[str]:

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from flexarm.comparison.bands import alias, band_edges, band_split
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from flexarm.comparison.bands import alias, band_edges, band_split
 
 
 def stamps(kind, count=360, rate=10.0, seed=0):

@@ -5,6 +5,8 @@ import json
 import matplotlib as mpl
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison import compare
@@ -14,7 +16,6 @@ from flexarm.measurement import ClockError, Registration, measure
 from flexarm.record import CarriedPayload, Clock, Frame, Record, Signal
 from flexarm.simulation import simulate
 from flexarm.statics import static
-from scipy.spatial.transform import Rotation
 
 mpl.use("Agg")
 LENGTH, TRACKER, ENCODER = 3.0, 5e-5, 1.5e-6

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from flexarm.arm import Arm
 from flexarm.comparison.directions import base_directions, joint_directions, project
 from flexarm.measurement import Registration

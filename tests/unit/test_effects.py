@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+
 from flexarm.arm.effect import KNOWN_EFFECTS, effect_class
 from flexarm.effects import CoulombFriction, Effect, JointCompliance, MotorFriction, ViscousFriction
 from flexarm.errors import InvalidParameter

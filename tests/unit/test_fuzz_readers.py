@@ -3,10 +3,11 @@
 from pathlib import Path
 
 import pytest
-from flexarm import Arm, Record
-from flexarm.errors import InvalidFile
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
+from flexarm import Arm, Record
+from flexarm.errors import InvalidFile
 
 PIECES = [
     "",

@@ -5,6 +5,7 @@
 from pathlib import Path
 
 import pytest
+
 from flexarm import Arm
 from flexarm.errors import InvalidFile
 

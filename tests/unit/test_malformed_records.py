@@ -5,6 +5,7 @@
 from pathlib import Path
 
 import pytest
+
 from flexarm import Record
 from flexarm.errors import InvalidFile
 

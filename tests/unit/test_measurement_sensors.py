@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.errors import InvalidParameter

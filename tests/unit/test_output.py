@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from flexarm.errors import InvalidFile
 from flexarm.output import output_directory
 

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flexarm import Arm, Record, Signal
-from flexarm.errors import InvalidFile, InvalidParameter
-from flexarm.record import Clock, Frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pytest import approx
+
+from flexarm import Arm, Record, Signal
+from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.record import Clock, Frame
 
 STATIC = """\
 format = "flexarm-record/1"

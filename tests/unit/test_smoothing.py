@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from flexarm.errors import InvalidParameter
-from flexarm.measurement.smoothing import interpolate, smooth
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.signal import StateSpace, lsim
+
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.smoothing import interpolate, smooth
 
 TRACKER_NOISE = 5e-5  # m, the laser tracker of the paper
 LENGTH, MODE_HZ, DAMPING = 3.0, 2.5, 0.005

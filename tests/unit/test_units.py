@@ -3,10 +3,11 @@
 from math import pi
 
 import pytest
+from pytest import approx
+
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import QUANTITIES
 from flexarm.units import FACTORS, factor_to, si_factor
-from pytest import approx
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pytest import approx
+
 from flexarm import Arm
 from flexarm.arm.weight import Body, combined, link_frames, weight_statement
 from flexarm.errors import InvalidParameter
-from pytest import approx
 
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
 

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from pytest import approx
+
 from flexarm.analytic import FlexibleLink, exact_modes
 from flexarm.analytic.exact_modes import beam_points, mass_points
 from flexarm.errors import InvalidParameter
-from pytest import approx
 
 EI = 210e9 * 2.37e-7
 

@@ -4,6 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
+from pytest import approx
+from scipy.linalg import eigh
+
 from flexarm.analytic import (
     FlexibleLink,
     LinearModal,
@@ -15,9 +19,6 @@ from flexarm.analytic import (
 )
 from flexarm.analytic.exact_modes import exact_modes
 from flexarm.errors import InvalidParameter, NotConverged
-from numpy.polynomial import legendre
-from pytest import approx
-from scipy.linalg import eigh
 
 EI, RHO_A, L, LOAD, G = 210e9 * 2.37e-7, 7850 * 5.82e-4, 3.0, 14.1, 9.81
 LINK = FlexibleLink(L, EI, RHO_A, LOAD)
