@@ -201,6 +201,27 @@ def test_help_shows_an_example_of_every_command(capsys: pytest.CaptureFixture[st
         assert f"\n      flexarm {command} " in capsys.readouterr().out
 
 
+def test_a_step_that_never_ends_is_refused(
+    model_file: Path, drive_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    arguments = ["--drive", str(drive_file), "--step", "1e-12", "--out", str(out)]
+    assert run(["simulate", str(model_file), *arguments]) == 2
+    assert "--step: 1e-12 s would make 1.5e+12 steps; allowed are 2e+07" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_degrees_for_radians_on_the_command_line_are_a_warning(
+    model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["static", str(model_file), "--joint", "hinge=90", "--json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == (
+        "warning: command line: --joint hinge: 90 rad are 14.3 turns; angles are in radians\n"
+    )
+    assert json.loads(captured.out)["joints"]["hinge"]["drive_angle"] == approx(90)
+
+
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["--version"]) == 0
     assert capsys.readouterr().out.startswith("flexarm 0.")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -39,9 +39,9 @@ def load_arm(model: Path) -> Arm:
     return arm
 
 
-def warn(file: Path, problems: object) -> None:
+def warn(file: Path, problems: Iterable[Problem]) -> None:
     """Prints `warning: FILE: WHERE: ...` on standard error for each problem."""
-    for problem in problems:  # type: ignore[attr-defined]
+    for problem in problems:
         print(f"warning: {file}: {problem}", file=sys.stderr)
 
 
@@ -71,6 +71,10 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         if name in values:
             raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
         values[name] = float(number)
+        if arm.joint(name).type == "revolute" and abs(values[name]) > 2 * math.pi:
+            turns = abs(values[name]) / (2 * math.pi)
+            what = f"{values[name]:g} rad are {turns:.1f} turns; angles are in radians"
+            warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values
 
 

@@ -64,6 +64,11 @@ def _report(error: Exception) -> int:
         lines, code = [_told(error)], NUMBERS_AT_FAULT
     elif hasattr(error, "format_message"):  # an option that does not exist, an argument that is missing
         lines, code = [f"command line: {_one_line(error.format_message())}"], INPUT_AT_FAULT
+    elif isinstance(error, MemoryError):
+        lines, code = (
+            ["memory: not enough of it; take fewer elements, a longer --step or a shorter run"],
+            INPUT_AT_FAULT,
+        )
     elif isinstance(error, OSError) and error.filename is not None:
         lines, code = [f"{error.filename}: file: {error.strerror}"], INPUT_AT_FAULT
     else:

@@ -62,6 +62,7 @@ def simulate(
     with output_directory(out, force) as directory:
         record = _record(drive, arm)
         motion = _motion(drive, arm, record)
+        _refuse_endless(motion, step)
         with blame(model):
             run = _run(arm, motion, record, step, alpha, forces)
             seen = sensed(run, arm, motion.joints, seed) if record is None else simulated(record, run, arm)
@@ -87,6 +88,18 @@ def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
 
     with blame(drive):
         return Motion.from_csv(drive, arm) if record is None else Motion.from_record(record, arm)
+
+
+MOST_STEPS = 20_000_000
+"""More would fill the memory of a workstation: a step keeps about a kilobyte."""
+
+
+def _refuse_endless(motion: Motion, step: float) -> None:
+    steps = (motion.end - motion.start) / step
+    if steps > MOST_STEPS:
+        allowed = (motion.end - motion.start) / MOST_STEPS
+        what = f"{step:g} s would make {steps:.3g} steps; allowed are {MOST_STEPS:.3g}, or {allowed:.2g} s"
+        raise InvalidFile("command line", "--step", what)
 
 
 TURNS = {"orientation", "inclination", "angular_rate", "acceleration"}
