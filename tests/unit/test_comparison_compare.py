@@ -191,6 +191,28 @@ def test_unknown_clock_and_frame_are_found(run):
     assert found.signals["tip"].rms["total"] < 1.2 * found.signals["tip"].noise_rms
 
 
+def test_gross_outliers_do_not_move_the_alignment(run):
+    """Three readings a metre off among 160: a mean would move by 2 cm."""
+    record = virtual(run)
+    tip = record.signals["tip"]
+    broken = np.array(tip.values)
+    broken[[20, 77, 140]] += [[1.0, -1.0], [0.0, 1.0], [-1.0, 0.5]]
+    clean = compare(arm(), record).aligned
+    found = compare(arm(), record.replace(signals={**record.signals, "tip": tip.replace(values=broken)}))
+    assert found.aligned.left_out == {"tip": 3}
+    assert "3 outliers of tip were not used to align" in found.notes
+    np.testing.assert_allclose(found.aligned.values, clean.values, atol=1e-5)
+    assert found.signals["tip"].max["total"] > 1.0
+
+
+def test_a_contradiction_of_the_stated_sigmas_is_said(run):
+    late = {"tracker": ClockError(delay=0.05)}
+    assert any(
+        "delay of tracker (25 sigma)" in note
+        for note in compare(arm(), virtual(run, clock_errors=late)).notes
+    )
+
+
 def test_the_tracker_may_be_the_reference_clock(run):
     on_its_own = [Sensor(name="hinge", clock="controller", **TABLES["hinge"]), *sensors("tip", "hub")]
     late = {"tracker": ClockError(delay=0.5 + 1e-3)}

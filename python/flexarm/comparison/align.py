@@ -4,7 +4,8 @@
 
 u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. The simulation is not
 repeated: predictions are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not
-lower (1) is halved. What the data do not determine keeps its prior, and is said: the standard deviation after
+lower (1) is halved. Gross outliers (see `flexarm.comparison.outliers`) are left out; else squares count, not
+a robust loss. What the data do not determine keeps its prior, and is said: the standard deviation after
 alignment is then that of the prior (more than `KEPT` of it), or, without a prior, infinite.
 
 A gap of the model much larger than the noise outweighs the priors: whatever of it looks like a shift in time
@@ -14,11 +15,13 @@ gap without that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.comparison.outliers import outliers
 from flexarm.comparison.subject import Placement, Subject, noise_of
 from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
 
@@ -26,6 +29,8 @@ Floats = NDArray[np.float64]
 
 KEPT = 0.9
 """Share of a prior's sigma that is left where the data say nothing."""
+FAR = 5.0
+"""Number of sigmas beyond which an alignment contradicts what the record states."""
 ITERATIONS = 30
 
 
@@ -41,12 +46,22 @@ class Aligned:
         What was allowed to move.
     values, std : ndarray
         Where it ended and 1 sigma [s, m, rad]; the sigma counts noise and priors, not an error of the model.
+    left_out : dict of str to int
+        Number of samples that were taken for outliers, by signal.
     """
 
     placement: Placement
     unknowns: tuple[Unknown, ...] = ()
     values: Floats | tuple[float, ...] = ()
     std: Floats | tuple[float, ...] = ()
+    left_out: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def far(self) -> list[str]:
+        """What moved further than the record's sigma allows for."""
+        pairs = zip(self.unknowns, self.values, strict=True)
+        moves = [(u, abs(value - u.centre) / u.sigma) for u, value in pairs if np.isfinite(u.sigma)]
+        return [f"{u} ({move:.0f} sigma)" for u, move in moves if move > FAR]
 
     @property
     def undetermined(self) -> list[str]:
@@ -71,7 +86,7 @@ def align(subject: Subject, start: Placement) -> Aligned:
     unknown = unknowns(subject, start)
     if not unknown:
         return Aligned(start)
-    rows = _rows(subject, start, unknown)
+    rows = _Rows(subject, start, unknown)
     values = np.array([each.centre for each in unknown])
     residual, jacobian = rows(values), _jacobian(rows, values, unknown)
     for _ in range(ITERATIONS):
@@ -81,13 +96,12 @@ def align(subject: Subject, start: Placement) -> Aligned:
         if scaled.max() < 1e-3:
             break
         jacobian = _jacobian(rows, values, unknown)
-    return Aligned(
-        placed(start, unknown, values), tuple(unknown), values, _least_norm(jacobian, residual, unknown)[1]
-    )
+    std = _least_norm(jacobian, residual, unknown)[1]
+    return Aligned(placed(start, unknown, values), tuple(unknown), values, std, rows.left_out)
 
 
-class _rows:
-    """Whitened residuals and priors of (1) as one vector; rows without a value are zero."""
+class _Rows:
+    """Whitened residuals and priors of (1) as one vector; rows without a value, and outliers, are zero."""
 
     def __init__(self, subject: Subject, start: Placement, unknown: list[Unknown]) -> None:
         self.subject, self.start, self.unknown = subject, start, unknown
@@ -97,19 +111,30 @@ class _rows:
             for signal in subject.evidence.values()
             if noise_is_stated(signal.noise_std) and (signal.clock in places or signal.frame in places)
         ]
-        prior = [(each.centre, each.sigma) for each in unknown]
-        self.centre, self.sigma = np.array(prior).T
+        self.centre = np.array([each.centre for each in unknown])
+        self.sigma = np.array([each.sigma for each in unknown])
+        self.out = [
+            outliers(subject.residual(signal, start, hold=True), noise_of(signal)) for signal in self.signals
+        ]
 
     def __call__(self, values: Floats) -> Floats:
         placement = placed(self.start, self.unknown, values)
-        parts = [
-            self.subject.residual(signal, placement).ravel() / noise_of(signal) for signal in self.signals
-        ]
-        found: Floats = np.nan_to_num(np.concatenate([*parts, (values - self.centre) / self.sigma]))
+        parts = [(values - self.centre) / self.sigma]
+        for signal, out in zip(self.signals, self.out, strict=True):
+            # held beyond its end: no row may escape from (1) by leaving the run
+            residual = self.subject.residual(signal, placement, hold=True) / noise_of(signal)
+            parts.append(np.where(out[:, None], 0.0, residual).ravel())
+        found: Floats = np.nan_to_num(np.concatenate(parts))
         return found
 
+    @property
+    def left_out(self) -> dict[str, int]:
+        """Number of outliers by signal."""
+        counts = {signal.name: int(out.sum()) for signal, out in zip(self.signals, self.out, strict=True)}
+        return {name: count for name, count in counts.items() if count}
 
-def _jacobian(rows: _rows, values: Floats, unknown: list[Unknown]) -> Floats:
+
+def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:
     """Central differences of the rows by the unknowns."""
     columns = []
     for i, each in enumerate(unknown):
@@ -132,7 +157,7 @@ def _least_norm(jacobian: Floats, right: Floats, unknown: list[Unknown]) -> tupl
     return step * scale, np.where(loose, np.inf, np.sqrt(variance) * scale)
 
 
-def _descend(rows: _rows, values: Floats, residual: Floats, change: Floats) -> tuple[Floats, Floats, Floats]:
+def _descend(rows: _Rows, values: Floats, residual: Floats, change: Floats) -> tuple[Floats, Floats, Floats]:
     """A step along `change`, halved until (1) falls; none if it never does."""
     cost = residual @ residual
     for _ in range(12):

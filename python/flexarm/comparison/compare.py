@@ -168,6 +168,11 @@ def _notes(gaps: dict[str, SignalGap], modes_hz: list[float], aligned: Aligned, 
     found = []
     if aligned.undetermined:
         found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
+    if aligned.far:
+        found.append(f"moved further than the record allows for: {', '.join(aligned.far)}")
+    found += [
+        f"{count} outliers of {name} were not used to align" for name, count in aligned.left_out.items()
+    ]
     if wanted:
         unweighed = [g.name for g in gaps.values() if not g.noise_rms and not g.is_drive]
         if unweighed and aligned.unknowns:

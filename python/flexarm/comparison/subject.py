@@ -77,13 +77,16 @@ class Subject:
         """Time of the simulation at every row of a signal."""
         return placement.clock(signal).instants(self.stamps[signal.name])
 
-    def predicted(self, signal: Signal, placement: Placement) -> Floats:
-        """What the simulation says of a signal, shape (n, channels)."""
-        return read(self.simulation, signal, self.instants(signal, placement), placement.frame(signal))
+    def predicted(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
+        """What the simulation says of a signal, shape (n, channels); with `hold` its end lasts for ever."""
+        instants = self.instants(signal, placement)
+        if hold:
+            instants = np.minimum(instants, self.simulation.time[-1])
+        return read(self.simulation, signal, instants, placement.frame(signal))
 
-    def residual(self, signal: Signal, placement: Placement) -> Floats:
+    def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
         """Measured minus predicted, shape (n, channels); of orientations the rotation vector between them."""
-        values = self.predicted(signal, placement)
+        values = self.predicted(signal, placement, hold)
         return (
             turned_by(signal.values, values) if signal.quantity == "orientation" else signal.values - values
         )
