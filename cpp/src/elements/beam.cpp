@@ -114,8 +114,8 @@ BeamElement::EndForces BeamElement::internal_forces(const Frame& H1, const Frame
 }
 
 Vector12d BeamElement::inertia_forces(const Vector12d& v, const Vector12d& v_dot) const {
-  const Vector12d momentum = M_ * v;
-  Vector12d f = M_ * v_dot;
+  const Vector12d momentum = M_.lazyProduct(v);  // unrolled; the general product is slower at this size
+  Vector12d f = M_.lazyProduct(v_dot);
   f.head<6>() -= ad_transpose(v.head<6>(), momentum.head<6>());  // eq. (4)
   f.tail<6>() -= ad_transpose(v.tail<6>(), momentum.tail<6>());
   return f;

@@ -16,10 +16,13 @@ struct ExpCoefficients {
 
 ExpCoefficients exp_coefficients(double phi_squared) {
   const double x = phi_squared;
-  if (x < series_limit) {
-    return {1 - x / 6 * (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110)))),
-            0.5 * (1 - x / 12 * (1 - x / 30 * (1 - x / 56 * (1 - x / 90 * (1 - x / 132))))),
-            (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110 * (1 - x / 156))))) / 6};
+  if (x < series_limit) {  // the power series, by Horner's scheme
+    return {
+        1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880 - x * (1.0 / 39916800))))),
+        0.5 + x * (-1.0 / 24 +
+                   x * (1.0 / 720 + x * (-1.0 / 40320 + x * (1.0 / 3628800 - x * (1.0 / 479001600))))),
+        1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040 + x * (-1.0 / 362880 +
+                                                           x * (1.0 / 39916800 - x * (1.0 / 6227020800)))))};
   }
   const double phi = std::sqrt(x);
   const double half_sine = std::sin(0.5 * phi);
@@ -31,7 +34,7 @@ ExpCoefficients exp_coefficients(double phi_squared) {
 double inverse_v_coefficient(double phi_squared) {
   const double x = phi_squared;
   if (x < series_limit) {
-    return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240 + x * (1.0 / 1209600 + x / 47900160)));
+    return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240 + x * (1.0 / 1209600 + x * (1.0 / 47900160))));
   }
   const double half = 0.5 * std::sqrt(x);
   return (1 - half * std::cos(half) / std::sin(half)) / x;
