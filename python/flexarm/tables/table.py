@@ -75,8 +75,8 @@ def check_name(name: str) -> str:
     return name
 
 
-Number = Annotated[float, BeforeValidator(_plain), Strict()]
-Whole = Annotated[int, BeforeValidator(_plain), Strict()]
+Number = Annotated[float, Strict(), BeforeValidator(_plain)]
+Whole = Annotated[int, Strict(), BeforeValidator(_plain)]
 Name = Annotated[str, AfterValidator(check_name)]
 Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
