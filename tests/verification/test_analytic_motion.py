@@ -11,6 +11,7 @@ from flexarm.analytic import (
     LinearModal,
     MotorAngle,
     NonlinearModal,
+    RampedSine,
     pinned_free_basis,
     rigid_tip,
     simulate,
@@ -24,25 +25,10 @@ EI, RHO_A, L, LOAD, G = 210e9 * 2.37e-7, 7850 * 5.82e-4, 3.0, 14.1, 9.81
 LINK = FlexibleLink(L, EI, RHO_A, LOAD)
 STIFF = FlexibleLink(L, 1e4 * EI, RHO_A, LOAD)
 SPRING = 1e5
+SWING = RampedSine(1.2, 0.05, 4.0)
 INSTANTS = np.array([0.0, 2.0, 5.0, 10.0, 15.0])
 CONVERGED = np.array([-21.45680, -47.96946, 0.85701, 46.34499]) * 1e-3
 """Tangential offsets [m] of the swing at 2, 5, 10 and 15 s, Euler-Bernoulli, converged in space and time."""
-
-
-class Swing:
-    """φ(t) = A sin(w t) s(t/4), s = 10 x³ - 15 x⁴ + 6 x⁵ up to x = 1; derivatives by the product rule."""
-
-    def __init__(self, amplitude=1.2, frequency=0.05, rise=4.0):
-        self.amplitude, self.w, self.rise = amplitude, 2 * math.pi * frequency, rise
-
-    def __call__(self, t, nu=0):
-        w, x = self.w, min(t / self.rise, 1.0)
-        sine = [math.sin(w * t), w * math.cos(w * t), -(w**2) * math.sin(w * t)]
-        ramp = np.polynomial.Polynomial([0, 0, 0, 10, -15, 6])
-        rise = [ramp.deriv(k)(x) / self.rise**k for k in range(3)]
-        product = [sine[0] * rise[0], sine[1] * rise[0] + sine[0] * rise[1]]
-        product.append(sine[2] * rise[0] + 2 * sine[1] * rise[1] + sine[0] * rise[2])
-        return self.amplitude * product[nu]
 
 
 def held(angle):
@@ -60,7 +46,7 @@ def observed_order(h, error):
 
 def test_equation_1_reaches_the_swing_benchmark():
     """Within 0.5 µm of converged geometrically exact beams, at 1.2 rad and 48 mm."""
-    motion = simulate(arm(4, hanging=True), MotorAngle(Swing(), SPRING), INSTANTS, step=5e-3)
+    motion = simulate(arm(4, hanging=True), MotorAngle(SWING, SPRING), INSTANTS, step=5e-3)
     assert motion.tangential[1:] == approx(CONVERGED, abs=0.5e-6)
 
 
@@ -69,7 +55,7 @@ def test_equation_2_misses_the_swing_by_gravitys_stiffness():
     out.
     """
     linear = LinearModal(arm(4).basis, hanging=True)
-    motion = simulate(linear, MotorAngle(Swing(), SPRING), INSTANTS, step=5e-3)
+    motion = simulate(linear, MotorAngle(SWING, SPRING), INSTANTS, step=5e-3)
     too_far = (motion.tangential[1:3] - CONVERGED[:2]) / CONVERGED[:2]
     assert too_far == approx([0.0164, 0.0068], abs=2e-4)
 
@@ -77,7 +63,7 @@ def test_equation_2_misses_the_swing_by_gravitys_stiffness():
 def test_modes_of_a_pinned_beam_alone_miss_the_swing_by_millimetres():
     """Without the shape that bends at the hub the error halves with twice the modes, from 4.8 mm at four."""
     basis = [pinned_free_basis(LINK, n, hub_moment_shape=False) for n in (4, 8, 16)]
-    drive = MotorAngle(Swing(), SPRING)
+    drive = MotorAngle(SWING, SPRING)
     error = [
         simulate(NonlinearModal(b, hanging=True), drive, INSTANTS[:3], step=0.02).tangential[2] - CONVERGED[1]
         for b in basis
@@ -89,7 +75,7 @@ def test_modes_of_a_pinned_beam_alone_miss_the_swing_by_millimetres():
 def test_two_shapes_are_enough_for_the_swing():
     """Steps of 10 ms; two shapes are within 4 µm of the benchmark, three within 2 µm."""
     for n_bending, step, tolerance in ((2, 0.01, 4e-6), (3, 0.01, 2e-6)):
-        motion = simulate(arm(n_bending, hanging=True), MotorAngle(Swing(), SPRING), INSTANTS, step=step)
+        motion = simulate(arm(n_bending, hanging=True), MotorAngle(SWING, SPRING), INSTANTS, step=step)
         assert motion.tangential[1:] == approx(CONVERGED, abs=tolerance)
 
 
@@ -138,24 +124,24 @@ def test_the_printed_gyroscopic_term_loses_both():
 @pytest.mark.parametrize("stiffness", [SPRING, math.inf])
 def test_the_drives_work_is_the_energy_of_the_arm(stiffness):
     """T + V + spring grows by ∫ τ φ_dot dt in an undamped swing under gravity."""
-    swing, moving = Swing(1.2, 0.5, 0.4), arm(1)
+    swing, moving = RampedSine(1.2, 0.5, 0.4), arm(1)
     time = np.linspace(0, 0.6, 301)
     motion = simulate(moving, MotorAngle(swing, stiffness), time, method="DOP853")
     energy = sum(moving.energies(motion.coordinates, motion.rates))
     if math.isfinite(stiffness):
         energy = energy + stiffness * (motion.drive_angle - motion.joint_angle) ** 2 / 2
-    power = motion.joint_torque * np.array([swing(t, 1) for t in time])
+    power = motion.joint_torque * swing(time, 1)
     work = CubicSpline(time, power).antiderivative()(time)
     assert energy - energy[0] == approx(work, abs=1e-5 * np.ptp(energy))
 
 
 def test_damping_takes_what_the_drive_brings_and_the_arm_does_not_keep():
     """With modal and joint damping the balance closes with ∫ (Σ 2 ζ ω v² + c twist_rate²) dt."""
-    c, swing = 200.0, Swing(1.2, 0.5, 0.4)
+    c, swing = 200.0, RampedSine(1.2, 0.5, 0.4)
     moving = arm(1, damping_ratio=0.05)
     time = np.linspace(0, 0.6, 301)
     motion = simulate(moving, MotorAngle(swing, SPRING, damping=c), time, method="DOP853")
-    phi_rate = np.array([swing(t, 1) for t in time])
+    phi_rate = swing(time, 1)
     twist_rate = phi_rate - motion.rates @ moving.basis.hub_slope
     energy = sum(moving.energies(motion.coordinates, motion.rates))
     energy = energy + SPRING * (motion.drive_angle - motion.joint_angle) ** 2 / 2
@@ -193,7 +179,7 @@ def test_equation_2_is_solved_exactly_at_any_step():
 
 def test_the_exponential_method_is_of_order_four_in_equation_1():
     """Against DOP853, in a swing of 1.2 rad in half a second that bends the arm by 0.2 m."""
-    swing, moving = MotorAngle(Swing(1.2, 0.5, 0.4), SPRING), arm(1)
+    swing, moving = MotorAngle(RampedSine(1.2, 0.5, 0.4), SPRING), arm(1)
     time = np.array([0.0, 0.3, 0.6])
     reference = simulate(moving, swing, time, method="DOP853", rtol=1e-11, atol=1e-13).coordinates
     steps = np.array([1.25e-3, 2.5e-3, 5e-3])
@@ -204,7 +190,7 @@ def test_the_exponential_method_is_of_order_four_in_equation_1():
 
 def test_a_stiff_spring_is_a_rigid_joint():
     """The tip follows as 1/k."""
-    swing, time = Swing(0.3, 0.25, 1.0), np.array([0.0, 0.5, 1.0])
+    swing, time = RampedSine(0.3, 0.25, 1.0), np.array([0.0, 0.5, 1.0])
     rigid = simulate(arm(2), MotorAngle(swing), time, step=2e-3)
     springs = [simulate(arm(2), MotorAngle(swing, k), time, step=2e-3) for k in (1e7, 2e7)]
     gap = [np.abs(soft.tangential - rigid.tangential).max() for soft in springs]
@@ -218,7 +204,7 @@ def test_a_stiff_arm_on_a_rigid_joint_is_the_rigid_arm():
         offsets = []
         for factor in (1e3, 1e4):
             link = FlexibleLink(L, factor * EI, RHO_A, LOAD)
-            motion = simulate(arm(2, link, hanging=hanging), MotorAngle(Swing()), INSTANTS[:3], step=0.02)
+            motion = simulate(arm(2, link, hanging=hanging), MotorAngle(SWING), INSTANTS[:3], step=0.02)
             offsets.append(np.abs(motion.tip - rigid_tip(L, motion.drive_angle, hanging)).max())
         assert offsets[0] / offsets[1] == approx(10.0, rel=0.01)
 
@@ -296,3 +282,15 @@ def test_an_arm_bent_beyond_the_theory_is_reported_with_its_time():
     with pytest.raises(NotConverged, match=r"t = .* s: bent so far") as caught:
         simulate(arm(1), JointTorque(1e6), np.linspace(0, 1, 11))
     assert 0 < caught.value.time <= 1
+
+
+def test_a_ramped_sine_starts_from_rest_and_has_its_derivatives():
+    """φ, φ_dot and φ_ddot are zero at t = 0 and continuous at the end of the rise."""
+    assert [float(SWING(0.0, nu)) for nu in range(3)] == [0.0, 0.0, 0.0]
+    assert SWING(7.0) == approx(1.2 * math.sin(2 * math.pi * 0.05 * 7.0))
+    time, h = np.linspace(0.1, 8.0, 80), 1e-5
+    for nu in (0, 1):
+        difference = (SWING(time + h, nu) - SWING(time - h, nu)) / (2 * h)
+        assert SWING(time, nu + 1) == approx(difference, abs=1e-8)
+    with pytest.raises(InvalidParameter, match="rise"):
+        RampedSine(1.2, 0.05, 0.0)

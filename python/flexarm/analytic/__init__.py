@@ -16,6 +16,7 @@ from flexarm.analytic.linear_modal import LinearModal
 from flexarm.analytic.modal_basis import ModalBasis, pinned_free_basis
 from flexarm.analytic.motion import ArmMotion, tip_position
 from flexarm.analytic.nonlinear_modal import NonlinearModal
+from flexarm.analytic.ramped_sine import RampedSine
 from flexarm.analytic.rigid_arm import rigid_tip
 from flexarm.analytic.statics import equilibrium, small_vibrations_hz
 
@@ -29,6 +30,7 @@ __all__ = [
     "ModalBasis",
     "MotorAngle",
     "NonlinearModal",
+    "RampedSine",
     "equilibrium",
     "exact_modes",
     "pinned_free_basis",
