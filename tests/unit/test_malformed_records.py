@@ -26,6 +26,7 @@ MISTAKES = {
     "frame of an angle": (TOML, 'side = "motor"', 'frame = "tracker"', TOML, "signals.hinge.frame", "has no frame"),
     "negative payload": (TOML, "mass = 5.0", "mass = -5.0", TOML, "payloads.load.mass", "must be at least 0"),
     "missing file": (TOML, "tracker.csv", "trakcer.csv", TOML, "signals.tip.file", "there are encoder.csv, tracker.csv"),
+    "endless file name": (TOML, '"tracker.csv"', f'"{"x" * 5000}.csv"', TOML, "signals.tip.file", "there is no file"),
     "missing column": (TOML, "tip_x_mm", "tip_y_mm", TOML, "signals.tip.channels",
                        "there are time_s, tip_x_mm, tip_z_mm in tracker.csv"),
     "missing time": (TOML, 'time = "time_s"', 'time = "t"', TOML, "signals.hinge.time", "there are time_s, encoder_deg"),

@@ -92,7 +92,7 @@ class _Reader:
         """Opens the file of a signal and looks for its columns."""
         if table.file not in self._files:
             path = self.toml.parent / table.file
-            if not path.exists():
+            if not _exists(path):
                 others = ", ".join(sorted(p.name for p in self.toml.parent.glob("*.csv")))
                 raise self._error(
                     i, table, "file", f"there is no file {table.file!r}; there are {others or 'none'}"
@@ -190,6 +190,13 @@ _SUFFIXES = {
     "us": ("us", "µs"),
     "mrad": ("mrad",),
 }
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long for the file system
+        return False
 
 
 def _canonical(pose: str) -> str:
