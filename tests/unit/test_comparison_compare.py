@@ -288,6 +288,15 @@ def test_every_kind_of_sensor_can_be_compared():
     assert found.signals["imu"].rms["y"] is None
 
 
+def test_what_may_ring_the_model_alone_is_said(run):
+    record = virtual(run)
+    rough = record.signals["hinge"].replace(noise_std=None)
+    notes = compare(arm(), record.replace(signals={**record.signals, "hinge": rough}, initial="moving")).notes
+    assert any("no noise is stated for the drive hinge" in note for note in notes)
+    assert any("starts moving" in note for note in notes)
+    assert not any("drive" in note or "moving" in note for note in compare(arm(), record).notes)
+
+
 def test_signals_that_nothing_predicts_are_skipped_with_a_reason(run):
     record = virtual(run)
     t = np.arange(0, 5, 0.1)

@@ -94,7 +94,7 @@ def compare(
         aligned,
         dict(pair.skipped),
         tuple(modes_hz),
-        tuple(_notes(gaps, modes_hz, aligned, align)),
+        tuple(_notes(record, gaps, modes_hz, aligned, align)),
     )
 
 
@@ -163,9 +163,11 @@ def _only_joint(pair: Subject) -> str | None:
     return moved.pop() if len(moved) == 1 else None
 
 
-def _notes(gaps: dict[str, SignalGap], modes_hz: list[float], aligned: Aligned, wanted: bool) -> list[str]:
+def _notes(
+    record: Record, gaps: dict[str, SignalGap], modes_hz: list[float], aligned: Aligned, wanted: bool
+) -> list[str]:
     """What a reader of the numbers should know."""
-    found = []
+    found = _about_drives(record)
     if aligned.undetermined:
         found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
     if aligned.far:
@@ -184,4 +186,17 @@ def _notes(gaps: dict[str, SignalGap], modes_hz: list[float], aligned: Aligned, 
                 f"{gap.name} is sampled at {2 * nyquist:.3g} Hz: the first mode, {modes_hz[0]:.3g} Hz, "
                 f"appears at {alias(modes_hz[0], 2 * nyquist):.3g} Hz"
             )
+    return found
+
+
+def _about_drives(record: Record) -> list[str]:
+    """What may ring the model and not the arm."""
+    found = []
+    if record.initial == "moving":
+        found.append("the record starts moving, the simulation from rest in equilibrium: it rings at first")
+    rough = [name for name in record.drive if not record.signals[name].noise_std]
+    if rough and record.kind == "motion":
+        found.append(
+            f"no noise is stated for the drive {', '.join(rough)}: its samples are joined as they are"
+        )
     return found
