@@ -167,7 +167,7 @@ def modes(arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, g
     g = np.array(arm.gravity) if gravity else np.zeros(3)
     equilibrium = _core.static_equilibrium(system, joint_values(arm, joints or {}), _core.Loads(gravity=g))
     found = _core.modes(system, equilibrium, count)
-    shape = np.array(found.shapes).T.reshape(-1, len(arm.points), 6)
+    shape = np.array(found.shapes).T.reshape(len(found.frequency_hz), len(arm.points), 6)
     return Modes(
         arm=arm,
         frequency_hz=frozen(found.frequency_hz),
