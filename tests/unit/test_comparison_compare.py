@@ -297,6 +297,14 @@ def test_what_may_ring_the_model_alone_is_said(run):
     assert not any("drive" in note or "moving" in note for note in compare(arm(), record).notes)
 
 
+def test_jitter_of_the_stamps_counts_as_noise_of_what_moves(run):
+    """2 ms of jitter at up to 2 m/s are millimetres: far above the tracker's noise, and no gap."""
+    seen = [*sensors("hinge"), Sensor(name="tip", **{**TABLES["tip"], "jitter_std": 2e-3, "rate_hz": 50})]
+    gap = compare(arm(), virtual(run, seen)).signals["tip"]
+    assert gap.noise_rms > 20 * TRACKER
+    assert gap.rms["total"] == pytest.approx(gap.noise_rms, rel=5 / np.sqrt(2 * len(gap.time)))
+
+
 def test_signals_that_nothing_predicts_are_skipped_with_a_reason(run):
     record = virtual(run)
     t = np.arange(0, 5, 0.1)
@@ -440,6 +448,17 @@ def test_poses_are_equilibria_under_their_angles_forces_and_payloads():
     assert set(found.skipped) == {"hinge", "pull", "load"}
     wrong = compare(arm(1.0e5), poses())
     assert wrong.signals["tip"].rms["tangential"] > 20 * TRACKER
+
+
+def test_an_unknown_frame_of_poses_is_found():
+    """Poses seen from a station of which nothing is known: the tip's circle fixes it."""
+    record = poses()
+    tip = record.signals["tip"]
+    where = Registration(origin=(2.0, 3.0, -1.0), rpy=(0.1, 0.2, -2.5))
+    moved = tip.replace(values=where.positions(tip.values))
+    seen = record.replace(signals={**record.signals, "tip": moved}, frames={"tracker": Frame(unknown=True)})
+    gap = compare(arm(), seen).signals["tip"]
+    assert gap.rms["total"] == pytest.approx(gap.noise_rms, rel=5 / np.sqrt(6 * len(gap.time)))
 
 
 @pytest.mark.parametrize("case", [i for i in range(1, 19) if i != 15])

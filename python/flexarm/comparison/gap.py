@@ -1,9 +1,9 @@
 """The gap of one signal: measured minus predicted, by direction and by band, beside the noise.
 
     rms_d = sqrt(mean r_d^2),   total = sqrt(sum over measured channels of rms^2)                    (1)
-    noise = noise_std sqrt(number of measured channels)                                             (2)
+    noise^2 = noise_std^2 (number of measured channels) + jitter_std^2 mean |rate|^2                 (2)
 
-A model without a gap has a total of about (2).
+A stamp that is off by a jitter shows the motion of that time. A model without a gap has a total of about (2).
 """
 
 from __future__ import annotations
@@ -18,12 +18,16 @@ from numpy.typing import NDArray
 from flexarm.comparison.bands import Band, band_edges, band_split
 from flexarm.comparison.directions import base_directions, joint_directions, project
 from flexarm.comparison.subject import Placement, Subject, noise_of
+from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.sampling import sample
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
 Floats = NDArray[np.float64]
+
+JITTER_STEP = 1e-4
+"""Half the difference of time for the rate in (2) [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +103,6 @@ def signal_gap(
     keep = np.isfinite(residual).all(axis=1)
     instants, residual = instants[keep], residual[keep]
     parts = _parts(subject, signal, placement, joint, instants, residual)
-    noise = noise_of(signal) * np.sqrt(residual.shape[1])
     bands: list[Band] = []
     if subject.record.kind == "motion":
         bands = band_split(instants, residual, band_edges(instants, modes_hz, edges))
@@ -118,9 +121,30 @@ def signal_gap(
             "total": _max(np.linalg.norm(residual, axis=1)),
         },
         tuple(bands),
-        float(noise) if signal.noise_std is not None else None,
+        _noise(subject, signal, placement) if signal.noise_std is not None else None,
         signal.name in subject.record.drive,
     )
+
+
+def _noise(subject: Subject, signal: Signal, placement: Placement) -> float:
+    """Noise of the total, eq. (2)."""
+    channels = 3 if signal.quantity == "orientation" else signal.values.shape[1]
+    square = channels * noise_of(signal) ** 2
+    if signal.jitter_std > 0 and subject.record.kind == "motion":
+        ahead, behind = (
+            subject.residual(signal, _shifted(placement, signal, shift), hold=True)
+            for shift in (-JITTER_STEP, JITTER_STEP)
+        )
+        rate = (behind - ahead) / (2 * JITTER_STEP)
+        square += signal.jitter_std**2 * float(np.nanmean(np.sum(rate**2, axis=1)))
+    return float(np.sqrt(square))
+
+
+def _shifted(placement: Placement, signal: Signal, shift: float) -> Placement:
+    """The placement with the signal's clock later by `shift` [s]."""
+    clock = placement.clock(signal)
+    moved = ClockError(delay=clock.delay + shift, rate=clock.rate)
+    return Placement({**placement.clocks, signal.clock: moved}, placement.frames)
 
 
 def _parts(
