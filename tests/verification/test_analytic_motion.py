@@ -4,6 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from pytest import approx
+from scipy.interpolate import CubicSpline
+from scipy.special import ellipk
+
 from flexarm.analytic import (
     CoulombFriction,
     FlexibleLink,
@@ -17,9 +21,6 @@ from flexarm.analytic import (
     simulate,
 )
 from flexarm.errors import InvalidParameter, NotConverged
-from pytest import approx
-from scipy.interpolate import CubicSpline
-from scipy.special import ellipk
 
 EI, RHO_A, L, LOAD, G = 210e9 * 2.37e-7, 7850 * 5.82e-4, 3.0, 14.1, 9.81
 LINK = FlexibleLink(L, EI, RHO_A, LOAD)
@@ -288,7 +289,7 @@ def test_a_ramped_sine_starts_from_rest_and_has_its_derivatives():
     """φ, φ_dot and φ_ddot are zero at t = 0 and continuous at the end of the rise."""
     assert [float(SWING(0.0, nu)) for nu in range(3)] == [0.0, 0.0, 0.0]
     assert SWING(7.0) == approx(1.2 * math.sin(2 * math.pi * 0.05 * 7.0))
-    time, h = np.linspace(0.1, 8.0, 80), 1e-5
+    time, h = np.linspace(0.13, 8.03, 80), 1e-5  # not at 4 s, where the jerk jumps
     for nu in (0, 1):
         difference = (SWING(time + h, nu) - SWING(time - h, nu)) / (2 * h)
         assert SWING(time, nu + 1) == approx(difference, abs=1e-8)
