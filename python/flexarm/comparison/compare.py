@@ -136,7 +136,7 @@ def _end(record: Record) -> float:
         if len(signal.time) and (not clock.unknown or signal.name in record.drive):
             late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
             ends.append(float(signal.time[-1]) - late)
-    return max(ends) + 1e-9
+    return max(ends, default=record.duration) + 1e-9
 
 
 def _modes(arm: Arm, record: Record, pair: Subject) -> list[float]:
@@ -194,7 +194,7 @@ def _about_drives(record: Record) -> list[str]:
     found = []
     if record.initial == "moving":
         found.append("the record starts moving, the simulation from rest in equilibrium: it rings at first")
-    rough = [name for name in record.drive if not record.signals[name].noise_std]
+    rough = [name for name in record.drive if record.signals[name].noise_std is None]
     if rough and record.kind == "motion":
         found.append(
             f"no noise is stated for the drive {', '.join(rough)}: its samples are joined as they are"
