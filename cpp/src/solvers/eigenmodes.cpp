@@ -3,12 +3,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/solvers/damped_modes.hpp"
+#include "flexarm/solvers/saddle_point.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
 
 namespace flexarm::solvers {
@@ -25,78 +26,10 @@ constexpr double tolerance = 1e-11;
 // longer shrinks is that floor.
 constexpr double floor_limit = 1e-4;
 
-/// [A, s Jᵀ; s J, 0], s of the size of A's diagonal.
-template <class Scalar>
-Eigen::SparseMatrix<Scalar> saddle_point(const Eigen::SparseMatrix<Scalar>& A, const SparseMatrix& J) {
-  double s = 0;
-  for (int k = 0; k < A.rows(); ++k) s = std::max(s, std::abs(A.coeff(k, k)));
-  std::vector<Eigen::Triplet<Scalar>> entries;
-  const auto n = static_cast<int>(A.rows());
-  for (int k = 0; k < A.outerSize(); ++k)
-    for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(A, k); it; ++it) {
-      entries.emplace_back(static_cast<int>(it.row()), k, it.value());
-    }
-  for (int k = 0; k < J.outerSize(); ++k)
-    for (SparseMatrix::InnerIterator it(J, k); it; ++it) {
-      const int row = n + static_cast<int>(it.row());
-      entries.emplace_back(row, k, Scalar(s * it.value()));
-      entries.emplace_back(k, row, Scalar(s * it.value()));
-    }
-  Eigen::SparseMatrix<Scalar> S(n + J.rows(), n + J.rows());
-  S.setFromTriplets(entries.begin(), entries.end());
-  return S;
-}
-
 MatrixXd random_start(Eigen::Index n, Eigen::Index p) {
   std::mt19937 generator(1);  // the same start every time: results do not vary from run to run
   std::normal_distribution<double> normal;
   return MatrixXd::NullaryExpr(n, p, [&] { return normal(generator); });
-}
-
-/// Newton's method on (2) from (μ, x).
-std::complex<double> refine(std::complex<double> mu, Eigen::VectorXcd x, const SparseMatrix& K,
-                            const SparseMatrix& C, const SparseMatrix& M, const SparseMatrix& J) {
-  using Complex = std::complex<double>;
-  const Eigen::Index n = K.rows();
-  const Eigen::SparseMatrix<Complex> Kc = K.cast<Complex>(), Cc = C.cast<Complex>(), Mc = M.cast<Complex>();
-  const Eigen::VectorXcd weight = x / x.squaredNorm();
-  for (int turn = 0; turn < 12; ++turn) {
-    const Eigen::SparseMatrix<Complex> T = mu * mu * Mc + mu * Cc + Kc;
-    Eigen::SparseLU<Eigen::SparseMatrix<Complex>> factor(saddle_point<Complex>(T, J));
-    if (factor.info() != Eigen::Success) return mu;  // T is singular: μ is exact
-    Eigen::VectorXcd rhs = Eigen::VectorXcd::Zero(n + J.rows());
-    rhs.head(n) = (2.0 * mu * Mc + Cc) * x;
-    const Eigen::VectorXcd y = factor.solve(rhs).head(n);
-    const Complex step = 1.0 / weight.dot(y);
-    x = step * y;
-    mu -= step;
-    if (std::abs(step) < 1e-12 * std::abs(mu)) break;
-  }
-  return mu;
-}
-
-Eigen::VectorXcd damped_modes(const Eigenmodes& modes, Eigen::Index count, const MatrixXd& X,
-                              const SparseMatrix& K, const SparseMatrix& C, const SparseMatrix& M,
-                              const SparseMatrix& J) {
-  const Eigen::Index p = X.cols();
-  MatrixXd A = MatrixXd::Zero(2 * p, 2 * p);  // first-order form of (2) in the subspace
-  A.topRightCorner(p, p).setIdentity();
-  A.bottomLeftCorner(p, p).diagonal() = -modes.omega_squared;
-  A.bottomRightCorner(p, p) = -X.transpose() * (C * X);
-  const Eigen::EigenSolver<MatrixXd> solver(A);
-  std::vector<Eigen::Index> upper;
-  for (Eigen::Index k = 0; k < 2 * p; ++k) {
-    if (solver.eigenvalues()[k].imag() >= 0) upper.push_back(k);
-  }
-  std::sort(upper.begin(), upper.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return std::abs(solver.eigenvalues()[a]) < std::abs(solver.eigenvalues()[b]);
-  });
-  Eigen::VectorXcd mu(std::min<Eigen::Index>(count, static_cast<Eigen::Index>(upper.size())));
-  for (Eigen::Index k = 0; k < mu.size(); ++k) {
-    const Eigen::VectorXcd x = X * solver.eigenvectors().col(upper[k]).head(p);
-    mu[k] = refine(solver.eigenvalues()[upper[k]], x, K, C, M, J);
-  }
-  return mu;
 }
 
 }  // namespace
@@ -142,7 +75,7 @@ Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const Sp
   modes.omega_squared = nu.cwiseInverse().array() - shift;
   if (C.nonZeros() > 0) {
     const SparseMatrix unshifted = K - shift * M;
-    modes.damped = damped_modes(modes, wanted, X, unshifted, C, M, J);
+    modes.damped = damped_eigenvalues(modes.omega_squared, X, unshifted, C, M, J, wanted);
   }
   modes.omega_squared.conservativeResize(wanted);
   modes.shapes = X.leftCols(wanted);

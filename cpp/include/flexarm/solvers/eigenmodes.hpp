@@ -20,7 +20,7 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 struct Eigenmodes {
   Eigen::VectorXd omega_squared;  ///< rising [rad²/s²]; negative: unstable
   Eigen::MatrixXd shapes;         ///< columns, unit modal mass
-  Eigen::VectorXcd damped;        ///< μ of (2) with Im μ >= 0 [1/s]; empty without damping
+  Eigen::VectorXcd damped;        ///< μ of (2), Im μ >= 0, mode by mode [1/s]; empty without damping
   int iterations = 0;
   double residual = 0;  ///< largest relative change of ω² in the last turn
 };
