@@ -120,6 +120,8 @@ void bind_transient(py::module_& m) {
       .def_readonly("cancelled", &Transient::cancelled);
   m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),
         py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
+  m.def("released", &released, "The equilibrium with motors let go.", py::arg("held"), py::arg("equilibrium"),
+        py::arg("system"));
   py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")
       .def(py::init<const System&, const Equilibrium&, std::vector<PiecewisePolynomial>,
                     const TransientOptions&>(),

@@ -52,6 +52,7 @@ __all__: list[str] = [
     "modes",
     "motor_torques",
     "rectangle_section",
+    "released",
     "round_section",
     "section_forces",
     "simulate",
@@ -635,6 +636,11 @@ def rectangle_section(
 ) -> Section:
     """
     Rectangular section.
+    """
+
+def released(held: System, equilibrium: Equilibrium, system: System) -> Equilibrium:
+    """
+    The equilibrium with motors let go.
     """
 
 def round_section(diameter: typing.SupportsFloat | typing.SupportsIndex) -> Section:

@@ -72,6 +72,7 @@ _KINDS = {
     "motor": _core.DriveKind.motor_angle,
     "output": _core.DriveKind.link_angle,
     "torque": _core.DriveKind.torque,
+    "command": _core.DriveKind.torque,
 }
 
 
@@ -104,8 +105,8 @@ class Drive:
             Times [s], rising.
         values : dict of str to array_like, shape (n,)
             Angle of each driven joint, output side [rad, m for a prismatic joint].
-        side : {"motor", "output", "torque"}
-            See `JointDrive`.
+        side : {"motor", "output", "torque", "command"}
+            See `JointDrive`. Commands are held from sample to sample, as a controller gets them.
 
         Raises
         ------
@@ -120,7 +121,7 @@ class Drive:
             y = np.asarray(samples, dtype=float)
             if y.shape != t.shape or not np.all(np.isfinite(y)):
                 raise InvalidParameter(f"needs {len(t)} finite values, one a time", where=name)
-            joints[name] = JointDrive(*interpolate(t, y), side)
+            joints[name] = _held(t, y) if side == "command" else JointDrive(*interpolate(t, y), side)
         return cls(joints, start=float(t[0]), end=float(t[-1]))
 
     @classmethod
@@ -162,34 +163,39 @@ class Drive:
 
     @classmethod
     def from_record(cls, record: Record, arm: Arm) -> Drive:
-        """The drive signals of a record, smoothed by their stated noise.
+        """The drive signals of a record: angles smoothed by their stated noise, commands held.
 
         The run covers every stamp of the record. Joints that nothing drives stand where the record says.
 
         Parameters
         ----------
         record : Record
-            A motion with joint angles as drive.
+            A motion with joint angles or commands as drive.
         arm : Arm
             The model.
 
         Raises
         ------
         InvalidParameter
-            If a drive is no joint angle, or two drive the same joint.
+            If a drive is neither angle nor command of a joint, or two drive the same joint.
         """
         joints: dict[str, JointDrive] = {}
         for name in record.drive:
             signal = record.signals[name]
-            if signal.quantity != "joint_angle" or signal.joint is None:
+            if signal.quantity not in ("joint_angle", "joint_command") or signal.joint is None:
                 raise InvalidParameter(
-                    f"signal {name!r} ({signal.quantity}) cannot drive by itself; a command drives through a "
-                    "motor and a controller, a joint_angle directly",
+                    f"signal {name!r} ({signal.quantity}) cannot drive; a joint_angle drives directly, a "
+                    "joint_command through the joint's controller",
                     where="drive",
                 )
             if signal.joint in joints:
                 raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
-            joints[signal.joint] = _smoothed(signal, arm)
+            command = signal.quantity == "joint_command"
+            joints[signal.joint] = (
+                _held(signal.time[signal.valid], signal.values[signal.valid, 0])
+                if command
+                else _smoothed(signal, arm)
+            )
         stamps = [signal.time for signal in record.signals.values() if len(signal.time)]
         if not stamps:
             raise InvalidParameter("holds no times", where="signals")
@@ -214,3 +220,8 @@ def _smoothed(signal: Signal, arm: Arm) -> JointDrive:
     noise = signal.noise_std or 0.0
     breaks, coefficients = smooth(signal.time[good], y[good], noise)
     return JointDrive(breaks, coefficients, "output" if signal.side == "output" and joint.moves else "motor")
+
+
+def _held(time: Floats, values: Floats) -> JointDrive:
+    """A command: every sample holds until the next one."""
+    return JointDrive(np.append(time, time[-1] + 1.0), values[None, :], "command")

@@ -52,6 +52,9 @@ class Simulation:
         (N, Vy, Vz, T, My, Mz) at both ends of each link, section axes [N, N m]; with `forces=True`.
     base_wrench : ndarray, shape (n, 6), or None
         Force and moment on the base about its origin, base axes [N, N m]; with `forces=True`.
+    joint_command, motor_voltage : ndarray, shape (n, joint), or None
+        What controllers were asked for [rad] and the voltages they set [V], NaN where there is none; of runs
+        along a command.
     solver : dict
         Backend, step, alpha, counts of steps, iterations and factorisations, seconds.
     """
@@ -75,6 +78,8 @@ class Simulation:
     angular_rate: Floats | None = None
     section_forces: Floats | None = None
     base_wrench: Floats | None = None
+    joint_command: Floats | None = None
+    motor_voltage: Floats | None = None
     solver: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -206,6 +211,8 @@ _VARIABLES = {
     "angular_rate": (("time", "point", "axis"), "rad/s", "angular rate, body axes"),
     "section_forces": (("time", "link", "end", "component"), "N, N m", "section forces, section axes"),
     "base_wrench": (("time", "wrench"), "N, N m", "what the arm puts on the base, base axes"),
+    "joint_command": (("time", "joint"), "rad", "angle that the controller is asked for"),
+    "motor_voltage": (("time", "joint"), "V", "voltage of the motor"),
 }
 _COUNTS = ("backend", "step", "alpha", "steps", "iterations", "factorisations", "halvings", "seconds")
 
@@ -275,6 +282,12 @@ def simulate(
             raise InvalidParameter(
                 f"the drive moves {name!r}, which is no moving joint; there are {', '.join(moving)}"
             )
+    if any(joint.side == "command" for joint in drive.joints.values()):
+        from flexarm.control import simulate_closed_loop
+
+        return simulate_closed_loop(
+            arm, drive, step=step, alpha=alpha, end=end, forces=forces, rotations=rotations, progress=progress
+        )
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = float(step), float(alpha)

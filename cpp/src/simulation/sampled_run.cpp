@@ -6,6 +6,23 @@
 
 namespace flexarm::simulation {
 
+Equilibrium released(const System& held, const Equilibrium& equilibrium, const System& system) {
+  Equilibrium result = equilibrium;
+  State& state = result.state;
+  state.s = Eigen::VectorXd::Zero(system.n_scalars());
+  for (std::size_t j = 0; j < system.joints().size(); ++j) {
+    const auto &from = held.joints()[j], &to = system.joints()[j];
+    if (to.phi < 0) continue;
+    state.s[to.phi] = equilibrium.state.s[from.phi];
+    if (to.theta == to.phi) continue;
+    const auto stages = static_cast<int>(system.arm().joints[j].drive_train.stages.size());
+    state.s.segment(to.theta - stages + 1, stages) =
+        equilibrium.state.s.segment(from.theta - stages + 1, stages);
+  }
+  system.remember(state);
+  return result;
+}
+
 SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
                        std::vector<PiecewisePolynomial> drives, const TransientOptions& options)
     : system_(system),

@@ -114,7 +114,7 @@ bool is_stable(const System& system, const State& state, const Loads& loads) {
   if (system.n_free() == 0) return true;
   const Eigen::SparseMatrix<double> K = system.tangent(state, loads, {0, 0, 1}, false);
   const Eigen::SparseMatrix<double> J = system.constraint_jacobian(state);
-  double largest = 0;
+  double largest = system.mass();  // a rigid arm without gravity has no stiffness at all
   for (int k = 0; k < K.rows(); ++k) largest = std::max(largest, std::abs(K.coeff(k, k)));
   // On the constraints' null space this is K; across it, so stiff that its sign cannot matter.
   const Eigen::SparseMatrix<double> stiff = 0.5 * (K + Eigen::SparseMatrix<double>(K.transpose())) +

@@ -8,6 +8,10 @@
 
 namespace flexarm::simulation {
 
+/// The equilibrium of an arm whose motors are held, as one of the same arm with some of them let go; what
+/// the motors gave is not part of it.
+Equilibrium released(const System& held, const Equilibrium& equilibrium, const System& system);
+
 class SampledRun {
  public:
   /// Starts at rest in the equilibrium, whose motors hold the arm.

@@ -1,0 +1,103 @@
+"""What a controller sees of the arm: readings of the model's sensors at the sample instants.
+
+    angle    the joint_angle sensor at the joint, motor side before output side, rounded to its step
+    rate     the joint_rate sensor at the joint; without one (φ_k - φ_{k-1})/T_s of the readings      (1)
+    d, d'    the deflection sensor that the controller names, rounded to its step; d' as (1)
+
+Without an angle sensor both angle and rate are exact, on the motor's side. Noise, rate and latency of a
+sensor are those of what is written into a record; the controller reads at its own instants.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arm.controller import Controller
+from flexarm.arm.sensor import Sensor
+from flexarm.control.laws import Reading
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.predict import read
+
+
+class Sensing:
+    """The readings of one controller.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    controller : Controller
+        Names joint and deflection sensor.
+    """
+
+    def __init__(self, arm: Arm, controller: Controller) -> None:
+        self._arm = arm
+        self._joint = [joint.name for joint in arm.joints].index(controller.joint)
+        self._angle = _sensor(arm, controller.joint, "joint_angle")
+        self._rate = _sensor(arm, controller.joint, "joint_rate")
+        self._deflection = _deflection(arm, controller)
+        self._period = controller.sample_time
+        self._last: tuple[float, float] | None = None
+
+    def read(self, run: _core.SampledRun) -> Reading:
+        """Reading at this instant; differences (1) are zero at the first one."""
+        angle = _rounded(self._angle, self._of_joint(run, self._angle, rate=False))
+        deflection = self._bent(run) if self._deflection else 0.0
+        last_angle, last_deflection = self._last or (angle, deflection)
+        self._last = angle, deflection
+        rate = (angle - last_angle) / self._period  # eq. (1)
+        if self._rate or not self._angle:
+            rate = _rounded(self._rate, self._of_joint(run, self._rate, rate=True))
+        return Reading(angle, rate, deflection, (deflection - last_deflection) / self._period)
+
+    def _of_joint(self, run: _core.SampledRun, sensor: Sensor | None, rate: bool) -> float:
+        output = sensor is not None and sensor.side == "output"
+        if rate:
+            return float((run.joint_rates if output else run.drive_rates)[self._joint])
+        return float((run.joint_angles if output else run.drive_angles)[self._joint])
+
+    def _bent(self, run: _core.SampledRun) -> float:
+        """Deflection as a record would have it, of this one instant [m]."""
+        assert self._deflection is not None
+        points, joints = len(self._arm.points), len(self._arm.joints)
+        instant = SimpleNamespace(
+            arm=self._arm,
+            points=[point.name for point in self._arm.points],
+            joints=[joint.name for joint in self._arm.joints],
+            time=np.array([run.time]),
+            position=np.array([run.point_position(i) for i in range(points)]).reshape(1, points, 3),
+            velocity=np.zeros((1, points, 3)),
+            joint_angle=run.joint_angles.reshape(1, joints),
+            joint_rate=np.zeros((1, joints)),
+        )
+        return _rounded(self._deflection, float(read(instant, self._deflection, instant.time)[0, 0]))
+
+
+def _sensor(arm: Arm, joint: str, quantity: str) -> Sensor | None:
+    """The joint's sensor of that quantity, motor side before output side."""
+    found = [sensor for sensor in arm.sensors if sensor.joint == joint and sensor.quantity == quantity]
+    return min(found, key=lambda sensor: sensor.side != "motor") if found else None
+
+
+def _deflection(arm: Arm, controller: Controller) -> Sensor | None:
+    name = getattr(controller, "deflection", None)
+    if name is None:
+        return None
+    sensor = next(sensor for sensor in arm.sensors if sensor.name == name)
+    if len(sensor.axes) != 1:
+        raise InvalidParameter(
+            f"the controller of {controller.joint!r} feeds back the deflection {name!r}, which must have one "
+            f"axis, got {list(sensor.axes)}",
+            where=f"sensors.{name}.axes",
+        )
+    return sensor
+
+
+def _rounded(sensor: Sensor | None, value: float) -> float:
+    """The nearest multiple of the sensor's step."""
+    step = sensor.step * sensor.si[1] if sensor else 0.0
+    return round(value / step) * step if step else value
