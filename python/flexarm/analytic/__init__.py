@@ -6,6 +6,8 @@ and as fast surrogates. Derivations: docs/theory.md.
     link = FlexibleLink(length=3.0, bending_stiffness=49770.0, mass_per_length=4.57, tip_mass=14.1)
     arm = NonlinearModal(pinned_free_basis(link, 4), damping_ratio=0.005)
     motion = simulate(arm, MotorAngle(CubicSpline(time, encoder), stiffness=1e5), time)
+
+or, with the data of a model, `OneLinkArm.of(Arm.from_toml("arm.toml"))`.
 """
 
 from flexarm.analytic.drives import CoulombFriction, JointTorque, MotorAngle
@@ -16,6 +18,7 @@ from flexarm.analytic.linear_modal import LinearModal
 from flexarm.analytic.modal_basis import ModalBasis, pinned_free_basis
 from flexarm.analytic.motion import ArmMotion, tip_position
 from flexarm.analytic.nonlinear_modal import NonlinearModal
+from flexarm.analytic.one_link_arm import OneLinkArm
 from flexarm.analytic.ramped_sine import RampedSine
 from flexarm.analytic.rigid_arm import rigid_tip
 from flexarm.analytic.statics import equilibrium, small_vibrations_hz
@@ -30,6 +33,7 @@ __all__ = [
     "ModalBasis",
     "MotorAngle",
     "NonlinearModal",
+    "OneLinkArm",
     "RampedSine",
     "equilibrium",
     "exact_modes",
