@@ -5,9 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.comparison.compare import compare
+    from flexarm.comparison.comparison import Comparison
     from flexarm.configuration import config, show_config
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+    from flexarm.measurement import measure
     from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
     from flexarm.simulation import Simulation, simulate
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
 # A public name must not also be the name of a module, which would take its place once imported.
 _EXPORTS = {
     "Arm": "flexarm.arm",
+    "Comparison": "flexarm.comparison",
     "Drive": "flexarm.drive",
     "InvalidFile": "flexarm.errors",
     "InvalidParameter": "flexarm.errors",
@@ -27,7 +31,9 @@ _EXPORTS = {
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
     "Statics": "flexarm.statics",
+    "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
+    "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
     "show_config": "flexarm.configuration",
     "simulate": "flexarm.simulation",
@@ -36,6 +42,7 @@ _EXPORTS = {
 
 __all__ = [
     "Arm",
+    "Comparison",
     "Drive",
     "InvalidFile",
     "InvalidParameter",
@@ -46,7 +53,9 @@ __all__ = [
     "Signal",
     "Simulation",
     "Statics",
+    "compare",
     "config",
+    "measure",
     "modes",
     "show_config",
     "simulate",

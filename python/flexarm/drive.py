@@ -165,7 +165,7 @@ class Drive:
     def from_record(cls, record: Record, arm: Arm) -> Drive:
         """The drive signals of a record: angles smoothed by their stated noise, commands held.
 
-        The run covers every stamp of the record. Joints that nothing drives stand where the record says.
+        The run covers every stamp of the record's known clocks. Joints that nothing drives stand where the record says.
 
         Parameters
         ----------
@@ -196,20 +196,25 @@ class Drive:
                 if command
                 else _smoothed(signal, arm)
             )
-        stamps = [signal.time for signal in record.signals.values() if len(signal.time)]
-        if not stamps:
-            raise InvalidParameter("holds no times", where="signals")
-        starts = [drive.breaks[0] for drive in joints.values()] or [min(t[0] for t in stamps)]
-        return cls(
-            joints,
-            dict(record.joints),
-            float(min(starts)),
-            float(max(t[-1] for t in stamps)) + _AFTER_THE_LAST,
-        )
+        spans = [_span(signal, record) for signal in record.signals.values() if len(signal.time)]
+        known = [span for span in spans if span is not None]
+        if not known:
+            raise InvalidParameter("holds no times of a known clock", where="signals")
+        starts = [drive.breaks[0] for drive in joints.values()] or [first for first, _ in known]
+        end = max(last for _, last in known) + _AFTER_THE_LAST
+        return cls(joints, dict(record.joints), float(min(starts)), float(end))
 
 
 _AFTER_THE_LAST = 0.02
 """A run goes on so long after the last stamp [s], for clocks that are late."""
+
+
+def _span(signal: Signal, record: Record) -> tuple[float, float] | None:
+    """First and last instant of a signal; None where its clock is unknown."""
+    clock = record.clocks[signal.clock]
+    if clock.unknown:
+        return None
+    return float(signal.time[0]) - clock.offset, float(signal.time[-1]) - clock.offset
 
 
 def _smoothed(signal: Signal, arm: Arm) -> JointDrive:

@@ -37,6 +37,8 @@ def run(arguments: list[str]) -> int:
         The exit code.
     """
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "true")  # looking for plugins costs 15 ms
+    # Our dense matrices are small: threads that wait for one another cost more than they save.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from flexarm.cli.app import app
 

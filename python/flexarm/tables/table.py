@@ -132,7 +132,7 @@ class Table(BaseModel):
         if unknown:
             allowed = ", ".join(type(self).model_fields)
             raise InvalidParameter(f"{type(self).__name__} has no {unknown[0]!r}; it has {allowed}")
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        fields = {name: getattr(self, name) for name in self.model_fields_set}  # defaults stay defaults
         return type(self)(**{**fields, **changes})
 
 
