@@ -165,7 +165,8 @@ class Drive:
     def from_record(cls, record: Record, arm: Arm) -> Drive:
         """The drive signals of a record: angles smoothed by their stated noise, commands held.
 
-        The run covers every stamp of the record's known clocks. Joints that nothing drives stand where the record says.
+        The run covers every stamp of the record's known clocks. Joints that nothing drives stand where the
+        record says.
 
         Parameters
         ----------
