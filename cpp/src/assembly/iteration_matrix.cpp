@@ -1,24 +1,91 @@
 #include "flexarm/assembly/iteration_matrix.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace flexarm::assembly {
+namespace {
 
-void IterationMatrix::find_pattern(const State& state, const Loads& loads, const TangentFactors& factors,
-                                   const VectorXd& law_tangents) {
+// Beside the largest entries of its row and column, an entry below this does not matter to the iteration.
+constexpr double negligible = 1e-12;
+
+}  // namespace
+
+const Eigen::SparseMatrix<double>& IterationMatrix::assemble(const State& state, const Loads& loads,
+                                                             const TangentFactors& factors,
+                                                             const VectorXd& law_tangents) {
+  if (slots_.empty()) find_slots(state, loads, factors, law_tangents);
+  double* values = full_.valuePtr();
+  std::fill(values, values + full_.nonZeros(), 0.0);
+  std::size_t k = 0;
+  system_.emit_tangent(state, loads, factors, law_tangents,
+                       [&](int, int, double value) { values[slots_[k++]] += value; });
+  const bool grown = significant_entries_join();
+  if (grown) matrix_.resize(full_.rows(), full_.cols());
+  compress();
+  return matrix_;
+}
+
+void IterationMatrix::find_slots(const State& state, const Loads& loads, const TangentFactors& factors,
+                                 const VectorXd& law_tangents) {
   std::vector<Eigen::Triplet<double>> entries;
   system_.emit_tangent(state, loads, factors, law_tangents,
                        [&](int row, int column, double) { entries.emplace_back(row, column, 1.0); });
   const int n = system_.n_unknowns();
-  matrix_.resize(n, n);
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  matrix_.makeCompressed();
+  full_.resize(n, n);
+  full_.setFromTriplets(entries.begin(), entries.end());
+  full_.makeCompressed();
   slots_.reserve(entries.size());
   for (const auto& entry : entries) {
-    const int* first = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[entry.col()];
-    const int* last = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[entry.col() + 1];
-    slots_.push_back(static_cast<int>(std::lower_bound(first, last, entry.row()) - matrix_.innerIndexPtr()));
+    const int* first = full_.innerIndexPtr() + full_.outerIndexPtr()[entry.col()];
+    const int* last = full_.innerIndexPtr() + full_.outerIndexPtr()[entry.col() + 1];
+    slots_.push_back(static_cast<int>(std::lower_bound(first, last, entry.row()) - full_.innerIndexPtr()));
   }
+  kept_.assign(static_cast<std::size_t>(full_.nonZeros()), false);
+}
+
+/// Adds to the pattern what matters in the present numbers. @return whether it has grown
+bool IterationMatrix::significant_entries_join() {
+  VectorXd largest = VectorXd::Zero(full_.rows());  // in row or column; the pattern is symmetric
+  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
+  for (int column = 0; column < full_.outerSize(); ++column) {
+    for (Entry it(full_, column); it; ++it) {
+      const double size = std::abs(it.value());
+      largest[it.row()] = std::max(largest[it.row()], size);
+      largest[column] = std::max(largest[column], size);
+    }
+  }
+  bool grown = false;
+  std::size_t k = 0;
+  for (int column = 0; column < full_.outerSize(); ++column) {
+    for (Entry it(full_, column); it; ++it, ++k) {
+      const double beside = std::sqrt(largest[it.row()] * largest[column]);
+      if (kept_[k] || !(std::abs(it.value()) > negligible * beside)) continue;
+      kept_[k] = grown = true;
+    }
+  }
+  return grown;
+}
+
+/// Copies the entries of the pattern from the full matrix.
+void IterationMatrix::compress() {
+  const bool new_pattern = matrix_.nonZeros() == 0;
+  if (new_pattern) matrix_.reserve(std::count(kept_.begin(), kept_.end(), true));
+  const double* values = full_.valuePtr();
+  double* out = matrix_.valuePtr();
+  std::size_t k = 0;
+  for (int column = 0; column < full_.outerSize(); ++column) {
+    if (new_pattern) matrix_.startVec(column);
+    for (Eigen::SparseMatrix<double>::InnerIterator it(full_, column); it; ++it, ++k) {
+      if (!kept_[k]) continue;
+      if (new_pattern) {
+        matrix_.insertBack(it.row(), column) = values[k];
+      } else {
+        *out++ = values[k];
+      }
+    }
+  }
+  if (new_pattern) matrix_.finalize();
 }
 
 }  // namespace flexarm::assembly

@@ -14,7 +14,9 @@ constexpr std::array<double, 4> gauss_points = {0.06943184420297371, 0.330009478
 constexpr std::array<double, 4> gauss_weights = {0.17392742256872692, 0.32607257743127308,
                                                  0.32607257743127308, 0.17392742256872692};
 
-using ShapeRow = Eigen::Matrix<double, 1, 12>;
+/// Nodal values that take part in bending in the x-y and in the x-z plane: w₁, θ₁, w₂, θ₂.
+constexpr std::array<int, 4> bending_xy = {1, 5, 7, 11};
+constexpr std::array<int, 4> bending_xz = {2, 4, 8, 10};
 
 /// Displacements and rotations of the section at ξ from the 12 nodal values: rows u, v, w, θx, θy, θz.
 Eigen::Matrix<double, 6, 12> section_shape(double xi, double length, double Phi_y, double Phi_z) {
@@ -22,15 +24,13 @@ Eigen::Matrix<double, 6, 12> section_shape(double xi, double length, double Phi_
   N(0, 0) = N(3, 3) = 1 - xi;
   N(0, 6) = N(3, 9) = xi;
   const auto xy = bending_shape(xi, length, Phi_y);  // v and θz: v' = θz
-  const std::array<int, 4> in_xy = {1, 5, 7, 11};
   const auto xz = bending_shape(xi, length, Phi_z);  // w and θy: w' = −θy
-  const std::array<int, 4> in_xz = {2, 4, 8, 10};
   const std::array<double, 4> sign = {1, -1, 1, -1};
   for (int k = 0; k < 4; ++k) {
-    N(1, in_xy[k]) = xy(0, k);
-    N(5, in_xy[k]) = xy(1, k);
-    N(2, in_xz[k]) = sign[k] * xz(0, k);
-    N(4, in_xz[k]) = -sign[k] * xz(1, k);
+    N(1, bending_xy[k]) = xy(0, k);
+    N(5, bending_xy[k]) = xy(1, k);
+    N(2, bending_xz[k]) = sign[k] * xz(0, k);
+    N(4, bending_xz[k]) = -sign[k] * xz(1, k);
   }
   return N;
 }
@@ -113,11 +113,26 @@ BeamElement::EndForces BeamElement::internal_forces(const Frame& H1, const Frame
   return out;
 }
 
+Vector12d BeamElement::momentum(const Vector12d& v) const {
+  Vector12d p;
+  for (int k : {0, 3}) {  // stretch, twist
+    p[k] = M_(k, k) * v[k] + M_(k, k + 6) * v[k + 6];
+    p[k + 6] = M_(k + 6, k) * v[k] + M_(k + 6, k + 6) * v[k + 6];
+  }
+  for (const auto& plane : {bending_xy, bending_xz}) {
+    for (int row : plane) {
+      p[row] = M_(row, plane[0]) * v[plane[0]] + M_(row, plane[1]) * v[plane[1]] +
+               M_(row, plane[2]) * v[plane[2]] + M_(row, plane[3]) * v[plane[3]];
+    }
+  }
+  return p;
+}
+
 Vector12d BeamElement::inertia_forces(const Vector12d& v, const Vector12d& v_dot) const {
-  const Vector12d momentum = M_.lazyProduct(v);  // unrolled; the general product is slower at this size
-  Vector12d f = M_.lazyProduct(v_dot);
-  f.head<6>() -= ad_transpose(v.head<6>(), momentum.head<6>());  // eq. (4)
-  f.tail<6>() -= ad_transpose(v.tail<6>(), momentum.tail<6>());
+  const Vector12d p = momentum(v);
+  Vector12d f = momentum(v_dot);
+  f.head<6>() -= ad_transpose(v.head<6>(), p.head<6>());  // eq. (4)
+  f.tail<6>() -= ad_transpose(v.tail<6>(), p.tail<6>());
   return f;
 }
 
@@ -141,11 +156,11 @@ Matrix12d BeamElement::damping_matrix(const Frame& H1, const Frame& H2) const {
 }
 
 Matrix12d BeamElement::gyroscopic_matrix(const Vector12d& v) const {
-  const Vector12d momentum = M_ * v;
+  const Vector12d p = momentum(v);
   Matrix12d G;
   for (int end = 0; end < 2; ++end) {
     const Vector6d v_end = v.segment<6>(6 * end);
-    const Vector6d momentum_end = momentum.segment<6>(6 * end);
+    const Vector6d momentum_end = p.segment<6>(6 * end);
     G.middleRows<6>(6 * end) = -ad(v_end).transpose() * M_.middleRows<6>(6 * end);
     G.block<6, 6>(6 * end, 6 * end) -= ad_transpose_by_twist(momentum_end);
   }

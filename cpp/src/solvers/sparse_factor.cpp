@@ -91,6 +91,8 @@ SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
 bool SparseFactor::factor(const Eigen::SparseMatrix<double>& matrix) {
   ++factorisations_;
+  if (matrix.nonZeros() != entries_) backend_ = std::make_unique<Backend>();  // another pattern
+  entries_ = matrix.nonZeros();
   return backend_->factor(matrix);
 }
 

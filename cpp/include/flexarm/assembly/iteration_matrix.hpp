@@ -1,9 +1,12 @@
 /// @file
 /// The tangent of a System as a compressed sparse matrix whose pattern is found once: later assemblies only
 /// add numbers.
+///
+/// Entries that are negligible beside their row and column stay out of the pattern. A plane arm thus falls
+/// into its motion in the plane and across it, which halves the factors. An entry that grows later joins the
+/// pattern; Newton's iteration does not depend on the entries left out, for its residual is exact.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "flexarm/assembly/system.hpp"
@@ -14,24 +17,21 @@ class IterationMatrix {
  public:
   explicit IterationMatrix(const System& system) : system_(system) {}
 
+  /// The pattern of the result changes from one call to the next only by growing.
   const Eigen::SparseMatrix<double>& assemble(const State& state, const Loads& loads,
-                                              const TangentFactors& factors, const VectorXd& law_tangents) {
-    if (slots_.empty()) find_pattern(state, loads, factors, law_tangents);
-    double* values = matrix_.valuePtr();
-    std::fill(values, values + matrix_.nonZeros(), 0.0);
-    std::size_t k = 0;
-    system_.emit_tangent(state, loads, factors, law_tangents,
-                         [&](int, int, double value) { values[slots_[k++]] += value; });
-    return matrix_;
-  }
+                                              const TangentFactors& factors, const VectorXd& law_tangents);
 
  private:
-  void find_pattern(const State& state, const Loads& loads, const TangentFactors& factors,
-                    const VectorXd& law_tangents);
+  void find_slots(const State& state, const Loads& loads, const TangentFactors& factors,
+                  const VectorXd& law_tangents);
+  bool significant_entries_join();
+  void compress();
 
   const System& system_;
+  Eigen::SparseMatrix<double> full_;  // all entries that are emitted
+  std::vector<int> slots_;            // where in it the k-th emitted number goes
+  std::vector<bool> kept_;            // which of its entries are in the pattern
   Eigen::SparseMatrix<double> matrix_;
-  std::vector<int> slots_;  // where the k-th emitted number goes
 };
 
 }  // namespace flexarm::assembly

@@ -78,6 +78,9 @@ class BeamElement {
   };
   EndForces internal_forces(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2) const;
 
+  /// M v, using that stretch, twist and the two bending planes do not couple.
+  Vector12d momentum(const Vector12d& v) const;
+
   /// Equation (4).
   Vector12d inertia_forces(const Vector12d& v, const Vector12d& v_dot) const;
 

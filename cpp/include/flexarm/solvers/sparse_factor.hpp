@@ -17,7 +17,7 @@ class SparseFactor {
   SparseFactor(SparseFactor&&) noexcept;
   SparseFactor& operator=(SparseFactor&&) noexcept;
 
-  /// Factors a compressed square matrix. The first call, or `analyse()` before it, fixes the pattern.
+  /// Factors a compressed square matrix. The first call fixes the pattern, which may only grow later.
   /// @return false if the matrix is singular to working precision.
   bool factor(const Eigen::SparseMatrix<double>& matrix);
 
@@ -33,6 +33,7 @@ class SparseFactor {
  private:
   struct Backend;
   std::unique_ptr<Backend> backend_;
+  Eigen::Index entries_ = 0;
   int factorisations_ = 0;
 };
 
