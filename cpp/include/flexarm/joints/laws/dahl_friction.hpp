@@ -16,7 +16,7 @@
 #include <string>
 
 #include "flexarm/errors.hpp"
-#include "flexarm/joints/joint_law.hpp"
+#include "flexarm/joints/law_response.hpp"
 
 namespace flexarm::joints {
 
