@@ -53,7 +53,7 @@ def test_end_moment_rolls_the_beam_up_to_a_circle(elements):
     rolled = _core.static_equilibrium(system, [0.0], _core.Loads(gravity=np.zeros(3), points=[moment]))
     frame = system.point_frame(rolled.state, 0)
     assert frame.x == pytest.approx(np.zeros(3), abs=1e-12)
-    assert frame.R == pytest.approx(np.eye(3), abs=1e-12)
+    assert pytest.approx(np.eye(3), abs=1e-12) == frame.R
 
 
 def test_half_the_moment_makes_a_half_circle():
@@ -151,11 +151,11 @@ def bend(links: int) -> np.ndarray:
 
 
 def test_45_degree_bend_is_the_exact_curved_rod():
-    """Bathe and Bolourchi's bend. Polygons converge at order two to the rod's equations with initial curvature.
+    """Bathe and Bolourchi's bend: polygons converge at order two to the rod's equations.
 
     That solution is (-23.5606, -13.6046, 53.4755); Bathe and Bolourchi give 23.5, 13.4, 53.4 (1979, a coarse
-    mesh, two figures each), and a regression value of another code, (23.64597, 13.72080, 53.57764), lies 0.2 to
-    0.9 % off the rod with kGA = 41.6667e5, EA = 1e7 and EI = GJ = 8.333e5.
+    mesh), and a regression value of another code, (23.64597, 13.72080, 53.57764), lies 0.2 to 0.9 %
+    off the rod with kGA = 41.6667e5, EA = 1e7 and EI = GJ = 8.333e5.
     """
     EI = 1e7 / 12
     rest = BEND_RADIUS * np.array([np.sin(np.pi / 4), 1 - np.cos(np.pi / 4), 0])
@@ -182,25 +182,25 @@ def test_45_degree_bend_is_the_exact_curved_rod():
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_column_buckles_at_eulers_load(share):
     """P = pi^2 EI/(4 L^2) for a clamped column with a free end: it stands just below and not just above."""
-    E, I, L = 210e9, 1e-8, 1.0
+    E, second, L = 210e9, 1e-8, 1.0
     column = arm(
         gravity=[0, 0, 0],
         joints=[fixed("clamp", "rod")],
-        links=[beam("rod", [0, 0, L], general(0.1, I), elements=8)],
+        links=[beam("rod", [0, 0, L], general(0.1, second), elements=8)],
         points=[point("tip", "rod", [0, 0, L])],
     )
-    force = {"tip": [0, 0, -share * np.pi**2 * E * I / (4 * L**2)]}
+    force = {"tip": [0, 0, -share * np.pi**2 * E * second / (4 * L**2)]}
     if share < 1:
         assert flexarm.static(column, forces=force).displacement[0, :2] == pytest.approx([0, 0], abs=1e-12)
     else:
-        with pytest.raises(flexarm.NotConverged, match="buckles at about 0.999 of its load"):
+        with pytest.raises(flexarm.NotConverged, match=r"buckles at about 0\.999 of its load"):
             flexarm.static(column, forces=force)
 
 
 def test_linear_deflection_of_a_short_beam_includes_shear():
     """w = P L^3/(3 EI) + P L/(kGA), exact with one element; P so small that nothing is nonlinear."""
-    E, G_shear, I, A, L, P = 1e7, 1e7 / 2.6, 1 / 12, 1.0, 4.0, 1e-3
+    E, G_shear, second, A, L, P = 1e7, 1e7 / 2.6, 1 / 12, 1.0, 4.0, 1e-3
     material = {"youngs_modulus": E, "poisson_ratio": 0.3, "density": 0.0}
-    short = cantilever(L, general(A, I, shear_area=5 / 6), 1, material=material, theory="timoshenko")
+    short = cantilever(L, general(A, second, shear_area=5 / 6), 1, material=material, theory="timoshenko")
     found = -flexarm.static(short, forces={"tip": [0, 0, -P]}).displacement[0, 2]
-    assert found == pytest.approx(P * L**3 / (3 * E * I) + P * L / (5 / 6 * G_shear * A), rel=1e-7)
+    assert found == pytest.approx(P * L**3 / (3 * E * second) + P * L / (5 / 6 * G_shear * A), rel=1e-7)

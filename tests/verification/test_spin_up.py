@@ -68,7 +68,7 @@ def test_steady_extension():
 
 
 def test_root_tension_of_the_steady_beam():
-    """N(0) = EA (1/cos k - 1), from EA u'' + rho A w^2 (x + u) = 0; 1e-4 of it is the beam's residual swing."""
+    """N(0) = EA (1/cos k - 1), from EA u'' + rho A w^2 (x + u) = 0; 1e-4 of it is residual swing."""
     k = RATE * LENGTH * np.sqrt(RHO_A / EA)
     run = spin_up(16)
     root = run.section_forces[run.time > 20, 0, 0, 0]

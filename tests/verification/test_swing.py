@@ -1,7 +1,7 @@
-"""The swing benchmark: the paper's arm on a soft hinge swings 20 s from rest; offset of the tip from the rigid arm.
+"""The swing benchmark: the paper's arm on a soft hinge, 20 s from rest; offset of the tip from the rigid arm.
 
-Quoted values (converged in space and time to 2e-4 mm, two independent codes) for the theories that a model can
-name. A third row, shear without rotary inertia, is none of flexarm's theories; it differs by at most 2e-3 mm.
+Quoted values (converged in space and time to 2e-4 mm; one and two independent codes) for the theories that a
+model can name. A third row, shear without rotary inertia, is none of flexarm's theories; it differs by at most 2e-3 mm.
 """
 
 import functools
@@ -73,7 +73,7 @@ def test_swing_converges_at_second_order_in_time():
 def test_swing_converges_at_fourth_order_in_space():
     """Cubic shape functions: order four; four elements are within 1e-3 mm of converged at the same step.
 
-    The order is fitted at 2 and 5 s: later, at 1e-4 mm, fine meshes also differ by fast modes that 4 ms damps.
+    The order is fitted at 2 and 5 s: later, at 1e-4 mm, fine meshes differ by fast modes that 4 ms damps.
     """
     n = np.array([1, 2, 4])
     exact = offsets(4e-3, 16)
@@ -89,7 +89,7 @@ def test_largest_offset_of_the_swing():
 
 
 def test_pure_sine_from_rest_rings():
-    """Without the ramp the drive starts with a step in velocity: the undamped arm rings to 125 mm, not 48 mm."""
+    """Without the ramp the drive starts with a step in velocity: the arm rings to 125 mm, not 48 mm."""
     sine = {"hinge": lambda t: np.pi + 1.2 * np.sin(2 * np.pi * 0.05 * t)}
     run = flexarm.simulate(paper_arm(4, 1e5), drive(sine, end=20.0, samples=4001), step=2e-3, alpha=0.0)
     q = np.pi + 1.2 * np.sin(2 * np.pi * 0.05 * run.time)
