@@ -1,0 +1,134 @@
+"""Processes and their cost: CPU seconds (user and system) and resident memory, as the kernel counted them."""
+
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import venv
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+
+ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+
+
+@dataclass(frozen=True)
+class Process:
+    """What a finished process printed last, and what it cost."""
+
+    answer: dict
+    cpu: float  # s, user + system
+    memory: float  # MB, largest resident set
+
+
+def run(python, script, order):
+    """Run `python script order` to its end.
+
+    Raises
+    ------
+    RuntimeError
+        If it fails, with what it wrote to standard error.
+    """
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        child = subprocess.Popen(
+            [str(python), str(HERE / script), json.dumps(order)],
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=err,
+            env=os.environ | ONE_THREAD,
+        )
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        err.seek(0)
+        if child.returncode:
+            raise RuntimeError(f"{python} {script} {json.dumps(order)} failed:\n{err.read()}")
+        answer = json.loads(out.read().strip().splitlines()[-1])
+    return Process(answer, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Median of repetitions, and their range."""
+
+    median: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, values):
+        """Of at least one value."""
+        return cls(statistics.median(values), min(values), max(values))
+
+    def text(self, digits=3):
+        """As in a table: median (low to high)."""
+        return f"{self.median:.{digits}g} ({self.low:.{digits}g}-{self.high:.{digits}g})"
+
+
+def alternate(orders, repetitions, solves=5):
+    """CPU seconds of several competitors, taken in turns so that a busy machine is busy for all.
+
+    Parameters
+    ----------
+    orders : dict of name to (python, code, case)
+        One case of each competitor.
+    repetitions : int
+        Rounds; each starts two processes a competitor: one solves once, the other `solves` times.
+
+    Returns
+    -------
+    dict of name to {"solver": list, "process": list, "memory": list, "offsets": list}
+        Solver: median CPU seconds of the solves, models being built anew, one value a round. Process: CPU
+        seconds of the process that solves once, imports and model included. Memory in MB.
+    """
+    seen = {name: {"solver": [], "process": [], "memory": []} for name in orders}
+    for _ in range(repetitions):
+        for name, (python, code, case) in orders.items():
+            order = {"code": code, "cases": [case]}
+            many = run(python, "worker.py", {**order, "solves": solves}).answer["results"][0]
+            once = run(python, "worker.py", order)
+            seen[name]["solver"].append(statistics.median(many["cpu"]))
+            seen[name]["process"].append(once.cpu)
+            seen[name]["memory"].append(once.memory)
+            seen[name]["offsets"] = many["offsets"]
+    return seen
+
+
+def ratio(slow, fast):
+    """Spread of the ratios of two lists of repetitions, round by round."""
+    return Spread.of([a / b for a, b in zip(slow, fast, strict=True)])
+
+
+def exudyn_python(given):
+    """An interpreter that has EXUDYN: the given one, else benchmarks/.venv, made on first use."""
+    if given:
+        return given
+    folder = HERE / ".venv"
+    python = folder / "bin" / "python"
+    if not python.exists():
+        print(f"installing EXUDYN into {folder}", file=sys.stderr)
+        venv.create(folder, with_pip=True)
+        install = [str(python), "-m", "pip", "install", "--quiet", "-r", str(HERE / "requirements.txt")]
+        subprocess.run(install, check=True)
+    return str(python)
+
+
+def machine():
+    """Kind of processor, number of cores, load, date: what a timing means nothing without."""
+    model = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        lines = [line for line in info.read_text().splitlines() if line.startswith("model name")]
+        model = lines[0].split(":", 1)[1].strip() if lines else model
+    return {
+        "processor": model,
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        "load": round(os.getloadavg()[0], 1),
+        "date": datetime.now(UTC).date().isoformat(),
+    }
