@@ -2,8 +2,8 @@
 
 With skill means: the fast module, gravity and spring as built-in items, the drive as a symbolic function
 that is evaluated without Python, modified Newton (the default), tolerances no tighter than the error asked
-for, the faster of its linear solvers, no files. The spring between motor and arm, T = k (q(t) − θ), is a linear
-spring to the ground and a load k q(t), as loads are cheaper than user functions of connectors.
+for, the faster of its linear solvers, no files. The spring between motor and arm, T = k (q(t) − θ), is a
+linear spring to the ground and a load k q(t), as loads are cheaper than user functions of connectors.
 
 As the examples go about it means: the default module and settings, two-node elements, and a spring whose
 torque is a Python function.
