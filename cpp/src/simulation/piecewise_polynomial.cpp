@@ -24,6 +24,7 @@ PiecewisePolynomial PiecewisePolynomial::constant(double value) {
 }
 
 std::array<double, 3> PiecewisePolynomial::operator()(double t) const {
+  if (breaks_.empty()) return {0.0, 0.0, 0.0};
   const double held = std::clamp(t, breaks_.front(), breaks_.back());
   const auto after = std::upper_bound(breaks_.begin() + 1, breaks_.end() - 1, held);
   const auto k = after - breaks_.begin() - 1;

@@ -11,7 +11,7 @@ namespace flexarm::simulation {
 
 class PiecewisePolynomial {
  public:
-  PiecewisePolynomial() = default;
+  PiecewisePolynomial() = default;  ///< zero at all times
   /// @param breaks rising, n + 1 of them [s]; @param coefficients (order + 1, n), highest power first.
   /// @throws InvalidParameter if the shapes do not fit or breaks do not rise.
   PiecewisePolynomial(std::vector<double> breaks, Eigen::MatrixXd coefficients);
