@@ -104,7 +104,7 @@ def swing_angle(t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def drive(joints: dict[str, Callable], end: float, samples: int = 2001, side: str = "motor") -> flexarm.Drive:
-    """Drive along functions of time up to `end` [s]; its spline errs by less than 1e-11 rad in these tests."""
+    """Drive along functions of time up to `end` [s]; the spline errs by less than 1e-11 rad here."""
     t = np.linspace(0, end, samples)
     return flexarm.Drive.from_samples(t, {name: f(t) for name, f in joints.items()}, side=side)
 

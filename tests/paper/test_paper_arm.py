@@ -105,8 +105,8 @@ def prestressed_frequency(tension: float) -> float:
 def test_gravity_stiffens_the_hanging_arm_and_softens_the_upright_one(q, tension, quoted):
     """Against Ritz's solution to the 3e-6 by which the real arm stretches under its load.
 
-    The quoted 2.85999 (hanging) and 2.82291 Hz (upright) hold to 1.2e-4 Hz only; their change by gravity,
-    +0.0184 and -0.0186 Hz, agrees to 0.7 %. Ritz's value without gravity is the frequency equation's 2.84155 Hz.
+    The quoted 2.85999 (hanging) and 2.82291 Hz (upright) hold to 1.2e-4 Hz; their change by gravity,
+    +0.0184 and -0.0186 Hz, agrees to 0.7 %. Ritz's value without gravity is the quoted 2.84155 Hz.
     """
     assert prestressed_frequency(0) == pytest.approx(2.84155, abs=5e-6)
     found = flexarm.modes(paper_arm(elements=16), joints={"hinge": q}, count=1).frequency_hz[0]

@@ -1,4 +1,4 @@
-"""Energy is neither made nor lost: kinetic + elastic + gravity = start + work of drives - what damping took."""
+"""Energy is neither made nor lost: kinetic + elastic + gravity = start + work of drives - losses."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def swing(effects: list[dict], step: float, alpha: float = -0.05, **link) -> fle
 
 
 def test_balance_over_a_damped_swing_closes_at_second_order():
-    """Link damping, joint damping, dry and viscous friction in bearing and motor; some 100 J are exchanged."""
+    """Damping of link and joint, dry and viscous friction of bearing and motor; 100 J are exchanged."""
     h = np.array([8e-3, 4e-3, 2e-3])
     error = []
     for step in h:

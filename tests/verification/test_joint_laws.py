@@ -110,7 +110,7 @@ def test_pendulum_decays_under_viscous_friction():
 
 
 def test_motor_friction_is_seen_only_in_the_motor():
-    """Where the motor's angle is prescribed no motion changes; the motor gives T_c sgn(phi') + c phi' more."""
+    """With the motor's angle prescribed no motion changes; its torque grows by T_c sgn(phi') + c phi'."""
     turn = drive({"hinge": lambda t: 0.5 * np.sin(2 * t) * smooth_step(t)}, 4.0)
     coulomb, viscous = 1.5, 0.7
     plain = rotor(compliance("hinge", SPRING, 5.0), gear_ratio=100, rotor_inertia=1e-4)

@@ -1,7 +1,8 @@
 """The swing benchmark: the paper's arm on a soft hinge, 20 s from rest; offset of the tip from the rigid arm.
 
 Quoted values (converged in space and time to 2e-4 mm; one and two independent codes) for the theories that a
-model can name. A third row, shear without rotary inertia, is none of flexarm's theories; it differs by at most 2e-3 mm.
+model can name. A third row, shear without rotary inertia, is none of flexarm's theories; it differs from the first
+by at most 2e-3 mm.
 """
 
 import functools
