@@ -1,0 +1,120 @@
+#include "flexarm/solvers/sparse_factor.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/LU>
+
+#include "numerics.hpp"
+
+using namespace flexarm::tests;
+using flexarm::solvers::SparseFactor;
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+namespace {
+
+/// [A Jᵀ; J 0] with a banded A: the shape of a constrained arm, zeros on the diagonal included.
+SparseMatrix saddle(int n, int m, unsigned seed) {
+  Random random(seed);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i)
+    for (int j = std::max(0, i - 4); j < std::min(n, i + 5); ++j)
+      entries.emplace_back(i, j, random(-1, 1) + 4.0 * (i == j));
+  for (int k = 0; k < m; ++k)
+    for (int j = 3 * k; j < 3 * k + 4; ++j) {
+      const double value = random(0.5, 1);
+      entries.emplace_back(n + k, j, value);
+      entries.emplace_back(j, n + k, value);
+    }
+  SparseMatrix S(n + m, n + m);
+  S.setFromTriplets(entries.begin(), entries.end());
+  return S;
+}
+
+}  // namespace
+
+TEST_CASE("New numbers in an old pattern are factored as if for the first time") {
+  Random random(1);
+  SparseFactor factor;
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    const SparseMatrix A = saddle(40, 8, seed);
+    REQUIRE(factor.factor(A));
+    const VectorXd x = random.vector(48);
+    VectorXd y = A * x;
+    factor.solve(y);
+    CHECK(error(y, x) < 1e-11);
+  }
+  CHECK(factor.factorisations() == 5);
+}
+
+TEST_CASE("Numbers that need other pivots are pivoted anew") {
+  // The first matrix pivots on its diagonal, the second on what was small then.
+  SparseMatrix A(2, 2), B(2, 2);
+  A.insert(0, 0) = 1;
+  A.insert(0, 1) = 1e-3;
+  A.insert(1, 0) = 1e-3;
+  A.insert(1, 1) = 1;
+  B.insert(0, 0) = 1e-17;
+  B.insert(0, 1) = 1;
+  B.insert(1, 0) = 1;
+  B.insert(1, 1) = 1e-17;
+  A.makeCompressed();
+  B.makeCompressed();
+  SparseFactor factor;
+  REQUIRE(factor.factor(A));
+  REQUIRE(factor.factor(B));
+  VectorXd x(2);
+  x << 3, 5;
+  factor.solve(x);
+  CHECK(x[0] == doctest::Approx(5));
+  CHECK(x[1] == doctest::Approx(3));
+}
+
+TEST_CASE("Several right sides are solved as each alone") {
+  Random random(2);
+  const SparseMatrix A = saddle(30, 5, 7);
+  SparseFactor factor;
+  REQUIRE(factor.factor(A));
+  const MatrixXd X = Eigen::Map<const MatrixXd>(random.vector(35 * 4).data(), 35, 4);
+  MatrixXd Y = A * X;
+  factor.solve(Y);
+  CHECK(error(Y, X) < 1e-11);
+}
+
+TEST_CASE("A singular matrix is found out, and a regular one after it is factored") {
+  SparseMatrix A = saddle(20, 4, 3);
+  const SparseMatrix regular = A;
+  for (SparseMatrix::InnerIterator it(A, 5); it; ++it) it.valueRef() = 0;  // column 5 vanishes
+  SparseFactor fresh;
+  CHECK_FALSE(fresh.factor(A));
+  SparseFactor used;
+  REQUIRE(used.factor(regular));
+  CHECK_FALSE(used.factor(A));
+  REQUIRE(used.factor(regular));
+  VectorXd x = regular * VectorXd::Ones(24);
+  used.solve(x);
+  CHECK(error(x, VectorXd::Ones(24)) < 1e-11);
+}
+
+TEST_CASE("A pattern may grow from one matrix to the next") {
+  SparseFactor factor;
+  const SparseMatrix A = saddle(20, 4, 5);
+  REQUIRE(factor.factor(A));
+  SparseMatrix grown = A;
+  grown.coeffRef(0, 19) = 0.7;
+  grown.coeffRef(19, 0) = -0.4;
+  grown.makeCompressed();
+  REQUIRE(factor.factor(grown));
+  VectorXd x = grown * VectorXd::Ones(24);
+  factor.solve(x);
+  CHECK(error(x, VectorXd::Ones(24)) < 1e-11);
+}
+
+TEST_CASE("A factor moves with its owner") {
+  const SparseMatrix A = saddle(20, 4, 9);
+  SparseFactor first;
+  REQUIRE(first.factor(A));
+  const SparseFactor second = std::move(first);
+  VectorXd x = A * VectorXd::Ones(24);
+  second.solve(x);
+  CHECK(error(x, VectorXd::Ones(24)) < 1e-11);
+}
