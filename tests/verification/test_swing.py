@@ -1,8 +1,7 @@
 """The swing benchmark: the paper's arm on a soft hinge, 20 s from rest; offset of the tip from the rigid arm.
 
-Quoted values (converged in space and time to 2e-4 mm; one and two independent codes) for the theories that a
-model can name. A third row, shear without rotary inertia, is none of flexarm's theories; it differs from the first
-by at most 2e-3 mm.
+Quoted values are converged in space and time to 2e-4 mm and come from codes independent of flexarm. A third
+row, shear without rotary inertia, is no theory of flexarm's; it differs from the first by at most 2e-3 mm.
 """
 
 import functools
