@@ -154,17 +154,25 @@ def _spatial_spring(mbs, markers):
 
 
 def settings(case):
-    """Generalised alpha with spectral radius 0.9; `tolerance` is Newton's, relative and absolute."""
+    """Generalised alpha with spectral radius 0.9.
+
+    `tolerance` is Newton's, relative and absolute, for residuals; `increments` one for increments instead,
+    which many small spatial elements need, as there the residual has a floor above any useful tolerance.
+    """
     s = exu.SimulationSettings()
     s.timeIntegration.endTime = case["end"]
     s.timeIntegration.numberOfSteps = case["steps"]
     s.timeIntegration.verboseMode = 0
     s.timeIntegration.generalizedAlpha.spectralRadius = 0.9
+    s.timeIntegration.adaptiveStep = False  # where Newton fails, the setting fails
     s.solution.file.write = False
     s.solution.sensors.writePeriod = 1.0
+    newton = s.timeIntegration.newton
     if "tolerance" in case:
-        newton = s.timeIntegration.newton
         newton.relativeTolerance, newton.absoluteTolerance = case["tolerance"]
+    if "increments" in case:
+        newton.residualMode = 1
+        newton.relativeTolerance = newton.absoluteTolerance = case["increments"]
     if case["code"] == "exudyn-3d":  # without it Newton's iteration stalls above tolerances of 1e-4
         s.timeIntegration.generalizedAlpha.lieGroupSimplifiedKinematicRelations = True
     nodes = case["elements"] * (case.get("nodes", 3) - 1) + 1

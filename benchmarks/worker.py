@@ -15,7 +15,11 @@ def main():
     solver = importlib.import_module("solve_flexarm" if code == "flexarm" else "solve_exudyn")
     results = []
     for case in order["cases"]:
-        runs = [solver.solve({"code": code, **case}) for _ in range(order.get("solves", 1))]
+        try:
+            runs = [solver.solve({"code": code, **case}) for _ in range(order.get("solves", 1))]
+        except Exception as failure:  # EXUDYN's errors have no common type; a setting that fails is a result
+            results.append({"failed": str(failure)})
+            continue
         results.append({**runs[0], "cpu": [run["cpu"] for run in runs]})
     print(json.dumps({"version": solver.version(), "results": results}))
 
