@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flexarm.arm import Arm
 from flexarm.drive import Drive
@@ -76,10 +76,11 @@ class Experiment:
         """φ_v [rad]."""
         return pi if self.hanging else 0.0
 
-    def angle(self, time: Floats) -> Floats:
+    def angle(self, time: ArrayLike) -> Floats:
         """φ_c of (1) [rad]."""
-        t = np.clip(time, 0.0, self.duration)
-        return self.vertical + self.amplitude * np.sin(2 * pi * t / self.period)  # eq. (1)
+        t = np.clip(np.asarray(time, dtype=float), 0.0, self.duration)
+        found: Floats = self.vertical + self.amplitude * np.sin(2 * pi * t / self.period)  # eq. (1)
+        return found
 
     def command(self) -> Drive:
         """(1) as the controller gets it, sample by sample."""

@@ -1,0 +1,69 @@
+"""`index.html`: what was done, figures, claims, assumptions; a five minutes' read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flexarm.configuration import config
+from flexarm.report.oscillation import start_time
+from flexarm.report.study import Study
+from flexarm.report.tables import deformed_instant, zoom_window
+
+CAPTIONS = {
+    "04": "Angle of the reducer's input shaft: the sine of ±1.2 rad times the ratio 120.",
+    "06": "Deformed mock-up at t = {instant:.1f} s, the instant of the greatest measured offset, and the "
+    "three tip positions; right: the tip enlarged.",
+    "07": "Vertical and horizontal tip position: rigid arm at the encoder's angle, finite-element model "
+    "driven by the encoder, virtual measurement.",
+    "08": "The vertical position enlarged, {first:.1f} to {last:.1f} s. Model and measurement vibrate "
+    "together; the rigid curve is some centimetres away. Below: the distance from the rigid curve. After the "
+    "turn of the motion at {turn:.1f} s the bearing of the virtual mock-up sticks, which the model does not "
+    "know.",
+    "09": "Vertical and horizontal error of the rigid position: virtual measurement and finite-element "
+    "model.",
+    "10": "Tangential error: virtual measurement, model driven by the encoder signal, model driven by the "
+    "pure sine. The pure sine starts and stops with a jump of speed: it rings there and nowhere else.",
+}
+"""What each figure shows."""
+
+
+def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> str:
+    """The page as HTML; images stand beside it."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("flexarm.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"mm": _mm, "number": _number}
+    first, last = zoom_window(study)
+    facts = {
+        "instant": deformed_instant(study),
+        "first": first,
+        "last": last,
+        "turn": study.experiment.period / 4,
+    }
+    versions = config()
+    return environment.get_template("page.html.j2").render(
+        summary=summary,
+        claims=summary["claims"],
+        parameters=summary["parameters"],
+        models=summary["models"],
+        misprint=summary["misprint"],
+        split=summary["claims"][4]["numbers"],
+        captions={number: text.format(**facts) for number, text in CAPTIONS.items()},
+        start_ends=start_time(study),
+        seconds=seconds,
+        versions={name: versions[name] for name in ("flexarm", "git", "step factorisation", "platform")},
+    )
+
+
+def _mm(metres: float, digits: int = 2) -> str:
+    return f"{1e3 * metres:.{digits}f} mm"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"

@@ -1,0 +1,91 @@
+"""`flexarm reproduce`: one directory with figures, data, numbers and a page."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+
+from flexarm.mockup.models import FOLDER
+from flexarm.output import output_directory
+from flexarm.report.study import Report
+
+SEED = 2008
+"""Of the virtual measurement, unless another one is asked for."""
+RECORD = "virtual-measurement"
+"""Directory of the record beside the figures."""
+
+
+def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed: int = SEED) -> None:
+    """The paper's figures and claims, made again.
+
+    Writes figure-04, 06, 07, 08, 09 and 10 as .png, .pdf and .csv, summary.json, index.html, and beside them
+    the record of the virtual measurement and the model, for commands such as `flexarm compare`.
+
+    Parameters
+    ----------
+    out : str or Path
+        A new or empty directory.
+    force : bool
+        Write into a directory that holds files.
+    progress : bool
+        Show a bar on standard error.
+    seed : int
+        Of the virtual measurement's noise.
+
+    Raises
+    ------
+    InvalidFile
+        If the directory holds files, or cannot be written.
+    """
+    with output_directory(out, force) as directory, _bar(progress) as report:
+        _write(directory, report, seed)
+
+
+def _write(directory: Path, report: Report, seed: int) -> None:
+    from flexarm.record.save import write
+    from flexarm.report import figures
+    from flexarm.report.claims import claims
+    from flexarm.report.page import page
+    from flexarm.report.study import study
+    from flexarm.report.summary import summary
+    from flexarm.report.tables import tables, write_csv
+
+    began = perf_counter()
+    found = study(seed=seed, report=lambda done, what: report(0.7 * done, what))
+    report(0.7, "claims")
+    content = tables(found)
+    numbers = summary(found, content, claims(found), seed)
+    with figures.style():
+        for i, (number, table) in enumerate(content.items()):
+            report(0.75 + 0.04 * i, f"figure {int(number)}")
+            write_csv(table, directory / f"figure-{number}.csv")
+            figures.save(figures.draw(number, table), directory / f"figure-{number}")
+    report(0.97, "page")
+    (directory / RECORD).mkdir()
+    write(found.record, directory / RECORD)
+    shutil.copyfile(FOLDER / "model.toml", directory / "model.toml")
+    (directory / "summary.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+    seconds = {**found.seconds, "all": perf_counter() - began}
+    (directory / "index.html").write_text(page(found, numbers, seconds), encoding="utf-8")
+    report(1.0, "done")
+
+
+@contextmanager
+def _bar(wanted: bool) -> Iterator[Report]:
+    """A bar that names what is being done."""
+    if not wanted:
+        yield lambda done, what: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=100, bar_format="{percentage:3.0f}%|{bar}| {elapsed} {desc}") as bar:
+
+        def show(done: float, what: str) -> None:
+            bar.set_description_str(what, refresh=False)
+            bar.update(100 * done - bar.n)
+
+        yield show

@@ -1,0 +1,245 @@
+"""The runs behind the paper's figures: a virtual measurement and the models beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.analytic import LinearModal, NonlinearModal, OneLinkArm, rigid_tip
+from flexarm.analytic import simulate as simulate_modal
+from flexarm.arm import Arm
+from flexarm.arm.link import Beam
+from flexarm.drive import Drive, JointDrive
+from flexarm.effects import CoulombFriction, ViscousFriction
+from flexarm.mockup import Experiment, mock_up, model, virtual_measurement
+from flexarm.modal import modes
+from flexarm.record import Record
+from flexarm.report.offset import Plane, StaticOffset
+from flexarm.simulation import Simulation, simulate
+
+Floats = NDArray[np.float64]
+Report = Callable[[float, str], None]
+
+MODAL_STEP = 2e-2
+"""Step of equations (1) and (2) [s]: within 0.15 mm of steps ten times as short."""
+STIFF = 1e4
+"""Factor on Young's modulus that makes the tube rigid: a ten-thousandth of its deflection is left."""
+RUNS = {
+    "fe": "finite elements, driven by the encoder",
+    "sine": "finite elements, driven by the pure sine",
+    "friction": "finite elements with the bearing's friction",
+    "printed": "finite elements, section area as printed",
+    "tube": "finite elements, hinge rigid",
+    "hinge": "finite elements, tube rigid",
+}
+"""Finite-element runs of a study and what they are."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything that figures and claims are made of.
+
+    Attributes
+    ----------
+    experiment : Experiment
+        What the arm was asked to do.
+    model : Arm
+        The finite-element model.
+    record : Record
+        The virtual measurement.
+    encoder : JointDrive
+        The encoder's angle, smoothed by its noise.
+    runs : dict of str to Simulation
+        Finite-element runs, see `RUNS`.
+    modal : dict of str to ndarray, shape (n, 2)
+        Tip x, z [m] of equations (1) and (2) at `modal_time`.
+    static : dict of str to StaticOffset
+        Quasi-static tip offset of the model ("both"), and with its hinge or tube rigid ("tube", "hinge").
+    frequency_hz, damping_ratio : dict of str to float
+        First mode in the plane, upright, of the model ("fe") and with the printed area ("printed").
+    seconds : dict of str to float
+        What each run took.
+    """
+
+    experiment: Experiment
+    model: Arm
+    record: Record
+    encoder: JointDrive
+    runs: dict[str, Simulation]
+    modal_time: Floats
+    modal: dict[str, Floats]
+    static: dict[str, StaticOffset]
+    frequency_hz: dict[str, float]
+    damping_ratio: dict[str, float]
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def plane(self) -> Plane:
+        """Geometry of the swing."""
+        return Plane(self.model.points[-1].position[2], self.experiment.vertical)
+
+    @property
+    def stamps(self) -> Floats:
+        """Instants of the tracker on the load, as stamped [s]."""
+        return self.record.signals["tip"].time
+
+    @property
+    def measured(self) -> Floats:
+        """Measured tip x, z [m], shape (n, 2)."""
+        return self.record.signals["tip"].values[:, [0, 2]]
+
+    def angle(self, time: Floats) -> Floats:
+        """Encoder's angle [rad]."""
+        return self.encoder(time)
+
+    def rigid(self, time: Floats) -> Floats:
+        """Tip x, z [m] of the rigid arm at the encoder's angle."""
+        return rigid_tip(self.plane.length, self.angle(time))
+
+    def tip(self, run: str, time: Floats) -> Floats:
+        """Tip x, z [m] of a finite-element run; equations (1), (2) as "equation 1", "equation 2"."""
+        if run in self.modal:
+            from scipy.interpolate import CubicSpline
+
+            found: Floats = CubicSpline(self.modal_time, self.modal[run])(time)
+            return found
+        return self.runs[run].at(time, "tip")[:, [0, 2]]
+
+    def tangential(self, run: str, time: Floats) -> Floats:
+        """Tangential offset of a run from the rigid arm at the angle that drives it [m]."""
+        angle = self.experiment.angle(time) if run == "sine" else self.angle(time)
+        return self.plane.tangential(self.tip(run, time), angle)
+
+    @property
+    def measured_tangential(self) -> Floats:
+        """Tangential offset of the measured tip from the rigid arm at the encoder's angle [m]."""
+        return self.plane.tangential(self.measured, self.angle(self.stamps))
+
+
+def study(experiment: Experiment | None = None, seed: int = 2008, report: Report | None = None) -> Study:
+    """Runs the experiment and all models.
+
+    Parameters
+    ----------
+    experiment : Experiment, optional
+        Default: the paper's.
+    seed : int
+        Of the virtual measurement's noise.
+    report : callable, optional
+        Gets the share done, 0 to 1, and what is being done.
+    """
+    asked = experiment or Experiment()
+    tell = report or (lambda done, what: None)
+    seconds: dict[str, float] = {}
+
+    def timed(name: str, done: float, what: str, make: Callable[[], Any]) -> Any:
+        tell(done, what)
+        began = perf_counter()
+        found = make()
+        seconds[name] = perf_counter() - began
+        return found
+
+    record, _ = timed(
+        "mock-up",
+        0.0,
+        "virtual mock-up",
+        lambda: virtual_measurement(
+            asked, seed=seed, progress=lambda done: tell(0.35 * done, "virtual mock-up")
+        ),
+    )
+    arm = model()
+    drive = timed("smoothing", 0.35, "encoder", lambda: Drive.from_record(record, arm))
+    arms = variants(arm)
+    runs = {}
+    for i, (name, variant) in enumerate(arms.items()):
+        moved = asked.pure_sine() if name == "sine" else drive
+        start = 0.42 + 0.04 * i
+        runs[name] = timed(name, start, RUNS[name], partial(simulate, variant, moved, end=asked.end))
+    time = np.arange(round(asked.end / MODAL_STEP) + 1, dtype=float) * MODAL_STEP
+    modal = timed(
+        "equations", 0.68, "equations (1) and (2)", lambda: equations(arm, drive.joints["hinge"], time)
+    )
+    largest = asked.amplitude * 1.05
+    static = timed(
+        "statics",
+        0.95,
+        "statics",
+        lambda: {
+            key: StaticOffset.of(arms[name], asked.vertical, largest)
+            for key, name in (("both", "fe"), ("tube", "tube"), ("hinge", "hinge"))
+        },
+    )
+    found = {key: modes(arms[key], joints={"hinge": asked.vertical}, count=2) for key in ("fe", "printed")}
+    return Study(
+        asked,
+        arm,
+        record,
+        drive.joints["hinge"],
+        runs,
+        time,
+        modal,
+        static,
+        {key: float(mode.frequency_hz[0]) for key, mode in found.items()},
+        {key: float(mode.damping_ratio[0]) for key, mode in found.items()},
+        seconds,
+    )
+
+
+def variants(arm: Arm) -> dict[str, Arm]:
+    """The model of each run in `RUNS`."""
+    friction = [
+        effect for effect in mock_up().effects if isinstance(effect, CoulombFriction | ViscousFriction)
+    ]
+    rubbing = arm
+    for effect in friction:
+        rubbing = rubbing.with_effect(effect)
+    return {
+        "fe": arm,
+        "sine": arm,
+        "friction": rubbing,
+        "printed": model("printed"),
+        "tube": arm.without_effect("joint_compliance", "hinge"),
+        "hinge": with_modulus(arm, STIFF),
+    }
+
+
+def with_modulus(arm: Arm, scale: float) -> Arm:
+    """The model with Young's modulus of its tube times a factor."""
+    tube = tube_of(arm)
+    steel = tube.material.replace(youngs_modulus=scale * tube.material.youngs_modulus)
+    return arm.replace(links=(tube.replace(material=steel),))
+
+
+def tube_of(arm: Arm) -> Beam:
+    """The tube of the model."""
+    tube = arm.link("tube")
+    assert isinstance(tube, Beam)
+    return tube
+
+
+def equations(arm: Arm, encoder: JointDrive, time: Floats) -> dict[str, Floats]:
+    """Tip x, z [m] of equations (1) and (2) at the times."""
+    from scipy.interpolate import PPoly
+
+    polynomial = PPoly(encoder.coefficients, encoder.breaks)
+    first, last = float(encoder.breaks[0]), float(encoder.breaks[-1])
+
+    def angle(t: float, nu: int = 0) -> float:
+        inside = first <= t <= last
+        return float(polynomial(min(max(t, first), last), nu)) if inside or nu == 0 else 0.0
+
+    one = OneLinkArm.of(arm)
+    forms: dict[str, NonlinearModal | LinearModal] = {
+        "equation 1": one.nonlinear(2),
+        "equation 2": one.linear(2),
+    }
+    return {
+        name: np.asarray(simulate_modal(form, one.drive(angle), time, step=MODAL_STEP).tip)
+        for name, form in forms.items()
+    }
