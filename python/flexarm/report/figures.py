@@ -226,7 +226,7 @@ def _three(ax: Axes, table: Table, axis: str, every: int = 1) -> None:
 def _dots(ax: Axes, time: Floats, values: Floats, every: int = 1, size: float = 3.2) -> None:
     """Samples of the tracker, each `every`-th."""
     seen = np.flatnonzero(np.isfinite(values))[::every]
-    text = "virtual measurement" + (f" (every {every}th sample)" if every > 1 else "")
+    text = "virtual measurement" + (f", every {every}th" if every > 1 else "")
     ax.plot(time[seen], values[seen], label=text, **{**_MEASURED, "markersize": size})
 
 

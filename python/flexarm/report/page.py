@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from markupsafe import Markup
+
 from flexarm.configuration import config
 from flexarm.report.oscillation import start_time
 from flexarm.report.study import Study
@@ -38,7 +40,7 @@ def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> st
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"mm": _mm, "number": _number}
+    environment.filters |= {"mm": _mm, "number": _number, "power": _power}
     first, last = zoom_window(study)
     facts = {
         "instant": deformed_instant(study),
@@ -66,4 +68,11 @@ def _mm(metres: float, digits: int = 2) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    """Three digits, or as many as tell a share from 1."""
+    return f"{value:.5f}" if 0.999 < value < 1 else f"{value:.3g}"
+
+
+def _power(value: float, digits: int = 3) -> Markup:
+    """Mantissa times a power of ten."""
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return Markup("{} · 10<sup>{}</sup>").format(mantissa, str(int(exponent)).replace("-", "−"))

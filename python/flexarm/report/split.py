@@ -25,7 +25,7 @@ from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.effects import JointCompliance
 from flexarm.report.oscillation import length_rms, rms
-from flexarm.report.study import STIFF, Study, tube_of, with_modulus
+from flexarm.report.study import LATE, STIFF, Study, tube_of, with_modulus
 from flexarm.simulation import simulate
 
 
@@ -117,5 +117,5 @@ def _only_tube(arm: Arm, factor: float) -> tuple[Arm, float]:
 
 def _gap(study: Study, arm: Arm) -> float:
     """Rms distance of the measured tip from that of a model driven by the encoder [m]."""
-    run = simulate(arm, Drive({"hinge": study.encoder}, end=study.experiment.end))
+    run = simulate(arm, Drive({"hinge": study.encoder}, end=study.experiment.end + LATE))
     return length_rms(study.measured - run.at(study.stamps, "tip")[:, [0, 2]])

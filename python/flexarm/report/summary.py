@@ -46,12 +46,14 @@ def parameters(study: Study, seed: int) -> dict[str, Any]:
     asked, bench = study.experiment, mock_up()
     compliance: Any = study.model.effect("joint_compliance", "hinge")
     tracker = study.record.signals["tip"]
+    ratio = study.model.joint("hinge").gear_ratio
+    encoder = next(sensor for sensor in bench.sensors if sensor.name == "encoder")
     controller: Any = bench.controllers[0]
     return {
         "parameter_set": "consistent",
         "parameter_sets": {name: _tube(model(name)) for name in PARAMETER_SETS},
         "load_mass_kg": study.model.payloads[0].mass,
-        "gear_ratio": study.model.joint("hinge").gear_ratio,
+        "gear_ratio": ratio,
         "amplitude_rad": asked.amplitude,
         "period_s": asked.period,
         "duration_s": asked.duration,
@@ -62,6 +64,7 @@ def parameters(study: Study, seed: int) -> dict[str, Any]:
         "hinge_damping_Nms_per_rad": compliance.damping,
         "first_mode_hz": study.frequency_hz["fe"],
         "first_mode_damping_ratio": study.damping_ratio["fe"],
+        "encoder_steps_a_motor_turn": round(2 * np.pi / (encoder.step * ratio)),
         "controller": controller.to_plain(),
         "tracker_noise_std_m": tracker.noise_std,
         "tracker_rate_hz": round(tracker.rate_hz, 6),

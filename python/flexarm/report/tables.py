@@ -140,10 +140,9 @@ def zoom_window(study: Study, seconds: float = 4.5) -> tuple[float, float]:
 
 def _rows(study: Study, window: tuple[float, float] | None) -> tuple[Floats, _Placed]:
     """Instants of a table, and what puts the tracker's samples among them."""
-    first, last = window or (0.0, study.experiment.end)
-    stamps = study.stamps
+    stamps, equal = study.stamps, grid(study)
+    first, last = window or (-np.inf, np.inf)
     kept = (stamps >= first) & (stamps <= last)
-    equal = grid(study)
     equal = equal[(equal >= first) & (equal <= last)]
     time = np.unique(np.concatenate([equal, stamps[kept]]))
     return time, _Placed(np.searchsorted(time, stamps[kept]), kept, len(time))
