@@ -74,21 +74,24 @@ def assemble(
     arm : Arm
         The model, with its effects.
     drives : dict of str to DriveKind, optional
-        What each joint's motor is told; joints left out are locked, outputs of gears are free.
+        What each joint's motor is told; joints left out are locked, outputs of gears are free, and so are
+        inputs of gears whose output is told.
     loaded : iterable of str
         Points that carry point loads.
     """
+    given = dict(drives or {})
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
-    return _core.System(core_arm(arm, loaded), {**kinds, **(drives or {})})
+    kinds |= {gear.input: _core.DriveKind.free for gear in arm.gears if gear.output in given}
+    return _core.System(core_arm(arm, loaded), {**kinds, **given})
 
 
 def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
-    """Drive angle of every joint, in the model's order: 0 where not given, outputs of gears from their input.
+    """Drive angle of every joint, in the model's order: 0 where not given, through gears either way.
 
     Raises
     ------
     InvalidParameter
-        If a joint does not exist, does not move, or its value is not finite.
+        If a joint does not exist, does not move, its value is not finite, or contradicts its gear.
     """
     moving = [joint.name for joint in arm.moving_joints]
     for name, value in joints.items():
@@ -98,10 +101,28 @@ def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
             )
         if not np.isfinite(value):
             raise InvalidParameter(f"must be finite, got {value}", where=f"joints.{name}")
-    values = dict(joints)
-    for gear in arm.gears:
-        values.setdefault(gear.output, values.get(gear.input, 0.0) / gear.ratio)
+    values = _through_gears(arm, joints)
     return [float(values.get(joint.name, 0.0)) for joint in arm.joints]
+
+
+def _through_gears(arm: Arm, joints: Mapping[str, float]) -> dict[str, float]:
+    """The values and what gears make of them: angle of the input = ratio x angle of the output."""
+    values = dict(joints)
+    for _ in arm.gears:  # as often as there are gears, for trains of them
+        for gear in arm.gears:
+            if gear.output in values:
+                values.setdefault(gear.input, values[gear.output] * gear.ratio)
+            elif gear.input in values:
+                values.setdefault(gear.output, values[gear.input] / gear.ratio)
+    for gear in arm.gears:
+        angle, wanted = values.get(gear.input, 0.0), values.get(gear.output, 0.0) * gear.ratio
+        if abs(angle - wanted) > 1e-9 * max(1.0, abs(wanted)):
+            raise InvalidParameter(
+                f"contradicts gear {gear.name!r}: {gear.output!r} at {values[gear.output]:g} puts it at "
+                f"{wanted:g}, got {angle:g}; give one of the two",
+                where=f"joints.{gear.input}",
+            )
+    return values
 
 
 def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -178,8 +178,14 @@ class Drive:
         Raises
         ------
         InvalidParameter
-            If a drive is neither angle nor command of a joint, or two drive the same joint.
+            If the record holds poses, a drive is neither angle nor command of a joint, or two drive the same
+            joint.
         """
+        if record.kind == "static":
+            raise InvalidParameter(
+                'is "static": poses do not move the arm; allowed as a drive is a record of kind "motion"',
+                where="kind",
+            )
         joints: dict[str, JointDrive] = {}
         for name in record.drive:
             signal = record.signals[name]
@@ -204,6 +210,17 @@ class Drive:
         starts = [drive.breaks[0] for drive in joints.values()] or [first for first, _ in known]
         end = max(last for _, last in known) + _AFTER_THE_LAST
         return cls(joints, dict(record.joints), float(min(starts)), float(end))
+
+    def at_inputs(self, arm: Arm) -> Drive:
+        """The same motion with angles at outputs of gears moved to their inputs, which hold the motors."""
+        joints = dict(self.joints)
+        for _ in arm.gears:  # as often as there are gears, for trains of them
+            for gear in arm.gears:
+                moved = joints.get(gear.output)
+                if moved is not None and moved.side == "motor" and gear.input not in joints:
+                    del joints[gear.output]
+                    joints[gear.input] = replace(moved, coefficients=gear.ratio * moved.coefficients)
+        return replace(self, joints=joints)
 
 
 _AFTER_THE_LAST = 0.02

@@ -288,6 +288,7 @@ def simulate(
         return simulate_closed_loop(
             arm, drive, step=step, alpha=alpha, end=end, forces=forces, rotations=rotations, progress=progress
         )
+    drive = drive.at_inputs(arm)
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = float(step), float(alpha)

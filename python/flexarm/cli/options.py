@@ -71,7 +71,8 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         if name in values:
             raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
         values[name] = float(number)
-        if arm.joint(name).type == "revolute" and abs(values[name]) > 2 * math.pi:
+        turns_often = name in {gear.input for gear in arm.gears}  # a motor's shaft
+        if arm.joint(name).type == "revolute" and not turns_often and abs(values[name]) > 2 * math.pi:
             turns = abs(values[name]) / (2 * math.pi)
             what = f"{values[name]:g} rad are {turns:.1f} turns; angles are in radians"
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
