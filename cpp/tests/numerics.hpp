@@ -2,6 +2,8 @@
 /// What the tests measure with: seeded random numbers, differences, errors, observed orders.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <Eigen/Core>
 #include <cmath>
 #include <functional>
@@ -71,6 +73,12 @@ inline double relative_error(const Eigen::Ref<const MatrixXd>& found,
 
 inline double error(const Eigen::Ref<const MatrixXd>& found, const Eigen::Ref<const MatrixXd>& expected) {
   return largest(found - expected);
+}
+
+/// Equal within a part `tolerance` of the value itself: doctest's own would add the tolerance as it stands,
+/// and so accept anything small.
+inline doctest::Approx near(double value, double tolerance = 1e-12) {
+  return doctest::Approx(value).epsilon(tolerance).scale(1e-200);
 }
 
 /// Order of convergence from the errors at steps h and h/2.

@@ -58,7 +58,7 @@ TEST_CASE("exp inverts log for a half turn, whose axis is known up to its sign o
   for (int n = 0; n < 10; ++n) {
     const Frame H = exp6(twist_of_angle(pi, random));
     const Vector6d h = log6(H);
-    CHECK(h.tail<3>().norm() == doctest::Approx(pi).epsilon(1e-12));
+    CHECK(h.tail<3>().norm() == near(pi, 1e-12));
     CHECK(error(frame_matrix(exp6(h)), frame_matrix(H)) < 1e-12);
   }
 }
@@ -137,8 +137,8 @@ TEST_CASE("The coefficients A, B and their derivatives agree across the switch f
   CHECK(std::abs(above.dA - below.dA) < 1e-12);
   CHECK(std::abs(above.dB - below.dB) < 1e-12);
   // Limits for a vanishing angle: Bernoulli numbers B₂/2! and B₄/4!.
-  CHECK(inverse_tangent_coefficients(0).A == doctest::Approx(1.0 / 12).epsilon(1e-15));
-  CHECK(inverse_tangent_coefficients(0).B == doctest::Approx(-1.0 / 720).epsilon(1e-15));
+  CHECK(inverse_tangent_coefficients(0).A == near(1.0 / 12, 1e-15));
+  CHECK(inverse_tangent_coefficients(0).B == near(-1.0 / 720, 1e-15));
 }
 
 TEST_CASE("dA and dB are the derivatives of A and B") {

@@ -31,24 +31,22 @@ DriveTrain of_stages(std::vector<DriveTrain::Parallel> stages) {
 
 TEST_CASE("A spring holds the weight at k θ = m g r cos θ") {
   const double k = 900, theta = sag(compliant(k));
-  CHECK(k * theta == doctest::Approx(5 * 9.81 * 2 * std::cos(theta)).epsilon(1e-10));
+  CHECK(k * theta == near(5 * 9.81 * 2 * std::cos(theta), 1e-10));
 }
 
 TEST_CASE("Two springs in series are one of k₁ k₂/(k₁ + k₂)") {
   const double k1 = 700, k2 = 1900;
   const double series = sag(of_stages({{LinearSpring{k1}}, {LinearSpring{k2}}}));
-  CHECK(series == doctest::Approx(sag(compliant(k1 * k2 / (k1 + k2)))).epsilon(1e-10));
+  CHECK(series == near(sag(compliant(k1 * k2 / (k1 + k2))), 1e-10));
   const double three =
       sag(of_stages({{LinearSpring{3 * k1}}, {LinearSpring{3 * k1}}, {LinearSpring{3 * k1}}}));
-  CHECK(three == doctest::Approx(sag(compliant(k1))).epsilon(1e-10));
+  CHECK(three == near(sag(compliant(k1)), 1e-10));
 }
 
 TEST_CASE("Springs in parallel add, a cubic one among them") {
-  CHECK(sag(of_stages({{LinearSpring{700}, LinearSpring{400}}})) ==
-        doctest::Approx(sag(compliant(1100))).epsilon(1e-10));
+  CHECK(sag(of_stages({{LinearSpring{700}, LinearSpring{400}}})) == near(sag(compliant(1100)), 1e-10));
   const double theta = sag(of_stages({{LinearSpring{700}, CubicSpring{5e4}}}));
-  CHECK(700 * theta + 5e4 * theta * theta * theta ==
-        doctest::Approx(5 * 9.81 * 2 * std::cos(theta)).epsilon(1e-10));
+  CHECK(700 * theta + 5e4 * theta * theta * theta == near(5 * 9.81 * 2 * std::cos(theta), 1e-10));
 }
 
 TEST_CASE("Friction has no part in where the arm settles") {
@@ -56,20 +54,20 @@ TEST_CASE("Friction has no part in where the arm settles") {
   const double without = sag(train);
   train.stages[0].push_back(DahlFriction{50, 1e-3});
   train.bearing = {DahlFriction{30, 1e-3}, ViscousFriction{5}};
-  CHECK(sag(train) == doctest::Approx(without).epsilon(1e-12));
+  CHECK(sag(train) == near(without, 1e-12));
 }
 
 TEST_CASE("A bearing's spring acts against the housing, beside the drive train") {
   DriveTrain train = compliant(900);
   train.bearing = {LinearSpring{300}};
-  CHECK(sag(train) == doctest::Approx(sag(compliant(1200))).epsilon(1e-10));
+  CHECK(sag(train) == near(sag(compliant(1200)), 1e-10));
 }
 
 TEST_CASE("The rotor's inertia is seen through the square of the ratio") {
   DriveTrain train;
   train.gear_ratio = 120;
   train.rotor_inertia = 3e-4;
-  CHECK(train.reflected_inertia() == doctest::Approx(14400 * 3e-4));
+  CHECK(train.reflected_inertia() == near(14400 * 3e-4));
   CHECK(DriveTrain{}.reflected_inertia() == 0);
 }
 

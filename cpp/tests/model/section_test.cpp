@@ -7,35 +7,36 @@
 #include <string>
 
 #include "flexarm/errors.hpp"
+#include "numerics.hpp"
 
 using namespace flexarm::model;
-using doctest::Approx;
+using flexarm::tests::near;
 using std::numbers::pi;
 
 TEST_CASE("A steel tube of 60.24 mm and 3.25 mm wall has the second moment of the paper") {
   const Section s = tube_section(60.24e-3, 3.25e-3);
-  CHECK(s.second_moment_y == Approx(2.37e-7).epsilon(1e-3));  // printed with three digits
-  CHECK(s.area == Approx(5.82e-4).epsilon(1e-3));
+  CHECK(s.second_moment_y == near(2.37e-7, 1e-3));  // printed with three digits
+  CHECK(s.area == near(5.82e-4, 1e-3));
   CHECK(s.second_moment_z == s.second_moment_y);
-  CHECK(s.torsion_constant == Approx(2 * s.second_moment_y));
-  CHECK(s.shear_area_y == Approx(0.53 * s.area));
+  CHECK(s.torsion_constant == near(2 * s.second_moment_y));
+  CHECK(s.shear_area_y == near(0.53 * s.area));
 }
 
 TEST_CASE("A tube without a hole is a round bar") {
   const Section tube = tube_section(0.05, 0.025), bar = round_section(0.05);
-  CHECK(tube.area == Approx(bar.area));
-  CHECK(tube.second_moment_y == Approx(bar.second_moment_y));
-  CHECK(tube.torsion_constant == Approx(bar.torsion_constant));
-  CHECK(bar.area == Approx(pi * 0.05 * 0.05 / 4));
-  CHECK(bar.shear_area_z == Approx(0.886 * bar.area));
+  CHECK(tube.area == near(bar.area));
+  CHECK(tube.second_moment_y == near(bar.second_moment_y));
+  CHECK(tube.torsion_constant == near(bar.torsion_constant));
+  CHECK(bar.area == near(pi * 0.05 * 0.05 / 4));
+  CHECK(bar.shear_area_z == near(0.886 * bar.area));
 }
 
 TEST_CASE("A wide rectangle bends easily in its thin direction") {
   const Section s = rectangle_section(0.04, 0.01);  // 40 mm along y, 10 mm along z
-  CHECK(s.area == Approx(4e-4));
-  CHECK(s.second_moment_y == Approx(0.04 * 1e-6 / 12));
-  CHECK(s.second_moment_z == Approx(0.01 * 64e-6 / 12));
-  CHECK(s.shear_area_y == Approx(4e-4 * 5 / 6));
+  CHECK(s.area == near(4e-4));
+  CHECK(s.second_moment_y == near(0.04 * 1e-6 / 12));
+  CHECK(s.second_moment_z == near(0.01 * 64e-6 / 12));
+  CHECK(s.shear_area_y == near(4e-4 * 5 / 6));
 }
 
 TEST_CASE("Torsion constants of rectangles are those of Saint-Venant's table") {
@@ -46,10 +47,10 @@ TEST_CASE("Torsion constants of rectangles are those of Saint-Venant's table") {
   for (const Row& row : {Row{1.0, 0.1406}, {1.5, 0.196}, {2.0, 0.229}, {3.0, 0.263}, {10.0, 0.312}}) {
     const double h = 0.01, b = row.ratio * h;
     CAPTURE(row.ratio);
-    CHECK(rectangle_section(b, h).torsion_constant == Approx(row.k * b * h * h * h).epsilon(3e-3));
-    CHECK(rectangle_section(h, b).torsion_constant == Approx(rectangle_section(b, h).torsion_constant));
+    CHECK(rectangle_section(b, h).torsion_constant == near(row.k * b * h * h * h, 3e-3));
+    CHECK(rectangle_section(h, b).torsion_constant == near(rectangle_section(b, h).torsion_constant));
   }
-  CHECK(rectangle_section(1.0, 1e-4).torsion_constant == Approx(1e-12 / 3).epsilon(1e-4));  // a thin strip
+  CHECK(rectangle_section(1.0, 1e-4).torsion_constant == near(1e-12 / 3, 1e-4));  // a thin strip
 }
 
 TEST_CASE("Impossible sections are refused by name") {

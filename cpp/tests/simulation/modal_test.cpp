@@ -62,8 +62,8 @@ TEST_CASE("Frequencies of the paper's arm are the roots of the exact frequency e
 TEST_CASE("Gravity stiffens the hanging arm and softens the upright one") {
   for (double sign : {1.0, -1.0}) {
     const double found = modes_of(paper_arm({.elements = 16}), sign * half_pi, Loads{}, 1).frequency_hz[0];
-    CHECK(found == doctest::Approx(with_tension(sign * standard_gravity)).epsilon(2e-6));
-    CHECK(found == doctest::Approx(2.84155 * (1 + sign * 0.0065)).epsilon(1e-4));  // by 0.65 %
+    CHECK(found == near(with_tension(sign * standard_gravity), 2e-6));
+    CHECK(found == near(2.84155 * (1 + sign * 0.0065), 1e-4));  // by 0.65 %
   }
 }
 
@@ -71,16 +71,15 @@ TEST_CASE("A link's damping ratio is that of its first clamped mode") {
   auto arm = paper_arm({.elements = 4, .damping_ratio = 0.013});
   arm.payloads.clear();  // the link alone
   const Modes found = modes_of(arm, 0, weightless, 2);
-  CHECK(found.damping_ratio[0] == doctest::Approx(0.013).epsilon(1e-6));
-  CHECK(found.damped_frequency_hz[0] ==
-        doctest::Approx(found.frequency_hz[0] * std::sqrt(1 - 0.013 * 0.013)).epsilon(1e-6));
+  CHECK(found.damping_ratio[0] == near(0.013, 1e-6));
+  CHECK(found.damped_frequency_hz[0] == near(found.frequency_hz[0] * std::sqrt(1 - 0.013 * 0.013), 1e-6));
 }
 
 TEST_CASE("A free pendulum swings at √(m g c/(J + m c²))") {
   const Modes found = modes_of(pendulum(2, 0.7, 0.1), 0, Loads{}, 3, DriveKind::free);
   REQUIRE(found.frequency_hz.size() == 1);
   CHECK(2 * std::numbers::pi * found.frequency_hz[0] ==
-        doctest::Approx(std::sqrt(2 * standard_gravity * 0.7 / (0.1 + 2 * 0.49))).epsilon(1e-9));
+        near(std::sqrt(2 * standard_gravity * 0.7 / (0.1 + 2 * 0.49)), 1e-9));
 }
 
 TEST_CASE("A rotor behind a spring and a damper is the oscillator of the textbook") {
@@ -88,8 +87,8 @@ TEST_CASE("A rotor behind a spring and a damper is the oscillator of the textboo
   arm.joints[0].drive_train = compliant(300, 2.4);
   const Modes found = modes_of(arm, 0, weightless, 1);
   const double omega = std::sqrt(300 / 0.5);
-  CHECK(2 * std::numbers::pi * found.frequency_hz[0] == doctest::Approx(omega).epsilon(1e-9));
-  CHECK(found.damping_ratio[0] == doctest::Approx(2.4 / (2 * 0.5 * omega)).epsilon(1e-9));
+  CHECK(2 * std::numbers::pi * found.frequency_hz[0] == near(omega, 1e-9));
+  CHECK(found.damping_ratio[0] == near(2.4 / (2 * 0.5 * omega), 1e-9));
 }
 
 TEST_CASE("A free rotor and its load vibrate against one another") {
@@ -101,8 +100,7 @@ TEST_CASE("A free rotor and its load vibrate against one another") {
   const flexarm::simulation::Equilibrium rest{.state = system.rigid_state({0}), .loads = weightless};
   const Modes found = modes(system, rest, 2);
   CHECK(found.frequency_hz[0] < 1e-4);  // turns freely as a whole
-  CHECK(2 * std::numbers::pi * found.frequency_hz[1] ==
-        doctest::Approx(std::sqrt(300 * (1 / 0.5 + 1 / 0.2))).epsilon(1e-8));
+  CHECK(2 * std::numbers::pi * found.frequency_hz[1] == near(std::sqrt(300 * (1 / 0.5 + 1 / 0.2)), 1e-8));
 }
 
 TEST_CASE("Frequencies do not change when arm, base and gravity turn together") {
@@ -116,8 +114,8 @@ TEST_CASE("Frequencies do not change when arm, base and gravity turn together") 
   };
   const Modes here = of(spatial_arm(), {0, 0, -9.81}), there = of(turned, Q.R * Vector3d(0, 0, -9.81));
   for (std::size_t k = 0; k < 5; ++k) {
-    CHECK(there.frequency_hz[k] == doctest::Approx(here.frequency_hz[k]).epsilon(1e-8));
-    CHECK(there.damping_ratio[k] == doctest::Approx(here.damping_ratio[k]).epsilon(1e-6));
+    CHECK(there.frequency_hz[k] == near(here.frequency_hz[k], 1e-8));
+    CHECK(there.damping_ratio[k] == near(here.damping_ratio[k], 1e-6));
   }
 }
 

@@ -3,10 +3,11 @@
 #include <doctest/doctest.h>
 
 #include "flexarm/errors.hpp"
+#include "numerics.hpp"
 
-using doctest::Approx;
 using flexarm::InvalidParameter;
 using flexarm::simulation::PiecewisePolynomial;
+using flexarm::tests::near;
 
 namespace {
 
@@ -22,20 +23,20 @@ PiecewisePolynomial example() {
 TEST_CASE("Value and derivatives are those of the polynomial of the interval") {
   const auto f = example();
   const auto [value, first, second] = f(2.5);
-  CHECK(value == Approx(2 + 4.5 - 2.25 + 0.5 * 3.375));
-  CHECK(first == Approx(3 - 3 + 1.5 * 2.25));
-  CHECK(second == Approx(-2 + 3 * 1.5));
-  CHECK(f(3)[0] == Approx(1));  // breaks belong to what follows
-  CHECK(f(3)[1] == Approx(-2));
-  CHECK(f(1)[0] == Approx(2));
-  CHECK(f(4)[0] == Approx(-1));
-  CHECK(f(4)[1] == Approx(-2));
+  CHECK(value == near(2 + 4.5 - 2.25 + 0.5 * 3.375));
+  CHECK(first == near(3 - 3 + 1.5 * 2.25));
+  CHECK(second == near(-2 + 3 * 1.5));
+  CHECK(f(3)[0] == near(1));  // breaks belong to what follows
+  CHECK(f(3)[1] == near(-2));
+  CHECK(f(1)[0] == near(2));
+  CHECK(f(4)[0] == near(-1));
+  CHECK(f(4)[1] == near(-2));
 }
 
 TEST_CASE("Outside, the end values are held at rest") {
   const auto f = example();
-  CHECK(f(0)[0] == Approx(2));
-  CHECK(f(9)[0] == Approx(-1));
+  CHECK(f(0)[0] == near(2));
+  CHECK(f(9)[0] == near(-1));
   for (double t : {0.0, 9.0}) {
     CHECK(f(t)[1] == 0);
     CHECK(f(t)[2] == 0);

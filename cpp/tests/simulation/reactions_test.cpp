@@ -46,8 +46,8 @@ TEST_CASE("Section forces of a hanging arm are its weights, those of a horizonta
   const double payload = 14.1 * standard_gravity, tube = 5.82e-4 * 7850 * 3 * standard_gravity;
   const auto hanging = static_equilibrium(system, {half_pi}, Loads{});
   const SectionForces down = section_forces(system, hanging.state, Loads{}, 0);
-  CHECK(down.start[0] == doctest::Approx(payload + tube).epsilon(1e-9));
-  CHECK(down.end[0] == doctest::Approx(payload).epsilon(1e-9));
+  CHECK(down.start[0] == near(payload + tube, 1e-9));
+  CHECK(down.end[0] == near(payload, 1e-9));
   CHECK(largest(down.start.tail<5>()) < 1e-6);
 
   const auto level = static_equilibrium(system, {0}, Loads{});
@@ -58,17 +58,17 @@ TEST_CASE("Section forces of a hanging arm are its weights, those of a horizonta
   const Matrix3d& R = system.meshes()[0].R_LS;  // section axes; the hinge itself has not turned
   CHECK(error(R * across.start.head<3>(), Vector3d(0, 0, -payload - tube)) < 1e-8 * payload);
   // Moment at the hinge about y: weights times their horizontal distances; 3 mm of them lost by bending.
-  CHECK((R * across.start.tail<3>()).y() == doctest::Approx(payload * tip.x.x() + tube * 1.5).epsilon(1e-4));
+  CHECK((R * across.start.tail<3>()).y() == near(payload * tip.x.x() + tube * 1.5, 1e-4));
 }
 
 TEST_CASE("Joint and motor torque of a resting arm balance the moment of its weight") {
   const System system(paper_arm({.hub_stiffness = 1e5}), {{"hinge", DriveKind::motor_angle}});
   const auto rest = static_equilibrium(system, {0.4}, Loads{});
   const double moment = base_wrench(system, rest.state)[4];
-  CHECK(joint_torque(system, rest.state, 0) == doctest::Approx(-moment).epsilon(1e-9));
-  CHECK(motor_torques(system, rest.state, false)[0] == doctest::Approx(-moment).epsilon(1e-9));
+  CHECK(joint_torque(system, rest.state, 0) == near(-moment, 1e-9));
+  CHECK(motor_torques(system, rest.state, false)[0] == near(-moment, 1e-9));
   const auto& at = system.joints()[0];
-  CHECK(1e5 * (rest.state.s[at.phi] - rest.state.s[at.theta]) == doctest::Approx(-moment).epsilon(1e-9));
+  CHECK(1e5 * (rest.state.s[at.phi] - rest.state.s[at.theta]) == near(-moment, 1e-9));
 }
 
 TEST_CASE("In motion the base carries weight less inertia, to 1e-8") {
@@ -100,9 +100,7 @@ TEST_CASE("A swinging rigid pendulum pulls at its hinge with m (g cos θ + c θ'
   balance(system, Loads{}, state);
   const Vector3d force = base_wrench(system, state).head<3>();
   const Vector3d along = state.frames[0].R * Vector3d(0, 0, -1);
-  CHECK(force.dot(along) ==
-        doctest::Approx(m * (standard_gravity * std::cos(0.5) + c * rate * rate)).epsilon(1e-9));
+  CHECK(force.dot(along) == near(m * (standard_gravity * std::cos(0.5) + c * rate * rate), 1e-9));
   // and its own equation of motion: (J + m c²) θ'' = −m g c sin θ
-  CHECK(state.v_dot[6] ==
-        doctest::Approx(-m * standard_gravity * c * std::sin(0.5) / (0.1 + m * c * c)).epsilon(1e-9));
+  CHECK(state.v_dot[6] == near(-m * standard_gravity * c * std::sin(0.5) / (0.1 + m * c * c), 1e-9));
 }

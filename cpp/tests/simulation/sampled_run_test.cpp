@@ -28,13 +28,13 @@ TEST_CASE("A torque held from sample to sample moves the arm as the same torque 
   for (int k = 0; k < 50; ++k) sampled.advance(torque, 4);
   const auto run = simulate(system, rest, {PiecewisePolynomial::constant(150)}, {.end = 0.2, .step = 1e-3});
   const Eigen::Index last = run.time.size() - 1;
-  CHECK(sampled.time() == doctest::Approx(0.2));
+  CHECK(sampled.time() == near(0.2));
   CHECK(error(sampled.point_position(0), run.position.col(last)) < 1e-9);
   CHECK(error(sampled.point_velocity(0), run.velocity.col(last)) < 1e-7);
-  CHECK(sampled.drive_angles()[0] == doctest::Approx(run.drive_angle(0, last)).epsilon(1e-9));
-  CHECK(sampled.joint_angles()[0] == doctest::Approx(run.joint_angle(0, last)).epsilon(1e-9));
-  CHECK(sampled.drive_rates()[0] == doctest::Approx(run.drive_rate(0, last)).epsilon(1e-6));
-  CHECK(sampled.joint_rates()[0] == doctest::Approx(run.joint_rate(0, last)).epsilon(1e-6));
+  CHECK(sampled.drive_angles()[0] == near(run.drive_angle(0, last), 1e-9));
+  CHECK(sampled.joint_angles()[0] == near(run.joint_angle(0, last), 1e-9));
+  CHECK(sampled.drive_rates()[0] == near(run.drive_rate(0, last), 1e-6));
+  CHECK(sampled.joint_rates()[0] == near(run.joint_rate(0, last), 1e-6));
   CHECK(sampled.statistics().steps == 200);
   CHECK(sampled.done());
   const Transient recorded = sampled.result();
@@ -51,7 +51,7 @@ TEST_CASE("What was recorded so far can be looked at while the run goes on, whic
   CHECK_FALSE(run.done());
   run.advance(VectorXd::Zero(1), 100);
   CHECK(run.done());
-  CHECK(run.time() == doctest::Approx(0.05));
+  CHECK(run.time() == near(0.05));
   CHECK(run.result().position.cols() == 51);
 }
 
@@ -86,8 +86,7 @@ TEST_CASE("A proportional controller with damping brings the arm to its command"
   // What is left is the weight's moment over the controller's stiffness: k (q_c − q) = moment.
   const double q = run.drive_angles()[0];
   const double lever = 14.1 * 3 + 5.82e-4 * 7850 * 3 * 1.5;
-  CHECK(4000 * (command - q) ==
-        doctest::Approx(lever * standard_gravity * std::sin(q - half_pi)).epsilon(0.02));
+  CHECK(4000 * (command - q) == near(lever * standard_gravity * std::sin(q - half_pi), 0.02));
   CHECK(std::abs(run.drive_rates()[0]) < 1e-3);
 }
 

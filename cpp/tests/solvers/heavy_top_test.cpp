@@ -94,11 +94,11 @@ TEST_CASE("Heavy top: positions, velocities and multipliers converge at order tw
   for (std::size_t quantity = 0; quantity < 3; ++quantity) {
     CAPTURE(quantity);
     CAPTURE(errors[2][quantity]);
-    CHECK(observed_order(errors[0][quantity], errors[1][quantity]) == doctest::Approx(2).epsilon(0.1));
-    CHECK(observed_order(errors[1][quantity], errors[2][quantity]) == doctest::Approx(2).epsilon(0.05));
+    CHECK(observed_order(errors[0][quantity], errors[1][quantity]) == near(2, 0.1));
+    CHECK(observed_order(errors[1][quantity], errors[2][quantity]) == near(2, 0.05));
   }
 }
 
 TEST_CASE("Heavy top: the body's centre stays on its sphere") {
-  CHECK(simulated(4e-4).x.norm() == doctest::Approx(1).epsilon(1e-11));
+  CHECK(simulated(4e-4).x.norm() == near(1, 1e-11));
 }

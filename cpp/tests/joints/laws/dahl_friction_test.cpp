@@ -4,9 +4,11 @@
 
 #include <cmath>
 
-using doctest::Approx;
+#include "numerics.hpp"
+
 using flexarm::joints::DahlFriction;
 using flexarm::joints::LawMemory;
+using flexarm::tests::near;
 
 namespace {
 
@@ -32,29 +34,29 @@ TEST_CASE("The force after a path does not depend on the steps it was cut into")
     LawMemory once, many;
     move(once, 0.013, 1);
     move(many, 0.013, n);
-    CHECK(many.z == Approx(once.z).epsilon(1e-13));
+    CHECK(many.z == near(once.z, 1e-13));
     move(once, -0.004, 1);
     move(many, -0.004, n);
-    CHECK(many.z == Approx(once.z).epsilon(1e-13));
+    CHECK(many.z == near(once.z, 1e-13));
   }
 }
 
 TEST_CASE("Friction starts with stiffness T_c/w and saturates at the Coulomb torque, never beyond") {
-  CHECK(friction.respond(0, 0, {}).stiffness == Approx(friction.torque / friction.width));
+  CHECK(friction.respond(0, 0, {}).stiffness == near(friction.torque / friction.width));
   LawMemory memory;
   for (double x : {0.001, 0.01, 0.1, 1.0}) {
     move(memory, x, 1);
     CHECK(friction.torque * memory.z <= friction.torque);
   }
-  CHECK(memory.z == Approx(1));
+  CHECK(memory.z == near(1));
   move(memory, -1, 1);
-  CHECK(memory.z == Approx(-1));
+  CHECK(memory.z == near(-1));
 }
 
 TEST_CASE("A trial leaves the memory as it was") {
   const LawMemory memory{0.3, 0.5};
   friction.respond(0.4, 0, memory);
-  CHECK(friction.respond(0.3, 0, memory).force == Approx(0.5 * friction.torque));
+  CHECK(friction.respond(0.3, 0, memory).force == near(0.5 * friction.torque));
 }
 
 TEST_CASE("A cycle of amplitude a takes 4 T_c (a − w), so 4 T_c a for large swings") {
@@ -63,7 +65,7 @@ TEST_CASE("A cycle of amplitude a takes 4 T_c (a − w), so 4 T_c a for large sw
   move(memory, a, 1);
   const double taken = move(memory, -a, 4000) + move(memory, a, 4000);
   const double T = friction.torque, w = friction.width;
-  CHECK(taken == Approx(4 * T * (a - w)).epsilon(1e-5));  // the trapezoidal rule's error at 1e-4 rad a step
+  CHECK(taken == near(4 * T * (a - w), 1e-5));  // the trapezoidal rule's error at 1e-4 rad a step
   CHECK(taken < 4 * T * a);
 }
 
