@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,8 @@ class Statics:
         The model.
     position, displacement : ndarray, shape (point, 3)
         Where the points are, base axes, and how far from the rigid arm at the same drive angles [m].
+    rotation : ndarray, shape (point, 3, 3)
+        Body axes at the points as columns, base axes.
     joint_torque, drive_angle, link_angle : ndarray, shape (joint,)
         Torque on the child about +axis, output side [N m], and angles of drive and link [rad].
     section_forces : ndarray, shape (link, 2, 6)
@@ -43,6 +45,7 @@ class Statics:
     arm: Arm
     position: Floats
     displacement: Floats
+    rotation: Floats
     joint_torque: Floats
     drive_angle: Floats
     link_angle: Floats
@@ -98,6 +101,7 @@ class Statics:
             {
                 "position": (("point", "axis"), self.position, {"units": "m"}),
                 "displacement": (("point", "axis"), self.displacement, {"units": "m"}),
+                "rotation": (("point", "axis", "body_axis"), self.rotation, {"units": "1"}),
                 "joint_torque": (("joint",), self.joint_torque, {"units": "N m"}),
                 "drive_angle": (("joint",), self.drive_angle, {"units": "rad"}),
                 "link_angle": (("joint",), self.link_angle, {"units": "rad"}),
@@ -113,6 +117,7 @@ class Statics:
                 "joint": list(self.joints),
                 "link": [link.name for link in self.arm.links],
                 "axis": axis,
+                "body_axis": axis,
                 "end": ["start", "end"],
                 "component": component,
                 "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
@@ -141,6 +146,7 @@ class Statics:
         names = (
             "position",
             "displacement",
+            "rotation",
             "joint_torque",
             "drive_angle",
             "link_angle",
@@ -197,7 +203,11 @@ class Statics:
 
 
 def static(
-    arm: Arm, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
+    arm: Arm,
+    joints: Mapping[str, float] | None = None,
+    forces: Mapping[str, ArrayLike] | None = None,
+    *,
+    at_link: Collection[str] = (),
 ) -> Statics:
     """Equilibrium under gravity and point forces, the joints' drives held.
 
@@ -209,6 +219,9 @@ def static(
         Drive angles, output side [rad, m for a prismatic joint]; default 0.
     forces : dict of str to (3,), optional
         Forces at points, base axes [N].
+    at_link : collection of str
+        Joints whose angle in `joints` is the link's, as an encoder behind the reducer gives it. What their
+        motor's own angle must then be is not computed: `drive_angle` is the link's.
 
     Raises
     ------
@@ -223,7 +236,8 @@ def static(
     """
     values = joint_values(arm, joints or {})
     loads = point_loads(arm, forces or {})
-    system = assemble(arm, loaded=forces or ())
+    held = {name: _core.DriveKind.link_angle for name in at_link}
+    system = assemble(arm, held, loaded=forces or ())
     acting = _core.Loads(gravity=np.array(arm.gravity), points=loads)
     equilibrium = _core.static_equilibrium(system, values, acting)
     state, rigid = equilibrium.state, system.rigid_state(values)
@@ -233,6 +247,7 @@ def static(
         arm=arm,
         position=frozen(position),
         displacement=frozen(position - _positions(system, rigid, len(arm.points))),
+        rotation=frozen(_rotations(system, state, len(arm.points))),
         joint_torque=frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
         drive_angle=frozen(values),
         link_angle=frozen(_core.joint_angles(system, state)),
@@ -249,6 +264,10 @@ def static(
 
 def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
     return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
+
+
+def _rotations(system: _core.System, state: _core.State, count: int) -> Floats:
+    return np.array([system.point_frame(state, i).R for i in range(count)]).reshape(count, 3, 3)
 
 
 def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.measurement.frames import Registration
+from flexarm.comparison.subject import Placement
+from flexarm.comparison.unknowns import stated
 from flexarm.measurement.measure import measure
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
 from flexarm.record import Record, Signal
@@ -42,21 +43,22 @@ def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Recor
 
 
 def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
-    """The record that drove a run, with its signals as the run has them: its instants, without noise."""
-    signals = {name: _again(signal, run, record) for name, signal in record.signals.items()}
+    """The record that drove a run, with its signals as the run has them: its instants, without noise.
+
+    Clocks and frames are as the record states them, offsets and poses included.
+    """
+    placement = stated(record)
+    signals = {name: _again(signal, run, record, placement) for name, signal in record.signals.items()}
     return record.replace(signals=signals, description=f"simulation of {arm.name}", path=None)
 
 
-def _again(signal: Signal, run: Simulation, record: Record) -> Signal:
+def _again(signal: Signal, run: Simulation, record: Record, placement: Placement) -> Signal:
     """A signal of the record as the simulation has it; what went into the simulation stays as it was."""
     if signal.quantity not in READINGS and signal.quantity not in FRAMED_READINGS:
         return signal
     if signal.name in record.drive and signal.quantity != "joint_angle":
         return signal
-    frame = record.frame_of(signal)
-    return signal.replace(
-        values=predict(run, signal, registration=Registration(origin=frame.xyz, rpy=frame.rpy))
-    )
+    return signal.replace(values=predict(run, signal, placement.clock(signal), placement.frame(signal)))
 
 
 def _position(run: Simulation, i: int, name: str) -> Signal:

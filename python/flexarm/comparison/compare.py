@@ -157,9 +157,10 @@ def _modes(arm: Arm, record: Record, pair: Subject) -> list[float]:
 
 
 def _only_joint(pair: Subject) -> str | None:
-    """The one joint that the record drives, or None."""
+    """The one joint that the record drives, or that could move where nothing is driven; None: several."""
     record = pair.record
     moved = {record.signals[name].joint for name in record.drive}
+    moved = moved or {joint.name for joint in pair.simulation.arm.moving_joints}
     return moved.pop() if len(moved) == 1 else None
 
 

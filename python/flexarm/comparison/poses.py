@@ -1,8 +1,9 @@
 """Static records: every pose an equilibrium, together a sequence that reads like a simulation.
 
 The number of the pose takes the place of time, so sensors read poses as they read instants. Inputs of a pose
-are its joint angles (drive signals; other joints stand where the record says), forces at points and payload
-masses. Rows of one pose are repeated measurements: inputs are their means, outputs are compared row by row.
+are its joint angles (drive signals, of motor or link as their side says; other joints stand where the record
+says), forces at points and payload masses. Rows of one pose are repeated measurements: inputs are their
+means, outputs are compared row by row.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.errors import InvalidParameter
 from flexarm.measurement.sampling import columns
+from flexarm.record.doubts import INPUTS
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -36,6 +39,8 @@ class PoseSequence:
         Names, in the order of the arrays.
     position, velocity : ndarray, shape (n, point, 3)
         Places [m]; nothing moves.
+    orientation, angular_rate, acceleration : ndarray, shapes (n, point, 4) and (n, point, 3)
+        Quaternions x, y, z, w; no rate; specific force in body axes [m/s2].
     joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
         Angles [rad] and the drive's torques, output side [N m].
     section_forces : ndarray, shape (n, link, 2, 6)
@@ -48,6 +53,9 @@ class PoseSequence:
     joints: tuple[str, ...]
     position: Floats
     velocity: Floats
+    orientation: Floats
+    angular_rate: Floats
+    acceleration: Floats
     joint_angle: Floats
     joint_rate: Floats
     drive_angle: Floats
@@ -58,7 +66,7 @@ class PoseSequence:
 
 def is_input(record: Record, signal: Signal) -> bool:
     """Whether a signal of a static record says what the arm was told, not how it answered."""
-    return signal.name in record.drive or signal.quantity in ("force", "payload_mass")
+    return signal.name in record.drive or signal.quantity in INPUTS
 
 
 def solve_poses(arm: Arm, record: Record) -> PoseSequence:
@@ -73,11 +81,16 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
 
     Raises
     ------
+    InvalidParameter
+        If a drive does not say where a joint stands in a pose.
     NotConverged
         If a pose has no stable equilibrium.
     """
+    from scipy.spatial.transform import Rotation
+
     from flexarm.statics import static
 
+    at_link = {s.joint for name in record.drive if (s := record.signals[name]).side == "output" and s.joint}
     found = []
     for pose in record.poses:
         angles, forces, masses = _inputs(record, pose)
@@ -86,8 +99,9 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
                 load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads
             )
         )
-        found.append(static(loaded, joints={**record.joints, **angles}, forces=forces))
+        found.append(static(loaded, joints={**record.joints, **angles}, forces=forces, at_link=at_link))
     position = np.array([s.position for s in found])
+    turns = Rotation.from_matrix([np.eye(3), *(R for s in found for R in s.rotation)])[1:]  # may be none
     link_angle = np.array([s.link_angle for s in found])
     return PoseSequence(
         arm,
@@ -96,6 +110,9 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
         found[0].joints,
         position,
         np.zeros_like(position),
+        turns.as_quat().reshape(*position.shape[:2], 4),
+        np.zeros_like(position),
+        -np.asarray(turns.inv().apply(np.asarray(arm.gravity))).reshape(position.shape),
         link_angle,
         np.zeros_like(link_angle),
         np.array([s.drive_angle for s in found]),
@@ -126,6 +143,11 @@ def _inputs(record: Record, pose: str) -> tuple[dict[str, float], dict[str, Floa
             continue
         rows = signal.values[(signal.pose == pose) & signal.valid]
         if not len(rows):
+            if signal.name in record.drive:
+                raise InvalidParameter(
+                    f"holds no value for the pose {pose!r}; a drive needs one for every pose of the record",
+                    where=f"signals.{signal.name}",
+                )
             continue
         mean = rows.mean(axis=0)
         if signal.quantity == "force" and signal.point is not None:

@@ -15,17 +15,24 @@ if TYPE_CHECKING:
     from flexarm.record.record import Record
 
 
+INPUTS = ("force", "payload_mass")
+"""Quantities that say what an arm was told and are compared with nothing."""
+
+
 def doubts(record: Record) -> Iterable[Problem]:
     """All doubts about a record."""
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
+    if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
+        names = ", ".join(record.of_quantity("joint_angle"))
+        yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():
             yield Problem(where, f"holds no value in {len(signal)} rows")
             continue
         yield from (Problem(where, what) for what in (*_unit(signal), *_dead(signal), *_gaps(signal)))
-        if signal.noise_std is None and signal.name not in record.drive and signal.quantity != "payload_mass":
+        if signal.noise_std is None and signal.name not in record.drive and signal.quantity not in INPUTS:
             yield Problem(
                 f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
             )
