@@ -190,8 +190,8 @@ class Arm(Table):
         """Joints that have a coordinate."""
         return tuple(joint for joint in self.joints if joint.moves)
 
-    def sigma(self, key: str) -> tuple[Any, float]:
-        """Nominal value and 1 sigma, both in SI, of a key of `uncertainty`."""
+    def sigma(self, key: str) -> tuple[Any, Any]:
+        """Nominal value and 1 sigma, both in SI, of a key of `uncertainty`; see `uncertainty.sigma_of`."""
         return sigma_of(self, key)
 
     @property

@@ -7,6 +7,7 @@ The same object simulates, is written into the TOML and is printed. A new effect
 from __future__ import annotations
 
 from importlib import import_module, util
+from math import inf
 from typing import Any, ClassVar
 
 from pydantic import ValidationError
@@ -70,7 +71,10 @@ class Effect(Table):
     at: str
 
     def parameters(self) -> list[tuple[str, float, str]]:
-        """Parameters as (name, value, unit), vectors spelt out as `offset.x`, `offset.y`, `offset.z`."""
+        """Parameters as (name, value, unit), vectors spelt out as `offset.x`, `offset.y`, `offset.z`.
+
+        Infinite ones, such as a stiffness that was left out, do not appear.
+        """
         found: list[tuple[str, float, str]] = []
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
@@ -78,7 +82,7 @@ class Effect(Table):
                 found += [
                     (f"{name}.{axis}", item, unit_of(field)) for axis, item in zip("xyz", value, strict=False)
                 ]
-            elif name != "at":
+            elif name != "at" and value != inf:
                 found.append((name, value, unit_of(field)))
         return found
 

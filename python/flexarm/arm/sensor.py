@@ -171,6 +171,8 @@ class Sensor(Measurement):
         Share of samples that are lost, 0 to 1.
     step : float
         Quantisation, in `unit`; 0: none.
+    time : str
+        Name of the column of stamps in the file that is written.
     """
 
     rate_hz: Number = value_in("Hz", "samples a second", gt=0)
@@ -178,3 +180,4 @@ class Sensor(Measurement):
     latency_s: Number = value_in("s", "delay of the stamp", 0.0, ge=0)
     drop_out: Number = value_in("-", "share of lost samples", 0.0, ge=0, lt=1)
     step: Number = value_in("unit", "quantisation", 0.0, ge=0)
+    time: Name = "time_s"

@@ -1,7 +1,8 @@
 """Uncertainty of nominal values: which value a key means, and 1 sigma in SI.
 
 A key is a dotted path with names, `links.rod.material.youngs_modulus`; its number is relative. With a unit at
-the end, `points.tip.position_m`, the number is absolute; it then holds for each component of a vector.
+the end, `points.tip.position_m`, the number is absolute. Either holds for each component of a vector; places
+have absolute ones only.
 """
 
 from __future__ import annotations
@@ -27,11 +28,15 @@ _SUFFIXES = {
     "Nms_rad": "N m s/rad",
     "Nm": "N m",
 }
+_SCALED = ("m2", "m4", "kg m2")
+"""Units of vectors whose components are known relative to themselves; places and directions are not."""
 _TABLES = ("links", "joints", "gears", "payloads", "points", "motors", "effects")
 
 
-def sigma_of(arm: Arm, key: str) -> tuple[Any, float]:
+def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:
     """The nominal value that a key of `[uncertainty]` means, and its 1 sigma in the value's own unit.
+
+    A relative sigma of a vector is one number for each component, an absolute one a single number for all.
 
     Raises
     ------
@@ -41,7 +46,11 @@ def sigma_of(arm: Arm, key: str) -> tuple[Any, float]:
     owner, field, unit = _owner(arm, key)
     nominal = getattr(owner, field)
     given = arm.uncertainty[key]
-    return nominal, given if unit else abs(float(nominal)) * given
+    if unit:
+        return nominal, given
+    if isinstance(nominal, tuple):
+        return nominal, tuple(abs(component) * given for component in nominal)
+    return nominal, abs(nominal) * given
 
 
 def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
@@ -54,10 +63,9 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
         except ValueError as error:
             yield ("uncertainty", key), str(error)
             continue
-        if not unit and not isinstance(getattr(owner, field), float):
-            options = " or ".join(
-                f"{field}_{s}" for s, u in _SUFFIXES.items() if u == unit_of(type(owner).model_fields[field])
-            )
+        measure = unit_of(type(owner).model_fields[field])
+        if not unit and not (isinstance(getattr(owner, field), float) or measure in _SCALED):
+            options = " or ".join(f"{field}_{s}" for s, u in _SUFFIXES.items() if u == measure)
             yield (
                 ("uncertainty", key),
                 (

@@ -8,6 +8,7 @@ angle relative to its parent [rad]. Without this effect the drive train is rigid
 
 from __future__ import annotations
 
+from math import inf, isinf
 from typing import Any, ClassVar
 
 from flexarm.arm.effect import Effect
@@ -22,16 +23,16 @@ class JointCompliance(Effect):
     at : str
         The joint.
     stiffness : float
-        k of (1) [N m/rad]; N/m for a prismatic joint.
+        k of (1) [N m/rad]; N/m for a prismatic joint. Left out: infinite, so without effect.
     damping : float
         c of (1) [N m s/rad]; default 0.
     """
 
     name: ClassVar[str] = "joint_compliance"
     place: ClassVar[str] = "joint"
-    stiffness: Number = value_in("N m/rad", "stiffness of the joint", gt=0)
+    stiffness: Number = value_in("N m/rad", "stiffness of the joint", inf, gt=0)
     damping: Number = value_in("N m s/rad", "damping of the joint", 0.0, ge=0)
 
     def coupling_laws(self, core: Any) -> list[Any]:
-        """Spring and damper, eq. (1)."""
-        return [core.LinearSpring(self.stiffness, self.damping)]  # eq. (1)
+        """Spring and damper, eq. (1); none without a stiffness: damping cannot act in a rigid joint."""
+        return [] if isinf(self.stiffness) else [core.LinearSpring(self.stiffness, self.damping)]  # eq. (1)

@@ -151,6 +151,7 @@ def _signal(
         axes=sensor.axes or (),
         position=sensor.position,
         fibre=sensor.fibre,
+        time_column=sensor.time,
     )
 
 

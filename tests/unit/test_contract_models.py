@@ -1,0 +1,59 @@
+"""What models may say: parameters left out, relative uncertainties of vectors, sensors like signals."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pytest import approx
+
+import flexarm
+from flexarm.effects import JointCompliance
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture(scope="module")
+def arm() -> flexarm.Arm:
+    return flexarm.Arm.from_toml(EXAMPLES / "one_link.toml")
+
+
+def test_a_compliance_without_a_stiffness_is_without_effect(arm, tmp_path):
+    """Effect parameters left out are zero or without effect: damping alone cannot turn a rigid joint."""
+    text = (EXAMPLES / "one_link.toml").read_text().replace("stiffness = 1.0e5", "# stiffness = 1.0e5")
+    (tmp_path / "arm.toml").write_text(text)
+    rigid = flexarm.Arm.from_toml(tmp_path / "arm.toml")
+    effect = rigid.effects[0]
+    assert isinstance(effect, JointCompliance)
+    assert effect.parameters() == [("damping", 200.0, "N m s/rad")]
+    bent = flexarm.static(rigid, joints={"hinge": 0.5})
+    assert bent.link_angle == approx([0.5], abs=1e-12)
+    plain = flexarm.static(arm.without_effect("joint_compliance", "hinge"), joints={"hinge": 0.5})
+    assert bent.position == approx(plain.position, abs=1e-12)
+
+
+def test_a_relative_sigma_of_a_vector_holds_for_each_component(arm):
+    """One number or [Iy, Iz] may stand for a second moment, and 2 % is 2 % of either."""
+    table = arm.to_dict()
+    table["links"][0] |= {"up": [1.0, 0.0, 0.0]}
+    for given in (5e-7, [5e-7, 4e-7]):
+        table["links"][0]["section"] = {
+            "shape": "general",
+            "area": 6e-4,
+            "second_moment": given,
+            "torsion_constant": 1e-6,
+        }
+        table["uncertainty"] = {"links.rod.section.second_moment": 0.02}
+        nominal, sigma = flexarm.Arm.from_dict(table).sigma("links.rod.section.second_moment")
+        assert nominal == approx(np.broadcast_to(given, 2))
+        assert sigma == approx(0.02 * np.broadcast_to(given, 2))
+
+
+def test_a_sensor_names_its_column_of_stamps_as_a_signal_does(arm, tmp_path):
+    table = arm.to_dict()
+    table["sensors"] = [
+        {"name": "tip", "quantity": "position", "point": "tip", "rate_hz": 10.0, "time": "tracker_s"}
+    ]
+    sensing = flexarm.Arm.from_dict(table)
+    run = flexarm.simulate(sensing, flexarm.Drive.from_samples([0, 1], {"hinge": [0, 0]}))
+    flexarm.measure(run, sensing.sensors, np.random.default_rng(0)).save(tmp_path / "record")
+    assert (tmp_path / "record" / "tip.csv").read_text().startswith("tracker_s,tip_x_m,tip_y_m,tip_z_m\n")
