@@ -131,7 +131,7 @@ void bind_transient(py::module_& m) {
            py::arg("n_steps"))
       .def_property_readonly("done", &SampledRun::done)
       .def_property_readonly("time", &SampledRun::time)
-      .def_property_readonly("state", &SampledRun::state)
+      .def_property_readonly("state", [](const SampledRun& run) { return run.state(); })
       .def_property_readonly("drive_angles", &SampledRun::drive_angles)
       .def_property_readonly("drive_rates", &SampledRun::drive_rates)
       .def_property_readonly("joint_angles", &SampledRun::joint_angles)

@@ -37,6 +37,7 @@ Matrix3d section_axes(const Vector3d& end, const Vector3d& up) {
 std::vector<double> beam_stations(double length, int elements, std::vector<double> occupied) {
   std::vector<double> stations(elements + 1);
   for (int k = 0; k <= elements; ++k) stations[k] = length * k / elements;
+  stations.back() = length;  // not length * (n/n), which may differ in the last bit
   std::sort(occupied.begin(), occupied.end());
   std::vector<double> taken = {0.0, length};
   for (double place : occupied) {

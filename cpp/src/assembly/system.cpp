@@ -41,6 +41,14 @@ int System::link_index(const std::string& name) const {
   throw InvalidParameter("there is no link '" + name + "'");
 }
 
+const Attachment& System::loaded_point(int point) const {
+  if (point < 0 || point >= static_cast<int>(points_.size()) || points_[point].element >= 0) {
+    throw InvalidParameter("a point load needs a point of the arm that is declared as loaded, got number " +
+                           std::to_string(point));
+  }
+  return points_[point];
+}
+
 const Frame& System::frame(const State& state, int node) const {
   return node < 0 ? base_frame : state.frames[node];
 }
@@ -212,6 +220,12 @@ void System::set_damping() {
   for (std::size_t k = 0; k < arm_.links.size(); ++k) {
     const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k]);
     if (beam == nullptr || beam->damping_ratio == 0) continue;
+    if (!(beam->damping_ratio > 0 && beam->material.density > 0)) {
+      throw InvalidParameter("link '" + beam->name +
+                             "': a damping ratio must be positive and needs mass to act on, got " +
+                             std::to_string(beam->damping_ratio) + " at a density of " +
+                             std::to_string(beam->material.density) + " kg/m³");
+    }
     const LinkMesh& mesh = meshes_[k];
     const double omega =
         elements::first_clamped_frequency(std::span(beams_).subspan(mesh.first_element, mesh.n_nodes() - 1));
@@ -295,7 +309,7 @@ void System::residual(const State& state, const Loads& loads, bool friction, Vec
   for (int n = 0; n < n_nodes_; ++n)
     r.segment<6>(6 * n) -= weights_[n].force(state.frames[n].R, loads.gravity);
   for (const PointLoad& load : loads.points) {
-    const Attachment& at = points_[load.point];
+    const Attachment& at = loaded_point(load.point);
     const Matrix3d to_node = load.follows ? at.offset.R : Matrix3d(state.frames[at.node].R.transpose());
     const Vector3d force = to_node * load.force;
     r.segment<3>(6 * at.node) -= force;

@@ -1,10 +1,17 @@
 #include "flexarm/simulation/piecewise_polynomial.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "flexarm/errors.hpp"
 
 namespace flexarm::simulation {
+namespace {
+
+// Times that differ by less are the same: adding up steps must not end a motion before its last instant.
+constexpr double rounding = 1e-12;
+
+}  // namespace
 
 PiecewisePolynomial::PiecewisePolynomial(std::vector<double> breaks, Eigen::MatrixXd coefficients)
     : breaks_(std::move(breaks)), coefficients_(std::move(coefficients)) {
@@ -14,8 +21,14 @@ PiecewisePolynomial::PiecewisePolynomial(std::vector<double> breaks, Eigen::Matr
         "a piecewise polynomial needs one column of coefficients between two breaks, got " +
         std::to_string(coefficients_.cols()) + " columns and " + std::to_string(breaks_.size()) + " breaks");
   }
-  if (!std::is_sorted(breaks_.begin(), breaks_.end(), std::less_equal<>())) {
-    throw InvalidParameter("the breaks of a piecewise polynomial must rise");
+  for (std::size_t k = 0; k + 1 < breaks_.size(); ++k) {
+    if (!(breaks_[k] < breaks_[k + 1] && std::isfinite(breaks_[k + 1] - breaks_[k]))) {
+      throw InvalidParameter("the breaks of a piecewise polynomial must be finite and rise, got " +
+                             std::to_string(breaks_[k + 1]) + " after " + std::to_string(breaks_[k]));
+    }
+  }
+  if (!coefficients_.allFinite()) {
+    throw InvalidParameter("the coefficients of a piecewise polynomial must be finite");
   }
 }
 
@@ -35,7 +48,7 @@ std::array<double, 3> PiecewisePolynomial::operator()(double t) const {
     first = first * x + value;
     value = value * x + coefficients_(j, k);
   }
-  if (held != t) return {value, 0.0, 0.0};
+  if (std::abs(held - t) > rounding * std::max(1.0, std::abs(t))) return {value, 0.0, 0.0};
   return {value, first, second};
 }
 

@@ -44,7 +44,7 @@ class Newton {
       dx_ << -r_.head(system_.n_free()), -scale_ * phi_;
       factor_.solve(dx_);  // eq. (1)
       const double size = solvers::increment_norm(system_, dx_);
-      if (!std::isfinite(size)) return Outcome::diverged;
+      if (!dx_.allFinite()) return Outcome::diverged;
       const double part = std::min(1.0, longest_increment / size);
       solvers::move(system_, part * dx_.head(system_.n_free()), state);
       state.multipliers += part * scale_ * dx_.tail(system_.n_constraints());
@@ -89,6 +89,8 @@ std::string failure_message(Outcome outcome, double fraction, double residual) {
   char text[256];
   switch (outcome) {
     case Outcome::unstable:
+      if (fraction == 0)
+        return "statics: the arm has no stable equilibrium near this pose, at any part of its load";
       std::snprintf(text, sizeof text,
                     "statics: the arm buckles at about %.3g of its load: beyond it no stable equilibrium "
                     "follows from this pose",

@@ -64,6 +64,7 @@ Eigen::VectorXcd damped_eigenvalues(const Eigen::VectorXd& omega_squared, const 
   Eigen::VectorXcd mu(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Index own = most_like(k, share, solver.eigenvalues(), taken);
+    if (own < 0) return mu.head(k);
     taken[static_cast<std::size_t>(own)] = true;
     const Eigen::VectorXcd x = X * solver.eigenvectors().col(own).head(p);
     mu[k] = refine(solver.eigenvalues()[own], x, K, C, M, J);

@@ -20,6 +20,9 @@ using Eigen::VectorXd;
 
 // Added to ω² so that rigid-body modes can be iterated on: (1 rad/s)², below any frequency of interest.
 constexpr double shift = 1.0;
+// Up to so many motions all modes are found at once, which knows what has no mass; beyond, by iteration.
+constexpr Eigen::Index dense_limit = 300;
+constexpr double massless = 1e-15;
 constexpr int max_turns = 200;
 constexpr double tolerance = 1e-11;
 // Fine meshes have a floor: ω² carries the rounding of the stiffest element. A change below this that no
@@ -32,53 +35,100 @@ MatrixXd random_start(Eigen::Index n, Eigen::Index p) {
   return MatrixXd::NullaryExpr(n, p, [&] { return normal(generator); });
 }
 
-}  // namespace
+/// Solutions of M x = ν (K + shift M) x on Φ_q x = 0, ν = 1/(ω² + shift) falling; massless motions (ν = 0)
+/// left out.
+struct Solutions {
+  VectorXd nu;
+  MatrixXd X;
+  int iterations = 1;
+  double residual = 0;
+};
 
-Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const SparseMatrix& M,
-                      const SparseMatrix& J, int count) {
-  const Eigen::Index n = K_raw.rows();
-  const Eigen::Index n_motions = n - J.rows();
-  Eigenmodes modes;
-  if (n_motions <= 0) return modes;
-  const Eigen::Index wanted = std::min<Eigen::Index>(count, n_motions);
-  const Eigen::Index p = std::min<Eigen::Index>(n_motions, std::max<Eigen::Index>(2 * wanted, wanted + 8));
-  // Off equilibrium-free directions K is symmetric; its antisymmetric part has no work on Φ_q x = 0.
-  const SparseMatrix K = 0.5 * (K_raw + SparseMatrix(K_raw.transpose())) + shift * M;
+[[noreturn]] void refuse_indefinite() {
+  throw NotConverged(
+      "modes: the stiffness is negative by more than modes can be sought about: no stable equilibrium", 0, 0,
+      0);
+}
+
+/// All of them at once, in a basis of the null space of J.
+Solutions solve_dense(const SparseMatrix& K, const SparseMatrix& M, const SparseMatrix& J) {
+  const Eigen::Index n = K.rows();
+  MatrixXd Z = MatrixXd::Identity(n, n);
+  if (J.rows() > 0) {
+    const Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(J.transpose()));
+    Z = MatrixXd(qr.householderQ()).rightCols(n - qr.rank());
+  }
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(Z.transpose() * (M * Z),
+                                                                  Z.transpose() * (K * Z));
+  if (solver.info() != Eigen::Success) refuse_indefinite();
+  const VectorXd nu = solver.eigenvalues().reverse();
+  const Eigen::Index n_massive = (nu.array() > massless * nu[0]).count();
+  return {nu.head(n_massive), (Z * solver.eigenvectors().rowwise().reverse()).leftCols(n_massive)};
+}
+
+/// The first `wanted` of them, and some more to speed it up, by subspace iteration.
+Solutions solve_by_subspace(const SparseMatrix& K, const SparseMatrix& M, const SparseMatrix& J,
+                            Eigen::Index wanted) {
+  const Eigen::Index n = K.rows();
+  const Eigen::Index p = std::max<Eigen::Index>(2 * wanted, wanted + 8);
   SparseFactor factor;
   if (!factor.factor(saddle_point<double>(K, J))) {
     throw NotConverged(
         "modes: the stiffness matrix is singular: a coordinate with neither mass nor stiffness?", 0, 0, 0);
   }
-  MatrixXd X = random_start(n, p), Y = MatrixXd::Zero(n + J.rows(), p);
-  VectorXd nu = VectorXd::Zero(p);  // 1/(ω² + shift), falling
-  for (modes.iterations = 1; modes.iterations <= max_turns; ++modes.iterations) {
-    Y.topRows(n) = M * X;
+  Solutions found{VectorXd::Zero(p), random_start(n, p)};
+  MatrixXd Y = MatrixXd::Zero(n + J.rows(), p);
+  for (; found.iterations <= max_turns; ++found.iterations) {
+    Y.topRows(n) = M * found.X;
     Y.bottomRows(J.rows()).setZero();
     factor.solve(Y);
     const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(Y.topRows(n)).householderQ() * MatrixXd::Identity(n, p);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(Q.transpose() * (M * Q),
                                                                   Q.transpose() * (K * Q));
+    if (ritz.info() != Eigen::Success) refuse_indefinite();
     const VectorXd next = ritz.eigenvalues().reverse();
-    X = Q * ritz.eigenvectors().rowwise().reverse();
-    const double change = ((next - nu).head(wanted).array() / next.head(wanted).array()).abs().maxCoeff();
-    nu = next;
-    const bool at_floor = change < floor_limit && change > 0.5 * modes.residual;
-    modes.residual = change;
-    if (change < tolerance || at_floor) break;
+    found.X = Q * ritz.eigenvectors().rowwise().reverse();
+    const double change =
+        ((next - found.nu).head(wanted).array() / next.head(wanted).array()).abs().maxCoeff();
+    found.nu = next;
+    const bool at_floor = change < floor_limit && change > 0.5 * found.residual;
+    found.residual = change;
+    if (change < tolerance || at_floor) return found;
   }
-  if (modes.iterations > max_turns) {
-    throw NotConverged(
-        "modes: subspace iteration has not converged after " + std::to_string(max_turns) + " turns", 0,
-        max_turns, modes.residual);
+  throw NotConverged(
+      "modes: subspace iteration has not converged after " + std::to_string(max_turns) + " turns", 0,
+      max_turns, found.residual);
+}
+
+}  // namespace
+
+Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const SparseMatrix& M,
+                      const SparseMatrix& J, int count) {
+  if (count < 1)
+    throw InvalidParameter("the number of modes must be at least 1, got " + std::to_string(count));
+  const Eigen::Index n_motions = K_raw.rows() - J.rows();
+  Eigenmodes modes;
+  if (n_motions <= 0) return modes;
+  // At an equilibrium K is symmetric along Φ_q x = 0; elsewhere its antisymmetric part does not matter.
+  const SparseMatrix K = 0.5 * (K_raw + SparseMatrix(K_raw.transpose()));
+  const SparseMatrix shifted = K + shift * M;
+  Solutions found = n_motions <= dense_limit
+                        ? solve_dense(shifted, M, J)
+                        : solve_by_subspace(shifted, M, J, std::min<Eigen::Index>(count, n_motions));
+  for (Eigen::Index k = 0; k < found.X.cols(); ++k) {
+    found.X.col(k) /= std::sqrt(found.X.col(k).dot(M * found.X.col(k)));
   }
-  for (Eigen::Index k = 0; k < p; ++k) X.col(k) /= std::sqrt(X.col(k).dot(M * X.col(k)));
-  modes.omega_squared = nu.cwiseInverse().array() - shift;
+  const Eigen::Index wanted = std::min<Eigen::Index>(count, found.nu.size());
+  modes.iterations = found.iterations;
+  modes.residual = found.residual;
+  modes.omega_squared = found.nu.cwiseInverse().array() - shift;
   if (C.nonZeros() > 0) {
-    const SparseMatrix unshifted = K - shift * M;
-    modes.damped = damped_eigenvalues(modes.omega_squared, X, unshifted, C, M, J, wanted);
+    const Eigen::Index used = std::min(found.nu.size(), std::max<Eigen::Index>(2 * wanted, wanted + 8));
+    modes.damped =
+        damped_eigenvalues(modes.omega_squared.head(used), found.X.leftCols(used), K, C, M, J, wanted);
   }
   modes.omega_squared.conservativeResize(wanted);
-  modes.shapes = X.leftCols(wanted);
+  modes.shapes = found.X.leftCols(wanted);
   return modes;
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 // A contraction measured this many steps ago is measured again before it is trusted.
 constexpr long trusted_steps = 16;
+// Increments below this are rounding: they neither shrink nor matter.
+constexpr double rounding_floor = 1e-14;
 
 bool has_memory(const System& system) {
   return std::any_of(system.laws().begin(), system.laws().end(),
@@ -91,8 +93,8 @@ bool HhtStepper::step(State& state, double h, const Drives& drives) {
     state = before_;
     return false;
   }
-  predict(state, h);
-  configure(before_, state, h);
+  predict(h);
+  configure(state, h);
   if (!iterate(state, h)) {
     state = before_;
     factored_h_ = 0;
@@ -110,27 +112,27 @@ bool HhtStepper::step(State& state, double h, const Drives& drives) {
   return true;
 }
 
-/// Accelerations of state 1 start at those of state 0.
-void HhtStepper::predict(const State& before, double h) {
-  const auto [alpha, beta, gamma] = coefficients_;
+/// Accelerations of state 1 start at those of state 0, so that a₁ = v̇₀ by (2).
+void HhtStepper::predict(double h) {
+  const double beta = coefficients_.beta;
   const int n = system_.n_free();
-  const auto a1 = (1 + alpha) * before.v_dot.head(n) - alpha * before_.v_dot.head(n);          // eq. (2)
-  exponent_ = h * before_.v.head(n) + h * h * ((0.5 - beta) * before_.a.head(n) + beta * a1);  // eq. (3)
+  exponent_ = h * before_.v.head(n) +
+              h * h * ((0.5 - beta) * before_.a.head(n) + beta * before_.v_dot.head(n));  // eq. (3)
 }
 
 /// State 1 from the exponent: (3), (2) and (4) solved for a₁, v̇₁, v₁; prescribed coordinates from the drives.
-void HhtStepper::configure(const State& before, State& state, double h) const {
+void HhtStepper::configure(State& state, double h) const {
   const auto [alpha, beta, gamma] = coefficients_;
   const int n = system_.n_free(), n_scalars = system_.n_scalars(), offset = system_.scalar_offset();
   for (int k = 0; k < system_.n_nodes(); ++k) {
-    state.frames[k] = before.frames[k] * geometry::exp6(exponent_.segment<6>(6 * k));  // eq. (3)
+    state.frames[k] = before_.frames[k] * geometry::exp6(exponent_.segment<6>(6 * k));  // eq. (3)
   }
-  const auto v0 = before.v.head(n), a0 = before.a.head(n);
+  const auto v0 = before_.v.head(n), a0 = before_.a.head(n);
   state.a.head(n) = (exponent_ - h * v0) / (beta * h * h) - (0.5 - beta) / beta * a0;
-  state.v.head(n) = v0 + h * ((1 - gamma) * a0 + gamma * state.a.head(n));               // eq. (4)
-  state.v_dot.head(n) = (state.a.head(n) + alpha * before.v_dot.head(n)) / (1 + alpha);  // eq. (2)
+  state.v.head(n) = v0 + h * ((1 - gamma) * a0 + gamma * state.a.head(n));                // eq. (4)
+  state.v_dot.head(n) = (state.a.head(n) + alpha * before_.v_dot.head(n)) / (1 + alpha);  // eq. (2)
   const int n_free_scalars = n - offset;
-  state.s.head(n_free_scalars) = before.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
+  state.s.head(n_free_scalars) = before_.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
   const int n_driven = n_scalars - n_free_scalars;
   state.s.tail(n_driven) = drive_.s.tail(n_driven);
   state.v.tail(n_driven) = drive_.v.tail(n_driven);
@@ -139,6 +141,8 @@ void HhtStepper::configure(const State& before, State& state, double h) const {
 
 bool HhtStepper::iterate(State& state, double h) {
   const int n = system_.n_free();
+  const double beta_h2 = coefficients_.beta * h * h;
+  const double tolerance = std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2);
   const bool cautious = has_memory(system_) || statistics_.steps % trusted_steps == 0;
   bool fresh = false;
   double previous = 0;
@@ -147,18 +151,21 @@ bool HhtStepper::iterate(State& state, double h) {
     system_.violation(state, phi_);
     solve(state, h);  // eq. (5)
     ++statistics_.iterations;
+    if (!dx_.allFinite()) return false;
     const double size = increment_norm(system_, dx_);
-    if (!std::isfinite(size)) return false;
 
     exponent_ += dx_.head(n);
-    state.multipliers += mass_scale_ / (coefficients_.beta * h * h) * dx_.tail(system_.n_constraints());
-    configure(before_, state, h);
+    state.multipliers += mass_scale_ / beta_h2 * dx_.tail(system_.n_constraints());
+    configure(state, h);
 
     const double rate = previous > 0 ? size / previous : contraction_;
-    if (k > 0) contraction_ = std::clamp(rate, 1e-3, 0.9);
     const double error = rate < 1 ? rate / (1 - rate) * size : size;
-    if (error < options_.tolerance && (k > 0 || !cautious)) return true;
-    if (size < 1e-3 * options_.tolerance) return true;
+    if (error < tolerance && (k > 0 || !cautious)) {
+      if (previous > rounding_floor) contraction_ = std::clamp(rate, 1e-4, 0.9);
+      return true;
+    }
+    if (size < rounding_floor || (k > 1 && rate > 0.5 && size < options_.tolerance))
+      return true;  // nothing to gain
     if (k > 0 && rate > options_.slow_contraction && !fresh) {
       if (!factor(state, h)) return false;
       fresh = true;

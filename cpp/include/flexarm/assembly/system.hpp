@@ -149,6 +149,8 @@ class System {
   void place_masses();
   void set_damping();
   int link_index(const std::string& name) const;
+  /// @throws InvalidParameter if there is no such point, or it has no node of its own to be loaded at.
+  const Attachment& loaded_point(int point) const;
   const Frame& frame(const State& state, int node) const;
 
   model::Arm arm_;
@@ -202,7 +204,7 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
           geometry::Matrix6d(c.stiffness * weights_[n].stiffness(state.frames[n].R, loads.gravity)));
   }
   for (const PointLoad& load : loads.points) {
-    const Attachment& at = points_[load.point];
+    const Attachment& at = loaded_point(load.point);
     if (load.follows) continue;
     const Matrix3d& R = state.frames[at.node].R;
     geometry::Matrix6d K = elements::Weight{1, at.offset.x}.stiffness(R, load.force);

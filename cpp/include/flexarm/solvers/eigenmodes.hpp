@@ -4,10 +4,9 @@
 ///     (K − ω² M) x + Φ_qᵀ λ = 0,   Φ_q x = 0                                                        (1)
 ///     (μ² M + μ C + K) x + Φ_qᵀ λ = 0,   ζ = −Re μ/|μ|                                              (2)
 ///
-/// (1) by subspace iteration with a small shift, so that arms with free joints have their zero frequencies;
-/// (2) starts from the modes of (1) and is refined by Newton's method on the full quadratic problem, so that
-/// strong dampers in one joint are right too. Units: rad/s. Sources: [Bathe1982] for the subspace iteration,
-/// [Ruhe1973] for (2).
+/// (1) in a basis of the null space of Φ_q where the system is small, by subspace iteration where it is
+/// large, with a small shift, so that arms with free joints have their zero frequencies; (2) in
+/// damped_modes.hpp. Units: rad/s. Source: [Bathe1982] for the subspace iteration.
 #pragma once
 
 #include <Eigen/SparseCore>

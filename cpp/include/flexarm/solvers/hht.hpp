@@ -14,12 +14,13 @@
 ///
 /// with constraints scaled by s = m/(β h²) so that conditioning does not depend on the step [Bottasso2008].
 /// In local frames S hardly changes while the arm swings, so its factors are kept as long as the iteration
-/// contracts. The tangents of joint laws (friction, backlash) that do change enter by the Woodbury identity,
+/// contracts. The tangents of joint laws (friction) that do change enter by the Woodbury identity,
 /// with one kept solve a law.
 ///
 /// The iteration stops when the error left, estimated from the contraction as in [HairerWanner1996], is below
-/// the tolerance; what is left over does not add up, for every step restores equilibrium (1) by itself.
-/// Units: SI, h in s. docs/theory.md, section "Time stepping".
+/// two tolerances: one for positions, and one for accelerations, to which an error δ of a position
+/// contributes δ/(β h²). What is left over does not add up in positions, for every step restores equilibrium
+/// (1) by itself. Units: SI, h in s. docs/theory.md, section "Time stepping".
 #pragma once
 
 #include <functional>
@@ -57,8 +58,9 @@ struct DriveValues {
 using Drives = std::function<void(double t, DriveValues& values)>;
 
 struct HhtOptions {
-  double tolerance = 1e-10;  ///< error of a step, in parts of the reach and rad
-  int max_iterations = 12;   ///< before new factors, or a smaller step
+  double tolerance = 1e-10;              ///< of positions, in parts of the reach and rad
+  double acceleration_tolerance = 1e-5;  ///< of accelerations, in parts of the reach and rad [1/s²]
+  int max_iterations = 12;               ///< before new factors, or a smaller step
   int max_halvings = 8;
   double slow_contraction = 0.25;  ///< above this rate the matrix is factored anew
 };
@@ -84,8 +86,8 @@ class HhtStepper {
  private:
   bool step(State& state, double h, const Drives& drives);
   bool iterate(State& state, double h);
-  void predict(const State& before, double h);
-  void configure(const State& before, State& state, double h) const;
+  void predict(double h);
+  void configure(State& state, double h) const;
   bool factor(const State& state, double h);
   void solve(const State& state, double h);
   void halve(State& state, double h, const Drives& drives, int depth);

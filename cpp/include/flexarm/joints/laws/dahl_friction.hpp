@@ -9,7 +9,7 @@
 ///     z₁ = s − (s − z₀) exp(−|Δx|/w)                                                            (2)
 ///
 /// which the implicit step uses as it stands: no integration error, whatever the step. Units: T_c in N m, w
-/// in rad. Source: [Dahl1968]; docs/theory.md, section "Joint laws".
+/// in rad. Source: [Dahl1968]; docs/theory.md, section "Joints and drive trains".
 #pragma once
 
 #include <cmath>
