@@ -121,3 +121,39 @@ def test_inputs_of_poses_need_no_noise_and_angles_without_drive_are_doubted():
     told = {problem.where: problem.what for problem in static_record(force, angle).check()}
     assert set(told) == {"drive"}
     assert "place no joint" in told["drive"]
+
+
+# ------------------------------------------------------------------------------- units
+
+
+def test_values_that_contradict_their_unit_are_reported_in_any_frame(arm):
+    """The tip goes 2.5 m; a thousandth of that, in a frame that may stand anywhere, is a wrong unit."""
+    time = np.linspace(0, 2, 41)
+    drive = flexarm.Drive.from_samples(time, {"hinge": 0.5 * time**2 / 2})
+    encoder = Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=20)
+    tip = Sensor(name="tip", quantity="position", point="tip", rate_hz=20, frame="hall")
+    record = flexarm.measure(
+        flexarm.simulate(arm, drive),
+        [encoder, tip],
+        np.random.default_rng(0),
+        drive=["hinge"],
+        frames={"hall": Frame(xyz=(1, 2, 3), rpy=(0.1, 0.2, 2.0))},
+    )
+    assert record.check_against(arm) == []
+    small = record.signals["tip"].replace(values=1e-3 * record.signals["tip"].values)
+    (told,) = record.replace(signals={**record.signals, "tip": small}).check_against(arm)
+    assert told.where == "signals.tip"
+    assert "is the unit right?" in told.what
+
+
+def test_a_column_in_metres_with_another_unit_is_doubted(tmp_path):
+    times = {"time": [0.0, 0.1], "noise_std": 1e-4}
+    tip = Signal(name="tip", quantity="position", point="tip", values=np.ones((2, 3)), **times)
+    torque = Signal(
+        name="T", quantity="motor_torque", joint="hinge", values=[1, 1], channels=("T_N_m",), **times
+    )
+    Record(signals=[tip, torque.replace(side="output")]).save(tmp_path / "record")
+    file = tmp_path / "record" / "record.toml"
+    assert Record.load(file).notes == ()
+    file.write_text(file.read_text().replace('unit = "m"', 'unit = "mm"'))
+    assert {problem.where for problem in Record.load(file).notes} == {"signals.tip"}

@@ -15,6 +15,7 @@ from flexarm.errors import InvalidParameter, Problem
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.record.record import Record
+    from flexarm.record.signal import Signal
 
 
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
@@ -91,6 +92,34 @@ def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
                 f"signals.{signal.name}",
                 f"stays within {far:g} m of the base, the arm reaches {limit:g} m; is the unit right?",
             )
+        elif len(signal.axes) == 3 and 100 * span < (rigid := _rigid_span(record, arm, signal)):
+            yield Problem(
+                f"signals.{signal.name}",
+                f"moves over {span:.3g} m, a rigid arm would move over {rigid:.3g} m; is the unit right?",
+            )
+
+
+def _rigid_span(record: Record, arm: Arm, signal: Signal) -> float:
+    """Over how much the rigid arm would move the signal's point along the recorded joint angles, at most [m].
+
+    Zero where no angles drive. A turn of the frame leaves at least 1/sqrt(3) of it along one of its axes.
+    """
+    from flexarm.measurement.kinematics import link_pose
+
+    drives = [record.signals[name] for name in record.drive]
+    if not drives or signal.point is None or any(s.quantity != "joint_angle" for s in drives):
+        return 0.0
+    count = min(int(drive.valid.sum()) for drive in drives)
+    if count == 0:
+        return 0.0
+    few = np.linspace(0, 1, 101)  # a look at the motion, no more
+    values = {joint.name: np.full(101, record.joints.get(joint.name, 0.0)) for joint in arm.joints}
+    for drive in drives:
+        seen = drive.values[drive.valid, 0]
+        values[str(drive.joint)] = seen[np.round(few * (len(seen) - 1)).astype(int)]
+    point = arm.point(signal.point)
+    places = link_pose(arm, point.link, values).of_point(np.asarray(point.position))
+    return float(np.max(np.ptp(places, axis=0)))
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:

@@ -15,7 +15,7 @@ from flexarm.record.signal import Signal
 from flexarm.record.table import Clock, RecordTable, SignalTable
 from flexarm.tables import check_table, read_toml
 from flexarm.tables.place import line_in
-from flexarm.units import si_factor
+from flexarm.units import factor_to, si_factor
 
 
 def load(path: Path) -> Record:
@@ -173,7 +173,8 @@ class _Reader:
         ]:
             suffix = column.rpartition("_")[2]
             wanted = _SUFFIXES.get(suffix)
-            if wanted and unit not in wanted:
+            other = suffix == "m" and factor_to("m", unit) is None  # such as N_m, of another kind
+            if wanted and unit not in wanted and not other:
                 self.notes.append(
                     Problem(
                         f"signals.{table.name}",
@@ -183,6 +184,7 @@ class _Reader:
 
 
 _SUFFIXES = {
+    "m": ("m",),
     "mm": ("mm",),
     "deg": ("deg", "°"),
     "rad": ("rad",),
