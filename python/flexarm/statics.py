@@ -180,10 +180,12 @@ class Statics:
             where = "".join(f"{value:12.6f}" for value in self.position[i])
             moved = ", ".join(f"{1e3 * value:.4f}" for value in self.displacement[i])
             lines.append(f"{name:<16}{where}{moved:>34}")
-        lines.append(f"{'joint':<16}{'drive [rad]':>14}{'link [rad]':>14}{'torque [N m]':>16}")
+        slides = any(joint.type == "prismatic" for joint in self.arm.joints)
+        angle, torque = ("[rad, m]", "[N m, N]") if slides else ("[rad]", "[N m]")
+        lines.append(f"{'joint':<16}{f'drive {angle}':>16}{f'link {angle}':>16}{f'torque {torque}':>18}")
         for i, name in enumerate(self.joints):
             lines.append(
-                f"{name:<16}{self.drive_angle[i]:14.8f}{self.link_angle[i]:14.8f}{self.joint_torque[i]:16.5f}"
+                f"{name:<16}{self.drive_angle[i]:16.8f}{self.link_angle[i]:16.8f}{self.joint_torque[i]:18.5f}"
             )
         lines.append(f"{'beam':<16}{'N, Vy, Vz [N]':>36}{'T, My, Mz [N m]':>36}")
         for i, link in enumerate(self.arm.links):

@@ -7,6 +7,7 @@ import pytest
 from pytest import approx
 
 import flexarm
+from flexarm.cli.run import run
 from flexarm.effects import JointCompliance
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -54,6 +55,46 @@ def test_a_sensor_names_its_column_of_stamps_as_a_signal_does(arm, tmp_path):
         {"name": "tip", "quantity": "position", "point": "tip", "rate_hz": 10.0, "time": "tracker_s"}
     ]
     sensing = flexarm.Arm.from_dict(table)
-    run = flexarm.simulate(sensing, flexarm.Drive.from_samples([0, 1], {"hinge": [0, 0]}))
-    flexarm.measure(run, sensing.sensors, np.random.default_rng(0)).save(tmp_path / "record")
+    swing = flexarm.simulate(sensing, flexarm.Drive.from_samples([0, 1], {"hinge": [0, 0]}))
+    flexarm.measure(swing, sensing.sensors, np.random.default_rng(0)).save(tmp_path / "record")
     assert (tmp_path / "record" / "tip.csv").read_text().startswith("tracker_s,tip_x_m,tip_y_m,tip_z_m\n")
+
+
+# ---------------------------------------------------------------------- joints that slide
+
+
+@pytest.fixture
+def slider(arm) -> flexarm.Arm:
+    """The example's tube on a slide along x instead of a hinge."""
+    table = arm.to_dict() | {"effects": []}
+    table["joints"] = [
+        {"name": "slide", "type": "prismatic", "parent": "base", "child": "rod", "axis": [1.0, 0.0, 0.0]}
+    ]
+    table["sensors"] = [
+        {"name": "ruler", "quantity": "joint_angle", "joint": "slide", "rate_hz": 10.0, "noise_std": 1e-5},
+        {"name": "thrust", "quantity": "motor_torque", "joint": "slide", "rate_hz": 10.0, "noise_std": 0.1},
+    ]
+    return flexarm.Arm.from_dict(table)
+
+
+def test_drives_and_sensors_of_a_slide_are_in_metres_and_newtons(slider, tmp_path, capsys):
+    """A record of a slide can be compared as it is, without a doubt about its units."""
+    slider.to_toml(tmp_path / "arm.toml")
+    (tmp_path / "drive.csv").write_text("time_s,slide\n0,0\n0.5,0.1\n1,0.2\n")
+    command = [
+        "simulate",
+        tmp_path / "arm.toml",
+        "--drive",
+        tmp_path / "drive.csv",
+        "--out",
+        tmp_path / "out",
+    ]
+    assert run([str(word) for word in command]) == 0
+    record = flexarm.Record.load(tmp_path / "out")
+    assert {name: signal.unit for name, signal in record.signals.items()} == {
+        "slide": "m",
+        "ruler": "m",
+        "thrust": "N",
+    }
+    assert record.check_against(slider) == []
+    assert capsys.readouterr().err == ""

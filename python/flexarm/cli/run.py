@@ -48,10 +48,15 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output went away, as `flexarm ... | head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _mute_stdout()
         return 0
     except Exception as error:
         return _report(error)
+
+
+def _mute_stdout() -> None:
+    """Lets what is left in the buffer of standard output vanish, so that leaving does not fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _report(error: Exception) -> int:
@@ -73,6 +78,9 @@ def _report(error: Exception) -> int:
         )
     elif isinstance(error, OSError) and error.filename is not None:
         lines, code = [f"{error.filename}: file: {error.strerror}"], INPUT_AT_FAULT
+    elif isinstance(error, OSError):  # without a file's name: standard output, full or closed
+        _mute_stdout()
+        lines, code = [f"standard output: cannot be written: {error.strerror}"], INPUT_AT_FAULT
     else:
         raise error
     sys.stdout.flush()

@@ -82,6 +82,7 @@ def _drive(run: Simulation, joint: str, taken: dict[str, Signal]) -> Signal:
         quantity="joint_angle",
         joint=joint,
         side="motor",
+        unit="m" if run.arm.joint(joint).type == "prismatic" else "rad",
         time=run.time,
         values=run.drive_angle[:, run.joints.index(joint)],
         noise_std=0.0,

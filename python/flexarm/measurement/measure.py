@@ -122,7 +122,7 @@ def _signal(
     from flexarm.record import Signal
 
     planned, instants = _instants(simulation, sensor, rng)
-    unit, factor = sensor.si
+    unit, factor = sensor.si if sensor.unit else (_default_unit(simulation.arm, sensor), 1.0)
     values = read(simulation, sensor, instants, places.get(sensor.frame or "base", IDENTITY))
     values = values + (sensor.noise_std or 0.0) * factor * rng.standard_normal(values.shape)
     values = quantised(values, sensor.step * factor)  # eq. (2)
@@ -153,6 +153,13 @@ def _signal(
         fibre=sensor.fibre,
         time_column=sensor.time,
     )
+
+
+def _default_unit(arm: Any, sensor: Sensor) -> str:
+    """SI unit of a sensor that states none; joints that slide have units of their own."""
+    units = sensor.spec.units
+    slides = sensor.joint is not None and arm.joint(sensor.joint).type == "prismatic"
+    return units[-1] if slides else units[0]
 
 
 def _instants(simulation: Any, sensor: Sensor, rng: np.random.Generator) -> tuple[Floats, Floats]:
