@@ -157,3 +157,30 @@ def test_a_column_in_metres_with_another_unit_is_doubted(tmp_path):
     assert Record.load(file).notes == ()
     file.write_text(file.read_text().replace('unit = "m"', 'unit = "mm"'))
     assert {problem.where for problem in Record.load(file).notes} == {"signals.tip"}
+
+
+def test_a_run_by_command_writes_the_angle_that_its_motor_took(arm):
+    """The drive of the arm is always there as a joint_angle, whatever the controller was asked for."""
+    table = arm.to_dict()
+    table["controllers"] = [
+        {
+            "type": "cascade",
+            "joint": "hinge",
+            "position_gain": 5.0,
+            "velocity_gain": 5000.0,
+            "sample_time": 4e-3,
+        }
+    ]
+    controlled = flexarm.Arm.from_dict(table)
+    time = np.linspace(0, 1, 11)
+    command = Signal(
+        name="hinge", quantity="joint_command", joint="hinge", time=time, values=0.1 * time, clock="plc"
+    )
+    record = Record(signals=[command], drive=["hinge"], clocks={"plc": Clock()})
+    swing = flexarm.simulate(controlled, record)
+    written = simulated(record, swing, controlled)
+    assert written.drive == ("hinge",)
+    motor = written.signals["hinge_drive"]
+    assert (motor.quantity, motor.side, motor.clock) == ("joint_angle", "motor", "plc")
+    assert motor.values[:, 0] == approx(swing.drive_angle[:, 0])
+    assert 0 < motor.values[-1, 0] < 0.1

@@ -45,10 +45,15 @@ def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Recor
 def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
     """The record that drove a run, with its signals as the run has them: its instants, without noise.
 
-    Clocks and frames are as the record states them, offsets and poses included.
+    Clocks and frames are as the record states them, offsets and poses included. Where a command drove, the
+    motor's angle is added.
     """
     placement = stated(record)
     signals = {name: _again(signal, run, record, placement) for name, signal in record.signals.items()}
+    for driver in (record.signals[name] for name in record.drive):
+        if driver.quantity != "joint_angle":  # a command: what the motor made of it is the drive of the arm
+            motor = _drive(run, str(driver.joint), signals).replace(clock=driver.clock)
+            signals[motor.name] = motor
     return record.replace(signals=signals, description=f"simulation of {arm.name}", path=None)
 
 
