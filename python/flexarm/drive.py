@@ -34,7 +34,7 @@ class JointDrive:
         Of each piece, highest power first [rad, m for a prismatic joint; N m for a torque].
     side : {"motor", "output", "torque"}
         What is prescribed: the motor's angle over the ratio, the link's own angle, or the motor's torque
-        times the ratio.
+        times the ratio; motors driven by torque stand at their rest angle until the start.
     """
 
     breaks: Floats

@@ -295,11 +295,7 @@ def simulate(
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
 
     system = assemble(arm, {name: joint.kind for name, joint in drive.joints.items()})
-    first = {
-        name: float(joint(options.start)) for name, joint in drive.joints.items() if joint.side != "torque"
-    }
-    values = joint_values(arm, {**drive.rest, **first})
-    equilibrium = _core.static_equilibrium(system, values, _core.Loads(gravity=np.array(arm.gravity)))
+    equilibrium = _start(arm, drive, system, options.start)
     hold = _core.PiecewisePolynomial.constant(0.0)
     drives = [
         drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints
@@ -307,6 +303,16 @@ def simulate(
     with _reported(progress, arm.name) as report:
         run = _core.simulate(system, equilibrium, drives, options, report)
     return _simulation(arm, run, options)
+
+
+def _start(arm: Arm, drive: Drive, system: _core.System, start: float) -> _core.Equilibrium:
+    """Equilibrium under the first drive values; motors driven by torque stand where they rest until then."""
+    prescribed = {name: joint for name, joint in drive.joints.items() if joint.side != "torque"}
+    held = assemble(arm, {name: joint.kind for name, joint in prescribed.items()})
+    first = {name: float(joint(start)) for name, joint in prescribed.items()}
+    values = joint_values(arm, {**drive.rest, **first})
+    equilibrium = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
+    return _core.released(held, equilibrium, system)
 
 
 @contextmanager

@@ -241,3 +241,23 @@ def test_ctrl_c_stops_within_a_tenth_of_a_second_and_leaves_no_file(tmp_path):
     assert process.returncode == 0
     assert float(stopped) - sent < 0.2
     assert [p.name for p in tmp_path.iterdir()] == ["arm.toml"]
+
+
+def test_a_motor_driven_by_torque_stands_still_until_the_start(tmp_path):
+    """A joint about the vertical has no equilibrium of its own; the motor holds it at its rest angle, then lets go.
+
+    A constant torque T turns the rigid inertia J by T t^2/(2 J); J = 2 kg m2 here.
+    """
+    arm = flexarm.Arm.from_dict(
+        {
+            "joints": [
+                {"name": "waist", "type": "revolute", "parent": "base", "child": "disk", "axis": [0, 0, 1]}
+            ],
+            "links": [{"name": "disk", "type": "rigid", "mass": 1.0, "inertia": [1.0, 1.0, 2.0]}],
+        }
+    )
+    torque = flexarm.Drive.from_samples([0.0, 1.0], {"waist": [3.0, 3.0]}, side="torque")
+    run = flexarm.simulate(arm, flexarm.Drive(torque.joints, rest={"waist": 0.4}, end=1.0))
+    assert run.joint_angle[0, 0] == 0.4
+    # HHT starts from zero acceleration: a step late in velocity, of first order in the step of 2 ms.
+    assert run.joint_angle[-1, 0] - 0.4 == pytest.approx(0.75, rel=5e-3)

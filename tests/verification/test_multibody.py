@@ -222,7 +222,8 @@ def test_torque_driven_arm_with_rotor_friction_and_springs_converges():
 
     samples = {f"joint{k}": lambda t, k=k: tau(t)[:, k] for k in range(2)}
     torques = drive(samples, END, 2001, side="torque")
-    hanging = dataclasses.replace(torques, rest={"joint0": 3.0})
+    bottom = root(lambda q: chain.inverse_dynamics(q, [0, 0], [0, 0])[0], [3.0, 0.0], tol=1e-14).x
+    hanging = dataclasses.replace(torques, rest={"joint0": bottom[0], "joint1": bottom[1]})
     runs = [flexarm.simulate(model, hanging, step=step) for step in STEPS]
     start = runs[0].joint_angle[0]
     assert chain.inverse_dynamics(start, [0, 0], [0, 0])[0] == pytest.approx([0, 0], abs=1e-9)
