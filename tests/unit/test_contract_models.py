@@ -7,6 +7,7 @@ import pytest
 from pytest import approx
 
 import flexarm
+from flexarm.arm import Sensor
 from flexarm.cli.run import run
 from flexarm.effects import JointCompliance
 
@@ -98,3 +99,10 @@ def test_drives_and_sensors_of_a_slide_are_in_metres_and_newtons(slider, tmp_pat
     }
     assert record.check_against(slider) == []
     assert capsys.readouterr().err == ""
+
+
+def test_a_message_names_no_unit_where_the_signal_has_its_own():
+    """The noise of a signal is in the signal's unit, not in a unit called "unit"."""
+    with pytest.raises(flexarm.InvalidParameter) as caught:
+        Sensor(name="tip", quantity="position", point="tip", rate_hz=10.0, noise_std=-1.0, unit="mm")
+    assert str(caught.value).endswith("must be at least 0, got -1")
