@@ -56,3 +56,37 @@ def test_a_run_follows_a_drive_on_the_output_as_one_on_the_input(arm, side):
     on_output = flexarm.simulate(arm, flexarm.Drive.from_samples(time, {"hinge": angle}, side))
     assert on_output.joint_angle[-1] == approx([RATIO * angle[-1], angle[-1]])
     assert on_output.position == approx(on_input.position, abs=1e-9)
+
+
+def test_a_compliance_behind_a_gear_softens_the_arm():
+    """The gear turns the output's motor side; the spring behind it lowers f1 as it does without a gear."""
+    one = {
+        "links": [
+            {
+                "name": "rod",
+                "type": "beam",
+                "end": [0, 0, 3.0],
+                "section": {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3},
+                "material": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850},
+            }
+        ],
+        "joints": [
+            {"name": "hinge", "type": "revolute", "parent": "base", "child": "rod", "axis": [0, 1, 0]}
+        ],
+        "effects": [{"name": "joint_compliance", "at": "hinge", "stiffness": 1e5}],
+    }
+    shaft = {"name": "shaft", "type": "revolute", "parent": "base", "child": "wheel", "axis": [0, 1, 0]}
+    geared = {
+        **one,
+        "links": [
+            *one["links"],
+            {"name": "wheel", "type": "rigid", "mass": 0.1, "inertia": [1e-4, 1e-4, 1e-4]},
+        ],
+        "joints": [*one["joints"], shaft],
+        "gears": [{"name": "reducer", "input": "shaft", "output": "hinge", "ratio": 120}],
+    }
+    direct = flexarm.modes(flexarm.Arm.from_dict(one), count=2).frequency_hz
+    behind = flexarm.modes(flexarm.Arm.from_dict(geared), count=2).frequency_hz
+    stiff = flexarm.modes(flexarm.Arm.from_dict(one).without_effect("joint_compliance", "hinge"), count=1)
+    assert behind == pytest.approx(direct, rel=1e-9)
+    assert behind[0] < 0.95 * stiff.frequency_hz[0]

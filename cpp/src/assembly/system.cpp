@@ -173,7 +173,7 @@ void System::place_joints(const std::map<std::string, DriveKind>& drives) {
   }
   for (const model::Gear& gear : arm_.gears) {
     const int in = joint_coordinates_[joint_index(gear.input)].theta;
-    const int out = joint_coordinates_[joint_index(gear.output)].theta;
+    const int out = joint_coordinates_[joint_index(gear.output)].phi;
     if (in < 0 || out < 0) throw InvalidParameter("gear '" + gear.name + "': both joints must turn or slide");
     if (!is_free(in) && !is_free(out)) {
       throw InvalidParameter("gear '" + gear.name +

@@ -44,10 +44,12 @@ struct Solutions {
   double residual = 0;
 };
 
-[[noreturn]] void refuse_indefinite() {
-  throw NotConverged(
-      "modes: the stiffness is negative by more than modes can be sought about: no stable equilibrium", 0, 0,
-      0);
+/// Eigenvectors of (A, B) in a basis. @throws NotConverged unless B is positive definite
+Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(const MatrixXd& A, const MatrixXd& B) {
+  if (Eigen::LLT<MatrixXd>(B).info() != Eigen::Success) {
+    throw NotConverged("modes: the equilibrium is unstable: its stiffness is negative", 0, 0, 0);
+  }
+  return {A, B};
 }
 
 /// All of them at once, in a basis of the null space of J.
@@ -58,9 +60,7 @@ Solutions solve_dense(const SparseMatrix& K, const SparseMatrix& M, const Sparse
     const Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(J.transpose()));
     Z = MatrixXd(qr.householderQ()).rightCols(n - qr.rank());
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(Z.transpose() * (M * Z),
-                                                                  Z.transpose() * (K * Z));
-  if (solver.info() != Eigen::Success) refuse_indefinite();
+  const auto solver = ritz(Z.transpose() * (M * Z), Z.transpose() * (K * Z));
   const VectorXd nu = solver.eigenvalues().reverse();
   const Eigen::Index n_massive = (nu.array() > massless * nu[0]).count();
   return {nu.head(n_massive), (Z * solver.eigenvectors().rowwise().reverse()).leftCols(n_massive)};
@@ -83,11 +83,9 @@ Solutions solve_by_subspace(const SparseMatrix& K, const SparseMatrix& M, const 
     Y.bottomRows(J.rows()).setZero();
     factor.solve(Y);
     const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(Y.topRows(n)).householderQ() * MatrixXd::Identity(n, p);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(Q.transpose() * (M * Q),
-                                                                  Q.transpose() * (K * Q));
-    if (ritz.info() != Eigen::Success) refuse_indefinite();
-    const VectorXd next = ritz.eigenvalues().reverse();
-    found.X = Q * ritz.eigenvectors().rowwise().reverse();
+    const auto solver = ritz(Q.transpose() * (M * Q), Q.transpose() * (K * Q));
+    const VectorXd next = solver.eigenvalues().reverse();
+    found.X = Q * solver.eigenvectors().rowwise().reverse();
     const double change =
         ((next - found.nu).head(wanted).array() / next.head(wanted).array()).abs().maxCoeff();
     found.nu = next;

@@ -5,9 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <numbers>
 
+#include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
 using namespace flexarm::tests;
+using flexarm::NotConverged;
 using flexarm::solvers::Eigenmodes;
 using flexarm::solvers::eigenmodes;
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -114,4 +116,23 @@ TEST_CASE("A negative stiffness shows as a negative ω²") {
   const double lowest = Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(K) / 2).eigenvalues()[0];
   CHECK(lowest < -0.4);
   CHECK(found.omega_squared[0] == near(lowest, 1e-8));
+}
+
+TEST_CASE("a motion without mass adds no mode, in systems small enough for the dense solution") {
+  // A spring of 5000 N/m hangs a massless point between the ground and, by another, a mass of 2 kg: k/2 holds
+  // it.
+  SparseMatrix K(2, 2), M(2, 2), none(2, 2);
+  K.coeffRef(0, 0) = 10000;
+  K.coeffRef(1, 1) = 5000;
+  K.coeffRef(0, 1) = K.coeffRef(1, 0) = -5000;
+  M.coeffRef(1, 1) = 2;
+  const Eigenmodes modes = eigenmodes(K, none, M, SparseMatrix(0, 2), 5);
+  REQUIRE(modes.omega_squared.size() == 1);
+  CHECK(modes.omega_squared[0] == near(2500.0 / 2, 1e-9 * 1250));
+}
+
+TEST_CASE("modes about an unstable equilibrium are refused") {
+  Chain chain(5);
+  chain.K.coeffRef(0, 0) -= 50000;
+  CHECK_THROWS_AS(eigenmodes(chain.K, chain.none, chain.M, SparseMatrix(0, 5), 2), NotConverged);
 }

@@ -45,7 +45,7 @@ struct PlacedLaw {
   int plus, minus;
 };
 
-/// θ_input − ratio θ_output = 0.
+/// θ_input − ratio φ_output = 0: the gear stands where the output's motor would, before its drive train.
 struct GearConstraint {
   int input, output;
   double ratio;

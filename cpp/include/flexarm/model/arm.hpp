@@ -79,7 +79,7 @@ struct Joint {
   joints::DriveTrain drive_train;
 };
 
-/// θ_input = ratio θ_output.
+/// θ_input = ratio φ_output, φ = θ where the output's drive train is rigid.
 struct Gear {
   std::string name, input, output;
   double ratio = 1;

@@ -25,7 +25,8 @@ struct Eigenmodes {
 };
 
 /// The `count` lowest modes (fewer if the system has fewer). C may have no entries.
-/// @throws NotConverged
+/// @throws NotConverged; also where K is negative, which large systems show only near the modes sought:
+/// statics.hpp tests it.
 Eigenmodes eigenmodes(const SparseMatrix& K, const SparseMatrix& C, const SparseMatrix& M,
                       const SparseMatrix& J, int count);
 
