@@ -243,8 +243,8 @@ def test_ctrl_c_stops_within_a_tenth_of_a_second_and_leaves_no_file(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["arm.toml"]
 
 
-def test_a_motor_driven_by_torque_stands_still_until_the_start(tmp_path):
-    """A joint about the vertical has no equilibrium of its own; the motor holds it at its rest angle, then lets go.
+def test_a_motor_driven_by_torque_stands_still_until_the_start():
+    """A joint about the vertical has no equilibrium of its own; the motor holds it at rest, then lets go.
 
     A constant torque T turns the rigid inertia J by T t^2/(2 J); J = 2 kg m2 here.
     """

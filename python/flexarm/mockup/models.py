@@ -13,7 +13,7 @@ from flexarm.errors import InvalidParameter
 
 FOLDER = Path(__file__).parent
 PARAMETER_SETS = {"consistent": "model.toml", "printed": "model-printed-area.toml"}
-"""Parameter sets of Table 1, files in `FOLDER`: the area that wall and I give (default), and the printed one."""
+"""Parameter sets of Table 1, files in `FOLDER`: the area that wall and I give (default), and as printed."""
 
 
 def model(parameters: str = "consistent") -> Arm:
