@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -94,6 +95,15 @@ class Drive:
     rest: Mapping[str, float] = field(default_factory=dict)
     start: float = 0.0
     end: float = 0.0
+
+    def sha256(self) -> str:
+        """Hash of all that a run takes from the drive, for its provenance."""
+        found = hashlib.sha256(repr((sorted(self.rest.items()), self.start, self.end)).encode())
+        for name, joint in sorted(self.joints.items()):
+            found.update(f"{name} {joint.side}".encode())
+            found.update(joint.breaks.tobytes())
+            found.update(joint.coefficients.tobytes())
+        return found.hexdigest()
 
     @classmethod
     def from_samples(cls, time: ArrayLike, values: Mapping[str, ArrayLike], side: str = "motor") -> Drive:

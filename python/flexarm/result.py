@@ -42,6 +42,8 @@ def save(dataset: xr.Dataset, path: str | Path) -> None:
         If the file cannot be written.
     """
     target = Path(path)
+    if not target.parent.is_dir():
+        raise InvalidFile(path, "output", f"cannot be written: there is no directory {target.parent}")
     partial = target.with_name(f".{target.name}.partial")
     try:
         dataset.to_netcdf(partial, engine="h5netcdf")

@@ -214,7 +214,17 @@ _VARIABLES = {
     "joint_command": (("time", "joint"), "rad", "angle that the controller is asked for"),
     "motor_voltage": (("time", "joint"), "V", "voltage of the motor"),
 }
-_COUNTS = ("backend", "step", "alpha", "steps", "iterations", "factorisations", "halvings", "seconds")
+_COUNTS = (
+    "drive_sha256",
+    "backend",
+    "step",
+    "alpha",
+    "steps",
+    "iterations",
+    "factorisations",
+    "halvings",
+    "seconds",
+)
 
 
 def simulate(
@@ -276,6 +286,11 @@ def simulate(
             rotations=rotations,
             progress=progress,
         )
+    if not isinstance(drive, Drive):
+        raise InvalidParameter(
+            f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}",
+            where="drive",
+        )
     moving = [joint.name for joint in arm.moving_joints]
     for name in drive.joints:
         if name not in moving:
@@ -302,7 +317,9 @@ def simulate(
     ]
     with _reported(progress, arm.name) as report:
         run = _core.simulate(system, equilibrium, drives, options, report)
-    return _simulation(arm, run, options)
+    found = _simulation(arm, run, options)
+    found.solver["drive_sha256"] = drive.sha256()
+    return found
 
 
 def _start(arm: Arm, drive: Drive, system: _core.System, start: float) -> _core.Equilibrium:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
-from flexarm.errors import InvalidFile
+from flexarm.errors import InvalidFile, Problem
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -87,7 +88,22 @@ def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
     from flexarm.drive import Drive as Motion
 
     with blame(drive):
-        return Motion.from_csv(drive, arm) if record is None else Motion.from_record(record, arm)
+        if record is not None:
+            return Motion.from_record(record, arm)
+        found = Motion.from_csv(drive, arm)
+    _doubt_degrees(drive, found, arm)
+    return found
+
+
+def _doubt_degrees(file: Path, motion: Motion, arm: Arm) -> None:
+    """Warns of an arm's joint that turns several times, as one in degrees seems to."""
+    shafts = {gear.input for gear in arm.gears}
+    for name, drive in motion.joints.items():
+        most = max(abs(float(value)) for value in drive.coefficients[-1])
+        if arm.joint(name).type == "revolute" and name not in shafts and most > 4 * math.pi:
+            turns = f"{most / (2 * math.pi):.1f} turns"
+            doubt = "is it in degrees, or not yet divided by the ratio?"
+            warn(file, [Problem(f"column {name}", f"reaches {most:g} rad, {turns}; {doubt}")])
 
 
 MOST_STEPS = 20_000_000

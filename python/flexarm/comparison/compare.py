@@ -72,6 +72,12 @@ def compare(
     --------
     >>> print(flexarm.compare(arm, flexarm.Record.load("measured")))  # doctest: +SKIP
     """
+    from flexarm.record import Record
+
+    if not isinstance(record, Record):
+        raise InvalidParameter(
+            f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
+        )
     carried = record.applied_to(arm)
     pair = _subject(carried, record, simulation, step, alpha)
     if not pair.evidence:
