@@ -1,0 +1,225 @@
+/// How a System comes to be: links become nodes and elements, joints constraints and coordinates, masses find
+/// a node.
+#include <algorithm>
+#include <cmath>
+
+#include "flexarm/assembly/system.hpp"
+#include "flexarm/elements/clamped_mode.hpp"
+#include "flexarm/errors.hpp"
+
+namespace flexarm::assembly {
+namespace {
+
+using namespace geometry;
+using joints::JointType;
+
+template <class Things>
+std::string names_of(const Things& things) {
+  std::string all;
+  for (const auto& thing : things) all += (all.empty() ? "" : ", ") + thing.name;
+  return all.empty() ? "none" : all;
+}
+
+template <class Things>
+int index_of(const Things& things, const std::string& name, const std::string& what) {
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    if (things[k].name == name) return static_cast<int>(k);
+  }
+  throw InvalidParameter("there is no " + what + " '" + name + "'; there are: " + names_of(things));
+}
+
+}  // namespace
+
+System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& drives) : arm_(arm) {
+  std::vector<std::vector<double>> occupied(arm_.links.size());
+  const auto occupy = [&](const std::string& link, const Vector3d& position) {
+    const int k = link_index(link);
+    if (const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k])) {
+      const double L = beam->end.norm();
+      occupied[k].push_back(std::clamp(beam->end.dot(position) / L, 0.0, L));
+    }
+  };
+  for (const model::Payload& payload : arm_.payloads) occupy(payload.link, payload.position);
+  for (const model::Point& point : arm_.points) {
+    if (point.loaded) occupy(point.link, point.position);
+  }
+  mesh_links(occupied);
+  place_joints(drives);
+  place_masses();
+  set_damping();
+  for (const model::Point& point : arm_.points) {
+    points_.push_back(attach(meshes_[link_index(point.link)], point.position, point.loaded));
+  }
+}
+
+void System::mesh_links(const std::vector<std::vector<double>>& occupied) {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    LinkMesh mesh;
+    mesh.first_node = n_nodes_;
+    mesh.first_element = static_cast<int>(beams_.size());
+    if (const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k])) {
+      if (!(beam->end.norm() > 0))
+        throw InvalidParameter("link '" + beam->name + "': `end` must not be the origin");
+      if (beam->elements < 1) {
+        throw InvalidParameter("link '" + beam->name + "': elements must be at least 1, got " +
+                               std::to_string(beam->elements));
+      }
+      beam->section.check();
+      beam->material.check();
+      mesh.R_LS = section_axes(beam->end, beam->up);
+      mesh.stations = beam_stations(beam->end.norm(), beam->elements, occupied[k]);
+      const auto properties = elements::BeamProperties::from(*beam);
+      for (int e = 0; e + 1 < mesh.n_nodes(); ++e) {
+        beams_.emplace_back(n_nodes_ + e, n_nodes_ + e + 1, mesh.node_frame(Frame{}, e),
+                            mesh.node_frame(Frame{}, e + 1), properties);
+      }
+      reach_ += beam->end.norm();
+    }
+    n_nodes_ += mesh.n_nodes();
+    meshes_.push_back(mesh);
+  }
+}
+
+void System::place_joints(const std::map<std::string, DriveKind>& drives) {
+  for (const auto& [name, kind] : drives) joint_index(name);
+
+  // Scalar coordinates: first collected in the order of the joints, then the free ones are put before the
+  // others.
+  struct Scalar {
+    double inertia;
+    bool free;
+  };
+  std::vector<Scalar> scalars;
+  for (const model::Joint& joint : arm_.joints) {
+    const auto found = drives.find(joint.name);
+    const DriveKind kind = found == drives.end() ? DriveKind::locked : found->second;
+    drives_.push_back(kind);
+    JointCoordinates at;
+    if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
+      const bool driven = kind != DriveKind::torque && kind != DriveKind::free;
+      const auto& train = joint.drive_train;
+      const bool rigid = train.stages.empty() || kind == DriveKind::link_angle;
+      const auto add_scalar = [&](double inertia, bool free) {
+        scalars.push_back({inertia, free});
+        return static_cast<int>(scalars.size()) - 1;
+      };
+      at.phi = add_scalar(train.reflected_inertia(), !driven);
+      int before = at.phi;
+      if (!rigid) {
+        for (const auto& stage : train.stages) {
+          const int after = add_scalar(0, true);
+          for (const auto& law : stage) laws_.push_back({law, before, after});
+          before = after;
+        }
+      }
+      at.theta = before;
+      for (const auto& law : train.motor) laws_.push_back({law, at.phi, -1});
+      for (const auto& law : train.bearing) laws_.push_back({law, at.theta, -1});
+    }
+    joint_coordinates_.push_back(at);
+  }
+  for (const PlacedLaw& law : laws_) joints::check(law.law);
+
+  std::vector<int> order(scalars.size());
+  for (bool free : {true, false}) {
+    for (std::size_t k = 0; k < scalars.size(); ++k) {
+      if (scalars[k].free != free) continue;
+      order[k] = static_cast<int>(scalar_inertia_.size());
+      scalar_inertia_.push_back(scalars[k].inertia);
+    }
+    if (free) n_free_scalars_ = static_cast<int>(scalar_inertia_.size());
+  }
+  const auto place = [&](int k) { return k < 0 ? k : order[k]; };
+  for (JointCoordinates& at : joint_coordinates_) at = {place(at.theta), place(at.phi)};
+  for (PlacedLaw& law : laws_) law = {law.law, place(law.plus), place(law.minus)};
+
+  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
+    const model::Joint& joint = arm_.joints[k];
+    const LinkMesh& child = meshes_[link_index(joint.child)];
+    int node_a = joints::JointConstraint::ground;
+    Frame X_a = joint.origin;
+    if (joint.parent != "base") {
+      const LinkMesh& parent = meshes_[link_index(joint.parent)];
+      node_a = joint.at_end ? parent.last_node() : parent.first_node;
+      X_a = parent.link_axes() * joint.origin;
+    }
+    reach_ += joint.origin.x.norm();
+    constraints_.emplace_back(joint.type, node_a, X_a, child.first_node, child.link_axes(), joint.axis,
+                              joint_coordinates_[k].theta);
+    n_constraints_ += constraints_.back().rows();
+  }
+  for (const model::Gear& gear : arm_.gears) {
+    const int in = joint_coordinates_[joint_index(gear.input)].theta;
+    const int out = joint_coordinates_[joint_index(gear.output)].phi;
+    if (in < 0 || out < 0) throw InvalidParameter("gear '" + gear.name + "': both joints must turn or slide");
+    if (!is_free(in) && !is_free(out)) {
+      throw InvalidParameter("gear '" + gear.name +
+                             "': input and output are both driven rigidly; drive one of them");
+    }
+    gears_.push_back({in, out, gear.ratio});
+    ++n_constraints_;
+  }
+}
+
+void System::place_masses() {
+  weights_.resize(n_nodes_);
+  for (const elements::BeamElement& beam : beams_) {
+    const Vector3d along = Vector3d::UnitX() * beam.end_moment();
+    weights_[beam.node1()].mass += beam.end_mass();
+    weights_[beam.node1()].moment += along;
+    weights_[beam.node2()].mass += beam.end_mass();
+    weights_[beam.node2()].moment -= along;
+  }
+  std::map<int, elements::RigidBody> at_node;
+  const auto add = [&](const Attachment& at, double mass, const Vector3d& com, const Matrix3d& inertia) {
+    const Vector3d c = at.offset * com;
+    at_node.try_emplace(at.node, at.node)
+        .first->second.add(mass, c, at.offset.R * inertia * at.offset.R.transpose());
+    weights_[at.node].mass += mass;
+    weights_[at.node].moment += mass * c;
+  };
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    if (const auto* body = std::get_if<model::RigidLink>(&arm_.links[k])) {
+      add(attach(meshes_[k], Vector3d::Zero(), true), body->mass, body->com, body->inertia);
+      reach_ += body->com.norm();
+    }
+  }
+  for (const model::Payload& payload : arm_.payloads) {
+    add(attach(meshes_[link_index(payload.link)], payload.position, true), payload.mass, payload.offset,
+        payload.inertia);
+  }
+  for (const auto& [node, body] : at_node) bodies_.push_back(body);
+  for (const elements::Weight& weight : weights_) mass_ += weight.mass;
+  if (!(reach_ > 0)) reach_ = 1;
+}
+
+void System::set_damping() {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k]);
+    if (beam == nullptr || beam->damping_ratio == 0) continue;
+    if (!(beam->damping_ratio > 0 && beam->material.density > 0)) {
+      throw InvalidParameter("link '" + beam->name +
+                             "': a damping ratio must be positive and needs mass to act on, got " +
+                             std::to_string(beam->damping_ratio) + " at a density of " +
+                             std::to_string(beam->material.density) + " kg/m³");
+    }
+    const LinkMesh& mesh = meshes_[k];
+    const double omega =
+        elements::first_clamped_frequency(std::span(beams_).subspan(mesh.first_element, mesh.n_nodes() - 1));
+    for (int e = 0; e + 1 < mesh.n_nodes(); ++e) {
+      beams_[mesh.first_element + e].set_damping_time(2 * beam->damping_ratio / omega);
+    }
+  }
+}
+
+int System::joint_index(const std::string& name) const { return index_of(arm_.joints, name, "joint"); }
+int System::point_index(const std::string& name) const { return index_of(arm_.points, name, "point"); }
+
+int System::link_index(const std::string& name) const {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    if (model::name_of(arm_.links[k]) == name) return static_cast<int>(k);
+  }
+  throw InvalidParameter("there is no link '" + name + "'");
+}
+
+}  // namespace flexarm::assembly
