@@ -14,6 +14,7 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
+from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes:
+class Modes(Result):
     """Modes, lowest first.
 
     Attributes
@@ -45,11 +46,6 @@ class Modes:
     shape: Floats
     solver: dict[str, Any]
 
-    @property
-    def points(self) -> tuple[str, ...]:
-        """Names of the points in `shape`."""
-        return tuple(point.name for point in self.arm.points)
-
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm modes --json`."""
         return {
@@ -63,8 +59,6 @@ class Modes:
     def dataset(self) -> xr.Dataset:
         """The same as an xarray Dataset with units."""
         import xarray as xr
-
-        from flexarm.result import provenance
 
         return xr.Dataset(
             {
@@ -85,12 +79,6 @@ class Modes:
             {"kind": "modes", **provenance(self.arm), **self.solver},
         )
 
-    def save(self, path: str | Path) -> None:
-        """Writes the result as NetCDF."""
-        from flexarm.result import save
-
-        save(self.dataset, path)
-
     @classmethod
     def load(cls, path: str | Path) -> Modes:
         """Reads what `save` wrote.
@@ -100,8 +88,6 @@ class Modes:
         InvalidFile
             If the file does not hold modes.
         """
-        from flexarm.result import load, model_of
-
         data = load(path, "modes")
         return cls(
             arm=model_of(data),

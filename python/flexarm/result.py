@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from abc import ABC, abstractmethod
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,43 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from flexarm.arm import Arm
+
+
+class Result(ABC):
+    """What statics, modes and runs have in common: the arm, names, and a file.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    """
+
+    arm: Arm
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of the points, in the order of the arrays."""
+        return tuple(point.name for point in self.arm.points)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, in the order of the arrays."""
+        return tuple(joint.name for joint in self.arm.joints)
+
+    @property
+    @abstractmethod
+    def dataset(self) -> xr.Dataset:
+        """The same as an xarray Dataset with units."""
+
+    def save(self, path: str | Path) -> None:
+        """Writes the result as NetCDF, with the model it was made with.
+
+        Raises
+        ------
+        InvalidFile
+            If the file cannot be written.
+        """
+        save(self.dataset, path)
 
 
 def provenance(arm: Arm) -> dict[str, str]:

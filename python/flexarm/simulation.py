@@ -18,6 +18,7 @@ from flexarm.assembly import assemble, joint_values
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
+from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,7 +28,7 @@ Progress = bool | Callable[[float], object] | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Simulation:
+class Simulation(Result):
     """A run. Arrays are read-only; the first axis is the instant.
 
     Attributes
@@ -83,16 +84,6 @@ class Simulation:
     solver: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def points(self) -> tuple[str, ...]:
-        """Names of the points."""
-        return tuple(point.name for point in self.arm.points)
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints."""
-        return tuple(joint.name for joint in self.arm.joints)
-
-    @property
     def acceleration(self) -> Floats | None:
         """Specific force at the points in body axes [m/s2], (n, point, 3), as an IMU has it: +g up at rest.
 
@@ -123,8 +114,6 @@ class Simulation:
         """The same as an xarray Dataset with units."""
         import xarray as xr
 
-        from flexarm.result import provenance
-
         variables = {
             name: (dims, getattr(self, name), {"units": unit, "long_name": text})
             for name, (dims, unit, text) in _VARIABLES.items()
@@ -146,12 +135,6 @@ class Simulation:
             {"kind": "simulation", **provenance(self.arm), **self.solver},
         )
 
-    def save(self, path: str | Path) -> None:
-        """Writes the run as NetCDF, with the model it was made with."""
-        from flexarm.result import save
-
-        save(self.dataset, path)
-
     @classmethod
     def load(cls, path: str | Path) -> Simulation:
         """Reads what `save` wrote.
@@ -161,8 +144,6 @@ class Simulation:
         InvalidFile
             If the file is not a stored run.
         """
-        from flexarm.result import load, model_of
-
         data = load(path, "simulation")
         arrays = {name: frozen(data[name].values) for name in _VARIABLES if name in data}
         solver = {name: data.attrs[name] for name in _COUNTS if name in data.attrs}

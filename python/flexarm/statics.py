@@ -14,6 +14,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Statics:
+class Statics(Result):
     """An equilibrium. Arrays are read-only.
 
     Attributes
@@ -53,16 +54,6 @@ class Statics:
     base_wrench: Floats
     solver: dict[str, Any]
 
-    @property
-    def points(self) -> tuple[str, ...]:
-        """Names of the points."""
-        return tuple(point.name for point in self.arm.points)
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints."""
-        return tuple(joint.name for joint in self.arm.joints)
-
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm static --json`."""
         beams = [(i, link.name) for i, link in enumerate(self.arm.links) if link.type == "beam"]
@@ -92,8 +83,6 @@ class Statics:
     def dataset(self) -> xr.Dataset:
         """The same as an xarray Dataset with units."""
         import xarray as xr
-
-        from flexarm.result import provenance
 
         axis = ["x", "y", "z"]
         component = ["N", "Vy", "Vz", "T", "My", "Mz"]
@@ -125,12 +114,6 @@ class Statics:
             {"kind": "statics", **provenance(self.arm), **self.solver},
         )
 
-    def save(self, path: str | Path) -> None:
-        """Writes the result as NetCDF."""
-        from flexarm.result import save
-
-        save(self.dataset, path)
-
     @classmethod
     def load(cls, path: str | Path) -> Statics:
         """Reads what `save` wrote.
@@ -140,8 +123,6 @@ class Statics:
         InvalidFile
             If the file is not a stored equilibrium.
         """
-        from flexarm.result import load, model_of
-
         data = load(path, "statics")
         names = (
             "position",
