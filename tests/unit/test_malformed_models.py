@@ -67,7 +67,6 @@ MISTAKES = {
     "wrong format": ("flexarm-arm/1", "flexarm-arm/9", "format", "is 'flexarm-arm/9'; allowed is 'flexarm-arm/1'"),
     "no format": ("format =", "formatted =", "format", "is missing"),
     "not TOML": ("gravity =", "gravity", "line 3, column 9", "not valid TOML"),
-    "URDF": ('name = "crane"', 'urdf = "arm.urdf"', "urdf", "not supported yet"),
     "name with a dot": ('name = "tip"', 'name = "tip.1"', "points.tip.1.name", "contains '.'"),
     "section of two planes": ('shape = "tube", outer_diameter = 0.06024, thickness = 3.25e-3',
                               'shape = "rectangle", width = 0.1, height = 0.02', "links.rod.up", "is missing"),

@@ -17,6 +17,7 @@ from flexarm.arm.link import Link
 from flexarm.arm.motor import Motor
 from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import sigma_of, uncertainty_problems
+from flexarm.arm.urdf import with_urdf
 from flexarm.arm.warnings import doubts
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.tables import (
@@ -78,14 +79,6 @@ class Arm(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.urdf is not None:
-            raise Inconsistent(
-                (
-                    ("urdf",),
-                    f"reading URDF is not supported yet, got {self.urdf!r}; "
-                    "write the joints and links as tables",
-                )
-            )
         found = inconsistencies(self)
         if not self.joints:
             found = [(("joints",), "is missing; a model needs at least one joint and one link"), *found]
@@ -103,15 +96,17 @@ class Arm(Table):
         Parameters
         ----------
         path : str or Path
-            The TOML file.
+            The TOML file, which may name a URDF file, or the URDF file itself.
 
         Raises
         ------
         InvalidFile
             With the place and value of every problem.
         """
+        if Path(path).suffix == ".urdf":
+            return check_table(cls, with_urdf({"urdf": Path(path).name}, Path(path).parent), path, "")
         data, text = read_toml(Path(path), "flexarm-arm/1")
-        return check_table(cls, data, path, text)
+        return check_table(cls, with_urdf(data, Path(path).parent), path, text)
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
@@ -122,7 +117,7 @@ class Arm(Table):
         InvalidParameter
             With the place and value of every problem.
         """
-        return check_table(cls, dict(data))
+        return check_table(cls, with_urdf(data, Path()))
 
     def to_dict(self) -> dict[str, Any]:
         """The dictionary that `from_dict` reads."""
