@@ -44,16 +44,20 @@ def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     merged = {key: value for key, value in data.items() if key != "urdf"}
     merged.setdefault("name", tables.pop("name"))
     for kind, entries in tables.items():
-        own = list(merged.get(kind, ()))
-        named = {entry.get("name"): entry for entry in own if isinstance(entry, dict)}
+        own = merged.get(kind, [])
+        if not isinstance(own, list | tuple) or not all(_is_named(entry) for entry in own):
+            continue  # the check of the model says what is wrong with it
+        named = {entry["name"]: entry for entry in own}
         joined = []
         for entry in entries:
             other = named.pop(entry["name"], None)
             joined.append({**entry, **other} if kind == "joints" and other else other or entry)
-        merged[kind] = joined + [
-            entry for entry in own if not isinstance(entry, dict) or entry.get("name") in named
-        ]
+        merged[kind] = joined + [entry for entry in own if entry["name"] in named]
     return {key: value for key, value in merged.items() if key in _NOT_TABLES or value}
+
+
+def _is_named(entry: Any) -> bool:
+    return isinstance(entry, dict) and isinstance(entry.get("name"), str)
 
 
 def read_urdf(path: Path) -> dict[str, Any]:
@@ -167,7 +171,7 @@ class _Reader:
                 f"joints.{name}.mimic.offset",
                 f"is known for prismatic joints only, got {offset:g}",
             )
-        if offset != 0:
+        if offset != 0 and any(table["axis"]):
             x, y, z = table["axis"]
             roll, pitch, yaw = table["origin"]["rpy"]
             shift = rotated(from_rpy((roll, pitch, yaw)), scaled(offset / hypot(x, y, z), (x, y, z)))
