@@ -127,3 +127,18 @@ def test_a_robot_of_others_loads_whole(shared_dir):
     assert weight_statement(arm).whole.mass == pytest.approx(np.sum(masses))
     down = flexarm.static(arm).base_wrench[2]
     assert down == pytest.approx(-9.81 * np.sum(masses), rel=1e-9)
+
+
+def test_malformed_tables_beside_a_urdf_are_refused_not_raised_through(folder):
+    model = folder / "crane.toml"
+    model.write_text(model.read_text().replace(POINT, "joints = 5\n"))
+    with pytest.raises(InvalidFile, match="joints"):
+        flexarm.Arm.from_toml(model)
+
+
+def test_a_sliding_mimic_joint_without_an_axis_is_refused(folder):
+    slide = '<origin xyz="0 0 2"/><axis xyz="0 0 1"/>'
+    assert slide in URDF
+    (folder / "crane.urdf").write_text(URDF.replace(slide, slide.replace("0 0 1", "0 0 0")))
+    with pytest.raises(InvalidFile, match=r"joints\.reach\.axis"):
+        flexarm.Arm.from_toml(folder / "crane.urdf")
