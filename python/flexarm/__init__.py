@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from flexarm.record import Record, Signal
     from flexarm.simulation import Simulation, simulate
     from flexarm.statics import Statics, static
+    from flexarm.superelement import SuperElement
 
 # Public name and the module that defines it, imported when first used: `import flexarm` stays light.
 # A public name must not also be the name of a module, which would take its place once imported.
@@ -31,6 +32,7 @@ _EXPORTS = {
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
     "Statics": "flexarm.statics",
+    "SuperElement": "flexarm.superelement",
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
     "measure": "flexarm.measurement",
@@ -53,6 +55,7 @@ __all__ = [
     "Signal",
     "Simulation",
     "Statics",
+    "SuperElement",
     "compare",
     "config",
     "measure",

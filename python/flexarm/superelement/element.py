@@ -1,0 +1,286 @@
+"""A super-element: matrices of a part, reduced to its interfaces and internal modes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexarm.arrays import Floats, frozen
+from flexarm.errors import InvalidParameter, Problem
+from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, rigid_inertia
+from flexarm.superelement.shape import problems_of_shape
+
+_ARRAYS = (
+    "positions",
+    "rotations",
+    "stiffness",
+    "mass",
+    "damping",
+    "frequency_hz",
+    "inertia_load",
+    "recovery",
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SuperElement:
+    """A reduced part, in SI units and the part's frame.
+
+    The freedoms are, for each interface, three translations and three rotations along and about the part's
+    axes at the interface's position, then the internal modes. Arrays are read-only.
+
+    Parameters
+    ----------
+    name : str
+        Name of the part.
+    interfaces : tuple of str
+        Names of the interfaces, in the order of the freedoms.
+    positions : array, shape (n, 3)
+        Where the interfaces stand [m].
+    rotations : array, shape (n, 3, 3)
+        Their axes: column k holds the interface's axis k in the part's axes. They say how joints stand at the
+        interface; the matrices keep to the part's axes.
+    stiffness, mass, damping : array, shape (dof, dof)
+        Reduced matrices K [N/m, N, N m], M [kg, kg m, kg m2], C [N s/m, N s, N m s].
+    frequency_hz : array, shape (m,)
+        Natural frequencies of the part with all interfaces held [Hz], one an internal mode.
+    inertia_load : array, shape (dof, 3), optional
+        Generalised force for unit acceleration of the frame along x, y, z: M R_t with R_t its translations.
+        Computed if left out.
+    quality : mapping, optional
+        Numbers that say how good the reduction is, by name.
+    recovery : array, shape (3 n_points, dof), optional
+        Displacement of every freedom of the mesh for every freedom of the super-element.
+    provenance : mapping, optional
+        Where the data come from.
+
+    Raises
+    ------
+    InvalidParameter
+        If shapes do not fit, a number is not finite, a matrix is not symmetric, names repeat or axes are not
+        orthonormal. What mechanics demands is asked by :meth:`check`.
+
+    Examples
+    --------
+    >>> part = SuperElement.load("hub.nc")  # doctest: +SKIP
+    >>> part.mass_total, part.centre  # doctest: +SKIP
+    """
+
+    name: str
+    interfaces: tuple[str, ...]
+    positions: Floats
+    rotations: Floats
+    stiffness: Floats
+    mass: Floats
+    damping: Floats
+    frequency_hz: Floats
+    inertia_load: Floats = None  # type: ignore[assignment]
+    quality: Mapping[str, Any] = field(default_factory=dict)
+    recovery: Floats | None = None
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "interfaces", tuple(str(name) for name in self.interfaces))
+        for name in _ARRAYS:
+            given = getattr(self, name)
+            if name == "inertia_load" and given is None:
+                given = inertia_load(self.mass, len(self.interfaces))
+            if name != "recovery" or given is not None:
+                object.__setattr__(self, name, frozen(given))
+        if problems := problems_of_shape(self):
+            first = problems[0]
+            raise InvalidParameter(
+                first.what, where=f"super-element {self.name!r}: {first.where}", problems=tuple(problems)
+            )
+
+    @property
+    def n_interfaces(self) -> int:
+        """Number of interfaces."""
+        return len(self.interfaces)
+
+    @property
+    def n_modes(self) -> int:
+        """Number of internal modes."""
+        return len(self.frequency_hz)
+
+    @property
+    def n_dof(self) -> int:
+        """Number of freedoms, 6 an interface and 1 an internal mode."""
+        return PER_INTERFACE * self.n_interfaces + self.n_modes
+
+    @property
+    def mass_total(self) -> float:
+        """Mass [kg], from R^T M R with R the rigid motions."""
+        return self._inertia.mass
+
+    @property
+    def centre(self) -> Floats:
+        """Centre of mass in the part's frame [m]."""
+        return frozen(self._inertia.centre)
+
+    @property
+    def inertia(self) -> Floats:
+        """Inertia about the centre of mass, in the part's axes [kg m2]."""
+        return frozen(self._inertia.inertia)
+
+    @cached_property
+    def _inertia(self) -> RigidInertia:
+        return rigid_inertia(self.mass, self.positions)
+
+    def interface(self, name: str) -> tuple[Floats, Floats]:
+        """Rotation (3, 3) and position (3,) of an interface in the part's frame.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is none of that name.
+        """
+        if name not in self.interfaces:
+            known = ", ".join(self.interfaces)
+            raise InvalidParameter(
+                f"there is no interface {name!r}; there are {known}", where=f"super-element {self.name!r}"
+            )
+        i = self.interfaces.index(name)
+        return self.rotations[i], self.positions[i]
+
+    def check(self, mass: float | None = None, tolerance: float | None = None) -> list[Problem]:
+        """Asks what mechanics demands of the matrices, see :mod:`flexarm.superelement.checks`.
+
+        Parameters
+        ----------
+        mass : float, optional
+            What the part weighs, as known from elsewhere [kg].
+        tolerance : float, optional
+            Relative error that the entries may have; the default suits numbers of six digits.
+
+        Returns
+        -------
+        list of Problem
+            What is allowed and yet looks wrong.
+
+        Raises
+        ------
+        InvalidParameter
+            With everything that no elastic part could have.
+        """
+        from flexarm.superelement.checks import TOLERANCE, doubts, refusals
+
+        limit = TOLERANCE if tolerance is None else tolerance
+        if problems := refusals(self, mass, limit):
+            first = problems[0]
+            raise InvalidParameter(
+                first.what, where=f"super-element {self.name!r}: {first.where}", problems=tuple(problems)
+            )
+        return doubts(self)
+
+    def moved(self, rotation: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SuperElement:
+        """The same part seen from a frame in which its own stands at (rotation, translation).
+
+        Parameters
+        ----------
+        rotation : array, shape (3, 3)
+            Its column k is the old axis k in the new axes.
+        translation : (3,)
+            Where the old origin stands in the new frame [m].
+        """
+        R, p = np.asarray(rotation, dtype=float), np.asarray(translation, dtype=float)
+        T = np.eye(self.n_dof)
+        for at in range(0, PER_INTERFACE * self.n_interfaces, 3):
+            T[at : at + 3, at : at + 3] = R
+        recovery = None
+        if self.recovery is not None:
+            shapes = self.recovery.reshape(-1, 3, self.n_dof)
+            recovery = (R @ shapes @ T.T).reshape(-1, self.n_dof)
+        return self.replace(
+            positions=self.positions @ R.T + p,
+            rotations=R @ self.rotations,
+            stiffness=T @ self.stiffness @ T.T,
+            mass=T @ self.mass @ T.T,
+            damping=T @ self.damping @ T.T,
+            inertia_load=T @ self.inertia_load @ R.T,
+            recovery=recovery,
+        )
+
+    def replace(self, **changes: Any) -> SuperElement:
+        """A copy with some fields changed."""
+        import dataclasses
+
+        return dataclasses.replace(self, **changes)
+
+    def recover(self, coordinates: ArrayLike) -> Floats:
+        """Displacements of all points of the mesh.
+
+        Parameters
+        ----------
+        coordinates : array, shape (dof,)
+            Displacements of the interfaces [m, rad] and modal coordinates.
+
+        Returns
+        -------
+        ndarray, shape (n_points, 3)
+            Displacements [m] along the part's axes.
+
+        Raises
+        ------
+        InvalidParameter
+            If the super-element was stored without its recovery matrix, or the number of coordinates is
+            wrong.
+        """
+        if self.recovery is None:
+            raise InvalidParameter(
+                "holds no recovery matrix; reduce the part with recovery=True (--recovery)",
+                where=f"super-element {self.name!r}",
+            )
+        q = np.asarray(coordinates, dtype=float)
+        if q.shape != (self.n_dof,):
+            raise InvalidParameter(
+                f"coordinates must have the shape ({self.n_dof},), got {q.shape}",
+                where=f"super-element {self.name!r}",
+            )
+        return np.asarray((self.recovery @ q).reshape(-1, 3))
+
+    def save(self, path: str | Path, force: bool = False) -> None:
+        """Writes the super-element as NetCDF; the file appears when it is whole.
+
+        Raises
+        ------
+        InvalidFile
+            If the file exists and `force` is not set, or cannot be written.
+        """
+        from flexarm.superelement.netcdf import save
+
+        save(self, path, force)
+
+    @classmethod
+    def load(cls, path: str | Path) -> SuperElement:
+        """Reads a super-element file, of flexarm or of whoever writes the format.
+
+        Raises
+        ------
+        InvalidFile
+            If the file is no super-element, or one that no elastic part could have.
+        """
+        from flexarm.superelement.netcdf import load
+
+        return load(path)
+
+    def __repr__(self) -> str:
+        return (
+            f"<SuperElement {self.name}: interfaces {', '.join(self.interfaces)}; {self.n_modes} modes, "
+            f"{self.mass_total:.6g} kg>"
+        )
+
+
+def inertia_load(mass: ArrayLike, n_interfaces: int) -> Floats:
+    """Generalised force for unit acceleration of the frame, M R_t; translations ask for no positions."""
+    M = np.asarray(mass, dtype=float)
+    if M.ndim != 2 or len(M) < PER_INTERFACE * n_interfaces:
+        return np.zeros((len(M), 3))  # the shape of M itself is what will be reported
+    columns = [M[:, k : PER_INTERFACE * n_interfaces : PER_INTERFACE].sum(axis=1) for k in range(3)]
+    return np.column_stack(columns)

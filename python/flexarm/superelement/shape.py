@@ -1,0 +1,123 @@
+"""The form that super-element data have, whatever the part: shapes, finite numbers, symmetry, names, axes.
+
+What mechanics demands of the numbers is in `checks`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.errors import Problem
+from flexarm.superelement.rigid_motion import PER_INTERFACE, freedom
+
+if TYPE_CHECKING:
+    from flexarm.superelement.element import SuperElement
+
+SYMMETRY = 1e-6
+"""Part of sqrt(a_ii a_jj) by which a_ij and a_ji may differ: single precision is good to 1e-7."""
+
+ORTHONORMAL = 1e-6
+"""How far R^T R may be from 1: frames printed with seven digits pass."""
+
+VARIABLES = {
+    "interfaces": "interface_name",
+    "positions": "interface_position",
+    "rotations": "interface_rotation",
+    "stiffness": "stiffness",
+    "mass": "mass",
+    "damping": "damping",
+    "frequency_hz": "frequency_hz",
+    "inertia_load": "inertia_load",
+    "recovery": "recovery",
+}
+"""Field of the data class and name of the variable in a file; problems name the latter."""
+
+
+def problems_of_shape(element: SuperElement) -> list[Problem]:
+    """Everything that keeps the data from being a super-element; empty if nothing does."""
+    names = list(_names(element.interfaces))
+    sizes = list(_sizes(element))
+    if names or sizes:
+        return names + sizes
+    finite = list(_not_finite(element))
+    if finite:
+        return finite
+    return [*_frames(element), *_asymmetry(element), *_frequencies(element.frequency_hz)]
+
+
+def _names(interfaces: tuple[str, ...]) -> Iterator[Problem]:
+    if not interfaces:
+        yield Problem("interface_name", "there must be at least one interface, got none")
+    for i, name in enumerate(interfaces):
+        if not name:
+            yield Problem("interface_name", f"interface {i + 1} has no name")
+        if name in interfaces[:i]:
+            yield Problem("interface_name", f"{name!r} is given twice; names must differ")
+
+
+def _sizes(element: SuperElement) -> Iterator[Problem]:
+    n, modes = len(element.interfaces), element.frequency_hz.size
+    dof = PER_INTERFACE * n + modes
+    because = f"{n} interfaces with 6 freedoms and {modes} modes"
+    wanted: Mapping[str, tuple[int, ...]] = {
+        "positions": (n, 3),
+        "rotations": (n, 3, 3),
+        "stiffness": (dof, dof),
+        "mass": (dof, dof),
+        "damping": (dof, dof),
+        "frequency_hz": (modes,),
+        "inertia_load": (dof, 3),
+    }
+    for field, shape in wanted.items():
+        found = getattr(element, field).shape
+        if found != shape:
+            yield Problem(VARIABLES[field], f"must have the shape {shape} for {because}, got {found}")
+    recovery = element.recovery
+    if recovery is not None and (recovery.ndim != 2 or recovery.shape[1] != dof or recovery.shape[0] % 3):
+        yield Problem("recovery", f"must have the shape (3 n_points, {dof}), got {recovery.shape}")
+
+
+def _not_finite(element: SuperElement) -> Iterator[Problem]:
+    for field, variable in VARIABLES.items():
+        values: Any = getattr(element, field)
+        if field == "interfaces" or values is None:
+            continue
+        bad = np.argwhere(~np.isfinite(values))
+        if len(bad):
+            at = tuple(int(i) for i in bad[0])
+            count = f" and {len(bad) - 1} more" if len(bad) > 1 else ""
+            yield Problem(variable, f"must be finite, got {values[at]} at {list(at)}{count}")
+
+
+def _frames(element: SuperElement) -> Iterator[Problem]:
+    for name, rotation in zip(element.interfaces, element.rotations, strict=True):
+        off = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+        if off > ORTHONORMAL:
+            what = f"the axes of {name!r} must be orthonormal, got R^T R off by {off:.3g}"
+            yield Problem("interface_rotation", what)
+        elif np.linalg.det(rotation) < 0:
+            yield Problem("interface_rotation", f"the axes of {name!r} must be right-handed, got left-handed")
+
+
+def _asymmetry(element: SuperElement) -> Iterator[Problem]:
+    for field in ("stiffness", "mass", "damping"):
+        matrix: Floats = getattr(element, field)
+        scale = np.sqrt(np.abs(np.diag(matrix)))
+        rounding = 1e-4 * np.abs(matrix).max()  # where a row is nothing else
+        allowed = SYMMETRY * np.maximum(np.outer(scale, scale), rounding)
+        off = np.abs(matrix - matrix.T) - allowed
+        if off.size and off.max() > 0:
+            i, j = (int(k) for k in np.unravel_index(off.argmax(), off.shape))
+            places = f"[{i}, {j}] ({freedom(i, element.interfaces)}; {freedom(j, element.interfaces)})"
+            what = f"must be symmetric, got {matrix[i, j]:.8g} at {places} and {matrix[j, i]:.8g} across"
+            yield Problem(field, what)
+
+
+def _frequencies(frequency_hz: Floats) -> Iterator[Problem]:
+    for i, value in enumerate(frequency_hz):
+        if value <= 0:
+            yield Problem("frequency_hz", f"must be positive, got {value:g} Hz for mode {i + 1}")
