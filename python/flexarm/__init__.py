@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
     from flexarm.simulation import Simulation, simulate
+    from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics import Statics, static
     from flexarm.superelement import SuperElement
 
@@ -31,12 +32,14 @@ _EXPORTS = {
     "Record": "flexarm.record",
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
+    "SolidMesh": "flexarm.solids",
     "Statics": "flexarm.statics",
     "SuperElement": "flexarm.superelement",
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
+    "read_mesh": "flexarm.solids",
     "show_config": "flexarm.configuration",
     "simulate": "flexarm.simulation",
     "static": "flexarm.statics",
@@ -54,12 +57,14 @@ __all__ = [
     "Record",
     "Signal",
     "Simulation",
+    "SolidMesh",
     "Statics",
     "SuperElement",
     "compare",
     "config",
     "measure",
     "modes",
+    "read_mesh",
     "show_config",
     "simulate",
     "static",

@@ -1,0 +1,102 @@
+"""Which material each cell has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.link import Material
+from flexarm.arrays import Ints
+from flexarm.errors import InvalidParameter, Problem
+from flexarm.solids.names import known_names
+
+if TYPE_CHECKING:
+    from flexarm.solids.mesh import SolidMesh
+
+_NONE = -1
+
+
+def material_indices(mesh: SolidMesh) -> tuple[list[Material], dict[str, Ints]]:
+    """The materials in use and, for each type of cell, the index of each cell's material.
+
+    Raises
+    ------
+    InvalidParameter
+        If a cell has no material, or two that differ.
+    """
+    names, indices = _by_group(mesh)
+    bare = _without(mesh, indices)
+    if bare:
+        raise mesh.error(bare.where, bare.what)
+    return [mesh.materials[name] for name in names], indices
+
+
+def material_problems(mesh: SolidMesh) -> list[Problem]:
+    """Why `material_indices` would fail, if it would."""
+    try:
+        _, indices = _by_group(mesh)
+    except InvalidParameter as error:
+        return list(error.problems)
+    bare = _without(mesh, indices)
+    return [bare] if bare else []
+
+
+def with_materials(mesh: SolidMesh, materials: Mapping[str, Material] | Material) -> SolidMesh:
+    """The same mesh with materials by group, or with one for all cells that have none."""
+    if not isinstance(materials, Material):
+        return replace(mesh, materials={**mesh.materials, **materials})
+    _, indices = _by_group(mesh)
+    left = {kind: np.flatnonzero(index == _NONE) for kind, index in indices.items()}
+    left = {kind: cells for kind, cells in left.items() if len(cells)}
+    if not left:
+        note = Problem("material", "every cell has one of its own; that for the rest is not used")
+        return replace(mesh, notes=(*mesh.notes, note))
+    name = "rest" if mesh.materials else "all"
+    while name in mesh.cell_groups:
+        name += "-"
+    return replace(
+        mesh, cell_groups={**mesh.cell_groups, name: left}, materials={**mesh.materials, name: materials}
+    )
+
+
+def _by_group(mesh: SolidMesh) -> tuple[list[str], dict[str, Ints]]:
+    names = list(mesh.materials)
+    indices: dict[str, Ints] = {
+        kind: np.full(len(nodes), _NONE, dtype=np.int32) for kind, nodes in mesh.cells.items()
+    }
+    for i, name in enumerate(names):
+        if name not in mesh.cell_groups:
+            known = known_names(name, mesh.cell_groups, "the mesh has no groups; give one for all")
+            raise mesh.error(f"material of {name!r}", f"there is no such group of cells; {known}")
+        for kind, cells in mesh.cell_groups[name].items():
+            for j in set(indices[kind][cells].tolist()) - {_NONE}:
+                if mesh.materials[names[j]] != mesh.materials[name]:
+                    raise mesh.error(
+                        f"material of {name!r}",
+                        f"some of its cells are also in {names[j]!r}, which has another material",
+                    )
+            indices[kind][cells] = i
+    return names, indices
+
+
+def _without(mesh: SolidMesh, indices: Mapping[str, Ints]) -> Problem | None:
+    bare = {kind: np.flatnonzero(index == _NONE) for kind, index in indices.items()}
+    count = sum(len(cells) for cells in bare.values())
+    if not count:
+        return None
+    groups = [
+        name
+        for name, group in mesh.cell_groups.items()
+        if any(np.isin(cells, bare[kind]).any() for kind, cells in group.items())
+    ]
+    kind, cells = next((kind, cells) for kind, cells in bare.items() if len(cells))
+    first = mesh.cell_numbers[kind][cells[0]]
+    which = f"in groups {', '.join(groups[:20])}" if groups else f"such as cell {first}, which is in no group"
+    return Problem(
+        "materials",
+        f"{count} of {mesh.n_cells} cells have no material ({which}); give one by group or one for all: "
+        "Young's modulus [Pa], Poisson's ratio, density [kg/m3]",
+    )

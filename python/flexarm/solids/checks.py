@@ -1,0 +1,149 @@
+"""What would spoil a computation with a mesh: each problem with where it is and what to do.
+
+A cell is inverted or flat where det J <= 0 at a point of integration: the stiffness would be infinite or of
+the wrong sign. Points that coincide without being one leave a crack; pieces that share no point are several
+parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arrays import Ints
+from flexarm.errors import Problem
+from flexarm.solids.assigned import material_problems
+from flexarm.solids.cell_types import ALLOWED
+from flexarm.solids.core import smallest_jacobians
+from flexarm.solids.shape import coincident, components, shortest_edge
+
+if TYPE_CHECKING:
+    from flexarm.solids.mesh import SolidMesh
+
+#: Points closer than this part of the shortest edge are taken for one point written twice.
+COINCIDENT = 1e-3
+#: Below this part of an ideal cell's, det J counts as zero: the cell is flat.
+FLAT = 1e-6
+_SHOWN = 10
+
+
+def problems(mesh: SolidMesh) -> Iterator[Problem]:
+    """Everything that is wrong, the cause before its consequences."""
+    if not mesh.cells:
+        yield Problem("cells", f"there are no solid cells; needed are {ALLOWED}")
+        return
+    infinite = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
+    if len(infinite):
+        yield Problem("points", f"coordinates must be finite; they are not at {_points(mesh, infinite)}")
+        return
+    repeated = list(_repeated(mesh))
+    yield from repeated
+    if not repeated:
+        yield from _inverted(mesh)
+    double = list(_duplicates(mesh))
+    yield from double
+    if not double:  # points written twice are why pieces are loose
+        yield from _loose(mesh)
+    yield from _unused(mesh)
+    yield from material_problems(mesh)
+
+
+def _inverted(mesh: SolidMesh) -> Iterator[Problem]:
+    for kind, values in smallest_jacobians(mesh).items():
+        flat, inverted = np.flatnonzero(np.abs(values) <= FLAT), np.flatnonzero(values < -FLAT)
+        if len(inverted):
+            whole = "; as all are, their nodes are in another order" if len(inverted) == len(values) else ""
+            yield Problem(
+                f"cells.{kind}",
+                f"{len(inverted)} of {len(values)} cells are inverted (negative volume): "
+                f"{_cells(mesh, kind, inverted)}{whole}",
+            )
+        if len(flat):
+            yield Problem(
+                f"cells.{kind}",
+                f"{len(flat)} of {len(values)} cells have no volume: {_cells(mesh, kind, flat)}",
+            )
+
+
+def _repeated(mesh: SolidMesh) -> Iterator[Problem]:
+    for kind, nodes in mesh.cells.items():
+        ordered = np.sort(nodes, axis=1)
+        bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+        if len(bad):
+            yield Problem(
+                f"cells.{kind}",
+                f"{len(bad)} of {len(nodes)} cells name a node twice (collapsed to a wedge or less): "
+                f"{_cells(mesh, kind, bad)}; mesh with {ALLOWED} that have all their nodes",
+            )
+
+
+def _duplicates(mesh: SolidMesh) -> Iterator[Problem]:
+    tolerance = COINCIDENT * shortest_edge(mesh)
+    pairs = coincident(mesh.points, tolerance) if np.isfinite(tolerance) else np.empty((0, 2), int)
+    if len(pairs):
+        numbers = mesh.point_numbers
+        assert numbers is not None  # __post_init__ sets it
+        shown = ", ".join(f"{numbers[a]} and {numbers[b]}" for a, b in pairs[:_SHOWN])
+        yield Problem(
+            "points",
+            f"{len(pairs)} pairs of nodes lie in one place ({shown}{_more(len(pairs))}): the part has "
+            f"cracks; make them one: merge = {_above(tolerance):g} [m] when reading, or in the mesher",
+        )
+
+
+def _loose(mesh: SolidMesh) -> Iterator[Problem]:
+    _, labels = components(mesh)
+    used = np.zeros(mesh.n_points, dtype=bool)
+    for nodes in mesh.cells.values():
+        used[nodes.ravel()] = True
+    labels = np.where(used, labels, -1)
+    pieces, sizes = np.unique(labels[used], return_counts=True)
+    if len(pieces) < 2:
+        return
+    order = np.argsort(-sizes, kind="stable")
+    firsts = [np.flatnonzero(labels == pieces[i])[0] for i in order[:_SHOWN]]
+    shown = "; ".join(
+        f"{sizes[i]} nodes around {_points(mesh, np.array([first]))}"
+        for i, first in zip(order, firsts, strict=False)
+    )
+    yield Problem(
+        "cells",
+        f"the mesh falls into {len(pieces)} pieces that share no node: {shown}{_more(len(pieces))}; "
+        "a part must hang together: merge coincident nodes, or give each piece a file of its own",
+    )
+
+
+def _unused(mesh: SolidMesh) -> Iterator[Problem]:
+    used = np.zeros(mesh.n_points, dtype=bool)
+    for nodes in mesh.cells.values():
+        used[nodes.ravel()] = True
+    left = np.flatnonzero(~used)
+    if len(left):
+        yield Problem("points", f"{len(left)} nodes belong to no cell: {_points(mesh, left)}")
+
+
+def _cells(mesh: SolidMesh, kind: str, which: Ints) -> str:
+    """Numbers of cells in the file, and where the first is."""
+    numbers = mesh.cell_numbers[kind][which[:_SHOWN]]
+    middle = mesh.points[mesh.cells[kind][which[0]]].mean(axis=0)
+    place = ", ".join(f"{x:.4g}" for x in middle)
+    return f"{', '.join(map(str, numbers))}{_more(len(which))} (the first near [{place}] m)"
+
+
+def _points(mesh: SolidMesh, which: Ints) -> str:
+    numbers = mesh.point_numbers
+    assert numbers is not None  # __post_init__ sets it
+    place = ", ".join(f"{x:.4g}" for x in mesh.points[which[0]])
+    return f"node {', '.join(map(str, numbers[which[:_SHOWN]]))}{_more(len(which))} at [{place}] m"
+
+
+def _more(count: int) -> str:
+    return f" and {count - _SHOWN} more" if count > _SHOWN else ""
+
+
+def _above(value: float) -> float:
+    """A round number not below `value`."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(np.ceil(value / power) * power)

@@ -1,0 +1,239 @@
+"""A part as a mesh of solid cells: points, cells, groups of cells, sets of points, materials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexarm.arm.link import Material
+from flexarm.arrays import Floats, Ints
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.solids.cell_types import CELL_TYPES
+from flexarm.solids.names import known_names
+
+CellGroup = Mapping[str, Ints]
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """A part as solid finite elements.
+
+    Arrays are copied and read-only. Ints count from 0; what messages show are the numbers of the file.
+
+    Parameters
+    ----------
+    points : (n_points, 3)
+        Coordinates in the part's frame [m].
+    cells : mapping
+        `tet4`, `tet10`, `hex8`, `hex20` -> (n_cells, n_nodes) indices of points, in the node order of VTK.
+    cell_groups : mapping, optional
+        Name -> {type: indices of cells of that type}. Groups may overlap.
+    point_sets : mapping, optional
+        Name -> indices of points: the places where a part is held, loaded or joined.
+    materials : mapping, optional
+        Name of a group -> its material, SI. `with_materials(material)` gives one to all cells that lack it.
+    file : str
+        Where the mesh comes from, as messages name it.
+    cell_numbers, point_numbers : optional
+        Numbers in that file, for messages: type -> (n_cells,), and (n_points,). Default: 1, 2, ...
+    notes : tuple of Problem
+        What reading left out or changed.
+    """
+
+    points: Floats
+    cells: Mapping[str, Ints]
+    cell_groups: Mapping[str, CellGroup] = field(default_factory=dict)
+    point_sets: Mapping[str, Ints] = field(default_factory=dict)
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    file: str = ""
+    cell_numbers: Mapping[str, Ints] = field(default_factory=dict)
+    point_numbers: Ints | None = None
+    notes: tuple[Problem, ...] = ()
+
+    def __post_init__(self) -> None:
+        points = _frozen(self.points, np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise self.error("points", f"must have the shape (n, 3), got {points.shape}")
+        cells = {name: self._connectivity(name, nodes, len(points)) for name, nodes in self.cells.items()}
+        cells = {name: nodes for name, nodes in cells.items() if len(nodes)}
+        sizes = {name: len(nodes) for name, nodes in cells.items()}
+        values = {
+            "points": points,
+            "cells": cells,
+            "cell_groups": {
+                name: self._group(name, group, sizes) for name, group in self.cell_groups.items()
+            },
+            "point_sets": {
+                name: self._indices(f"point set {name!r}", indices, len(points))
+                for name, indices in self.point_sets.items()
+            },
+            "materials": dict(self.materials),
+            "cell_numbers": {
+                name: _frozen(self.cell_numbers.get(name, np.arange(1, n + 1)), np.int32)
+                for name, n in sizes.items()
+            },
+            "point_numbers": _frozen(
+                np.arange(1, len(points) + 1) if self.point_numbers is None else self.point_numbers, np.int32
+            ),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _connectivity(self, name: str, nodes: ArrayLike, n_points: int) -> Ints:
+        if name not in CELL_TYPES:
+            raise self.error("cells", f"unknown type {name!r}; allowed are {', '.join(CELL_TYPES)}")
+        array, width = np.asarray(nodes), CELL_TYPES[name].n_nodes
+        if array.ndim != 2 or array.shape[1] != width:
+            raise self.error(f"cells.{name}", f"must have the shape (n, {width}), got {array.shape}")
+        return self._indices(f"cells.{name}", array, n_points)
+
+    def _group(self, name: str, group: CellGroup, sizes: Mapping[str, int]) -> dict[str, Ints]:
+        return {
+            kind: self._indices(f"cell group {name!r}", indices, sizes.get(kind, 0))
+            for kind, indices in group.items()
+            if len(indices)
+        }
+
+    def _indices(self, where: str, indices: ArrayLike, size: int) -> Ints:
+        array = np.asarray(indices)
+        if array.size and (array.min() < 0 or array.max() >= size):
+            wrong = int(array.min() if array.min() < 0 else array.max())
+            raise self.error(where, f"refers to index {wrong}; there are {size}, counted from 0")
+        return _frozen(array, np.int32)
+
+    def error(self, where: str, what: str) -> InvalidParameter:
+        """An error that names the file if there is one."""
+        return InvalidFile(self.file, where, what) if self.file else InvalidParameter(what, where=where)
+
+    @property
+    def n_points(self) -> int:
+        """Number of points."""
+        return len(self.points)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells of all types."""
+        return sum(len(nodes) for nodes in self.cells.values())
+
+    @property
+    def n_dof(self) -> int:
+        """Degrees of freedom: three a point."""
+        return 3 * self.n_points
+
+    @property
+    def box(self) -> Floats:
+        """Smallest and largest coordinates [m], shape (2, 3)."""
+        return np.array([self.points.min(axis=0), self.points.max(axis=0)])
+
+    @property
+    def warnings(self) -> tuple[Problem, ...]:
+        """What reading changed, and what is allowed and yet looks wrong."""
+        from flexarm.solids.doubts import doubts
+
+        return (*self.notes, *doubts(self))
+
+    def point_set(self, name: str) -> Ints:
+        """Ints of the points of a set.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such set or it is empty; the message lists those there are.
+        """
+        if name not in self.point_sets:
+            raise self.error(
+                f"point set {name!r}",
+                f"does not exist; {known_names(name, self.point_sets, 'the mesh has no point sets')}",
+            )
+        if not len(self.point_sets[name]):
+            raise self.error(f"point set {name!r}", "is empty; an interface needs at least one point")
+        return self.point_sets[name]
+
+    def material_indices(self) -> tuple[list[Material], dict[str, Ints]]:
+        """The materials and, for each type, the index of each cell's material.
+
+        Raises
+        ------
+        InvalidParameter
+            If a cell has no material, or two different ones.
+        """
+        from flexarm.solids.assigned import material_indices
+
+        return material_indices(self)
+
+    def core(self) -> Any:
+        """The mesh as the solver takes it."""
+        from flexarm.solids.core import core_mesh
+
+        return core_mesh(self, *self.material_indices())
+
+    def check(self) -> Self:
+        """This mesh, after everything that would spoil a computation has been looked for.
+
+        Raises
+        ------
+        InvalidParameter
+            `InvalidFile` if the mesh comes from a file; `problems` lists all that is wrong.
+        """
+        from flexarm.solids.checks import problems
+
+        found = tuple(problems(self))
+        if found and self.file:
+            raise InvalidFile(self.file, found[0].where, found[0].what, problems=found)
+        if found:
+            raise InvalidParameter(found[0].what, where=found[0].where, problems=found)
+        return self
+
+    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Self:
+        """The same part elsewhere: x -> R x + t, R a rotation matrix, t in m."""
+        turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
+        if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-9):
+            raise InvalidParameter("must be a 3 x 3 rotation matrix", where="rotation")
+        if np.linalg.det(turn) < 0:
+            raise InvalidParameter("must not mirror: its determinant is -1", where="rotation")
+        return replace(self, points=self.points @ turn.T + np.asarray(translation, dtype=float))
+
+    def with_materials(self, materials: Mapping[str, Material] | Material) -> SolidMesh:
+        """The same mesh with these materials: by group, or one for all cells that have none."""
+        from flexarm.solids.assigned import with_materials
+
+        return with_materials(self, materials)
+
+    def with_point_set(self, name: str, points: ArrayLike) -> Self:
+        """The same mesh with one more set of points."""
+        return replace(self, point_sets={**self.point_sets, name: np.asarray(points)})
+
+    def merged(self, tolerance: float) -> SolidMesh:
+        """The same mesh with points closer than `tolerance` [m] made one."""
+        from flexarm.solids.joining import merge_points
+
+        return merge_points(self, tolerance)
+
+    def joined(self, other: SolidMesh, tolerance: float = 0.0) -> SolidMesh:
+        """This mesh and another as one; points closer than `tolerance` [m] are made one."""
+        from flexarm.solids.joining import join
+
+        return join(self, other, tolerance)
+
+    def describe(self) -> str:
+        """Size, cells, groups with their materials, sets: one thing a line."""
+        from flexarm.solids.description import describe
+
+        return describe(self)
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write points, cells, groups and sets as VTU (ParaView opens it; `read_mesh` reads it back)."""
+        from flexarm.solids.saving import save
+
+        return save(self, Path(path), force=force)
+
+
+def _frozen(values: ArrayLike, kind: Any) -> NDArray[Any]:
+    array: NDArray[Any] = np.array(values, dtype=kind)
+    array.setflags(write=False)
+    return array

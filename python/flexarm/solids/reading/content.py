@@ -1,0 +1,77 @@
+"""What a mesh file holds, in its own units, before it is known to be a part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from flexarm.arrays import Floats, Ints
+from flexarm.errors import Problem
+
+
+@dataclass
+class Block:
+    """Cells of one type, as they follow one another in the file.
+
+    Attributes
+    ----------
+    kind : str
+        meshio's name of the type (`tetra10`, `triangle`, ..).
+    nodes : (n, n_nodes)
+        Ints of points, in meshio's order.
+    numbers : (n,)
+        The cells' numbers in the file.
+    """
+
+    kind: str
+    nodes: Ints
+    numbers: Ints
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """A material as the file gives it; None is what the file leaves out.
+
+    Attributes
+    ----------
+    youngs_modulus, poisson_ratio, density : float or None
+        In the file's units.
+    where : str
+        Its name in the file, or its line.
+    """
+
+    youngs_modulus: float | None
+    poisson_ratio: float | None
+    density: float | None
+    where: str
+
+
+@dataclass
+class Content:
+    """All of a file that concerns a part.
+
+    Attributes
+    ----------
+    points : (n, 3)
+        In the file's unit of length.
+    numbers : (n,)
+        The points' numbers in the file.
+    blocks : list of Block
+        Cells of every dimension.
+    groups : dict
+        Name -> {index of a block: indices of its cells}.
+    point_sets : dict
+        Name -> indices of points.
+    materials : dict
+        Name of a group -> its material.
+    notes : list of Problem
+        What was not read.
+    """
+
+    points: Floats
+    numbers: Ints
+    blocks: list[Block]
+    groups: dict[str, dict[int, Ints]] = field(default_factory=dict)
+    point_sets: dict[str, Ints] = field(default_factory=dict)
+    materials: Mapping[str, Elastic] = field(default_factory=dict)
+    notes: list[Problem] = field(default_factory=list)

@@ -1,0 +1,73 @@
+"""Gmsh meshes (.msh, versions 2.2 and 4.1, text or binary).
+
+meshlane reads points, cells and physical groups. Two things it leaves out are read here: numbers of cells,
+so that messages name those of the file, and names that physical groups of two dimensions share.
+A physical volume is a group of cells; physical surfaces, curves and points are sets of their points. One
+without a name is called `volume-1`, `surface-7`, `curve-3`, `point-2`.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexarm.arrays import Ints
+from flexarm.errors import InvalidFile
+from flexarm.solids.reading.content import Content
+from flexarm.solids.reading.gmsh_numbers import cell_numbers
+from flexarm.solids.reading.through_meshlane import blocks_of, read_by
+
+_DIMENSION = ("point", "curve", "surface", "volume")
+
+
+def content(path: Path) -> Content:
+    """What a Gmsh file holds."""
+    import meshlane
+
+    _refuse_shared_names(path)
+    mesh = read_by(meshlane.gmsh.read, path, "Gmsh mesh")
+    blocks = blocks_of(mesh)
+    numbers = cell_numbers(path)
+    if numbers is not None and len(numbers) == sum(len(block.nodes) for block in blocks):
+        for block in blocks:
+            block.numbers, numbers = numbers[: len(block.nodes)], numbers[len(block.nodes) :]
+    found = Content(np.asarray(mesh.points, float), np.arange(1, len(mesh.points) + 1), blocks)
+    found.groups = _groups(mesh)
+    return found
+
+
+def _groups(mesh: Any) -> dict[str, dict[int, Ints]]:
+    """Physical groups: by name where there is one, by number otherwise."""
+    groups: dict[str, dict[int, Ints]] = {}
+    for name, members in mesh.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            groups[name] = {i: np.asarray(cells) for i, cells in enumerate(members) if cells is not None}
+    named = {(int(d), int(n)): name for name, (n, d) in mesh.field_data.items()}
+    for i, tags in enumerate(mesh.cell_data.get("gmsh:physical", [])):
+        dimension = int(mesh.cells[i].dim)
+        for tag in np.unique(tags):
+            name = named.get((dimension, int(tag)), f"{_DIMENSION[dimension]}-{tag}")
+            if tag > 0 and name not in mesh.cell_sets:
+                groups.setdefault(name, {})[i] = np.flatnonzero(np.asarray(tags) == tag)
+    return groups
+
+
+def _refuse_shared_names(path: Path) -> None:
+    """A volume and a surface of one name: meshlane would keep one of them."""
+    with path.open("rb") as file:
+        for line in file:
+            if line.strip() == b"$PhysicalNames":
+                break
+        else:
+            return
+        rows = [shlex.split(next(file).decode(errors="replace")) for _ in range(int(next(file)))]
+    twice = [name for name, count in Counter(row[2] for row in rows).items() if count > 1]
+    if twice:
+        kinds = ", ".join(f"{_DIMENSION[int(row[0])]} {row[1]}" for row in rows if row[2] == twice[0])
+        raise InvalidFile(
+            path, "$PhysicalNames", f"{twice[0]!r} is the name of {kinds}; every physical group needs its own"
+        )

@@ -1,0 +1,143 @@
+"""The part that is in a file: solid cells, groups of them, sets of points, in SI.
+
+Cells of lower dimension are no solids: a group of them (a physical surface, an element set of shells) becomes
+the set of its points. Points that no solid cell uses are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.link import Material
+from flexarm.arrays import Ints
+from flexarm.errors import InvalidFile, Problem
+from flexarm.solids.cell_types import ALLOWED, BY_MESHIO_NAME
+from flexarm.solids.mesh import SolidMesh
+from flexarm.solids.reading.content import Content
+from flexarm.solids.reading.units import si_materials
+from flexarm.units import factor_to
+
+_FLAT = ("vertex", "line", "triangle", "quad", "polygon")
+_REMEDY = {
+    "wedge": "mesh with tetrahedra, or with hexahedra only",
+    "pyramid": "mesh with tetrahedra, or with hexahedra only",
+    "tetra": "use order 2 at most",
+    "hexahedron": "use order 2 at most",
+}
+
+
+def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Material]) -> SolidMesh:
+    """The solid mesh in a file's content.
+
+    Parameters
+    ----------
+    content : Content
+        What was read.
+    file : str
+        The file, as messages name it.
+    unit : str
+        Its unit of length.
+    materials : mapping
+        Group -> material, SI; they take the place of those in the file.
+    """
+    _refuse_other_solids(content, file)
+    kinds = [BY_MESHIO_NAME[_lesser(b.kind)].name if _is_solid(b.kind) else "" for b in content.blocks]
+    cells, numbers, offset = _cells(content, kinds)
+    used = np.zeros(len(content.points), dtype=bool)
+    for nodes in cells.values():
+        used[nodes.ravel()] = True
+    new = np.cumsum(used) - 1
+    groups, sets = _groups(content, kinds, offset)
+    notes = [*content.notes, *_left_out(content, used)]
+    in_file = {name: m for name, m in content.materials.items() if name not in materials and name in groups}
+    return SolidMesh(
+        points=content.points[used] * (factor_to("m", unit) or 1.0),
+        cells={kind: new[nodes] for kind, nodes in cells.items()},
+        cell_groups=groups,
+        point_sets={name: np.unique(new[points[used[points]]]) for name, points in sets.items()},
+        materials={**si_materials(in_file, unit, file), **materials},
+        file=file,
+        cell_numbers=numbers,
+        point_numbers=content.numbers[used],
+        notes=tuple(notes),
+    )
+
+
+def _is_solid(kind: str) -> bool:
+    return not kind.startswith(_FLAT)
+
+
+def _lesser(kind: str) -> str:
+    """27-node hexahedra are read as 20-node ones, whose nodes are their first 20."""
+    return "hexahedron20" if kind == "hexahedron27" else kind
+
+
+def _refuse_other_solids(content: Content, file: str) -> None:
+    counts: dict[str, int] = {}
+    for block in content.blocks:
+        if _is_solid(block.kind) and _lesser(block.kind) not in BY_MESHIO_NAME:
+            counts[block.kind] = counts.get(block.kind, 0) + len(block.nodes)
+    if counts:
+        shown = ", ".join(f"{count} of type {kind}" for kind, count in counts.items())
+        remedy = next((r for stem, r in _REMEDY.items() if next(iter(counts)).startswith(stem)), "")
+        raise InvalidFile(
+            file, "cells", f"cells that flexarm has no element for: {shown}; allowed are {ALLOWED}; {remedy}"
+        )
+
+
+def _cells(content: Content, kinds: list[str]) -> tuple[dict[str, Ints], dict[str, Ints], list[int]]:
+    """Cells and their numbers by type, and where in its type each block begins."""
+    cells: dict[str, list[Ints]] = {}
+    numbers: dict[str, list[Ints]] = {}
+    offset, count = [], dict.fromkeys(kinds, 0)
+    for block, kind in zip(content.blocks, kinds, strict=True):
+        offset.append(count[kind])
+        if not kind:
+            continue
+        count[kind] += len(block.nodes)
+        cells.setdefault(kind, []).append(block.nodes[:, :20])
+        numbers.setdefault(kind, []).append(block.numbers)
+    return (
+        {kind: np.concatenate(parts) for kind, parts in cells.items()},
+        {kind: np.concatenate(parts) for kind, parts in numbers.items()},
+        offset,
+    )
+
+
+def _groups(
+    content: Content, kinds: list[str], offset: list[int]
+) -> tuple[dict[str, dict[str, Ints]], dict[str, Ints]]:
+    """Groups of solid cells, and all sets of points."""
+    groups: dict[str, dict[str, Ints]] = {}
+    sets = dict(content.point_sets)
+    for name, members in content.groups.items():
+        solid: dict[str, list[Ints]] = {}
+        flat: list[Ints] = []
+        for i, cells in members.items():
+            if not len(cells):
+                continue
+            if kinds[i]:
+                solid.setdefault(kinds[i], []).append(cells + offset[i])
+            else:
+                flat.append(content.blocks[i].nodes[cells].ravel())
+        if solid:
+            groups[name] = {kind: np.unique(np.concatenate(parts)) for kind, parts in solid.items()}
+        if flat:
+            sets[name if name not in sets else f"{name}-cells"] = np.unique(np.concatenate(flat))
+    return groups, sets
+
+
+def _left_out(content: Content, used: NDArray[np.bool_]) -> list[Problem]:
+    notes = []
+    lost = [name for name, points in content.point_sets.items() if not used[points].all()]
+    if lost:
+        notes.append(
+            Problem("point sets", f"points of no solid cell were left out of {', '.join(lost[:20])}")
+        )
+    full = sum(len(block.nodes) for block in content.blocks if block.kind == "hexahedron27")
+    if full:
+        notes.append(Problem("cells", f"{full} hexahedra of 27 nodes are read as 20-node ones"))
+    return notes

@@ -1,0 +1,133 @@
+"""Parts that come up often, in one call each: ring, tube, disc, shaft, flange.
+
+All stand on z = 0 with their axis along z. For anything with steps, list its blocks and call `revolved`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flexarm.arm.link import Material
+from flexarm.errors import InvalidParameter
+from flexarm.solids.mesh import SolidMesh
+from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
+from flexarm.solids.revolve.revolved import revolved
+
+Size = float | tuple[float, float]
+
+
+def ring(
+    inner_radius: float,
+    outer_radius: float,
+    height: float,
+    *,
+    size: Size,
+    around: int | None = None,
+    order: int = 2,
+    patches: Sequence[Patch | BoltCircle] = (),
+    material: Material | None = None,
+) -> SolidMesh:
+    """A ring of rectangular section: group `ring`, sets `inner`, `outer`, `bottom`, `top`. Lengths in m.
+
+    >>> from flexarm.solids import ring
+    >>> ring(0.1, 0.2, 0.1, size=0.05, around=24).n_cells
+    96
+    """
+    block = Block("ring", inner_radius, outer_radius, 0.0, height)
+    return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
+
+
+def tube(
+    outer_diameter: float,
+    thickness: float,
+    length: float,
+    *,
+    size: Size,
+    around: int | None = None,
+    order: int = 2,
+    patches: Sequence[Patch | BoltCircle] = (),
+    material: Material | None = None,
+) -> SolidMesh:
+    """A tube along z, with the parameters of a beam's tube section: group `tube`. Lengths in m."""
+    if not 0 < 2 * thickness < outer_diameter:
+        raise InvalidParameter(
+            f"must be positive and less than half the outer diameter ({outer_diameter / 2:g} m), got "
+            f"{thickness:g} m",
+            where="thickness",
+        )
+    block = Block("tube", outer_diameter / 2 - thickness, outer_diameter / 2, 0.0, length)
+    return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
+
+
+def disc(
+    diameter: float,
+    thickness: float,
+    *,
+    size: Size,
+    around: int | None = None,
+    order: int = 2,
+    patches: Sequence[Patch | BoltCircle] = (),
+    material: Material | None = None,
+) -> SolidMesh:
+    """A solid disc: group `disc`. Lengths in m."""
+    block = Block("disc", 0.0, diameter / 2, 0.0, thickness)
+    return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
+
+
+def shaft(
+    steps: Sequence[tuple[float, float]],
+    *,
+    size: Size,
+    around: int | None = None,
+    order: int = 2,
+    patches: Sequence[Patch | BoltCircle] = (),
+    material: Material | None = None,
+) -> SolidMesh:
+    """A solid stepped shaft along z: groups `step-1`, `step-2`, .. from the bottom.
+
+    Parameters
+    ----------
+    steps : sequence of (diameter, length)
+        From z = 0 upwards [m].
+    size, around, order, patches, material
+        As for `revolved`.
+    """
+    blocks, z = [], 0.0
+    for i, (diameter, length) in enumerate(steps, start=1):
+        blocks.append(Block(f"step-{i}", 0.0, diameter / 2, z, z + length))
+        z += length
+    return revolved(blocks, size=size, around=around, order=order, patches=patches, material=material)
+
+
+def flange(
+    inner_radius: float,
+    outer_radius: float,
+    thickness: float,
+    *,
+    bolts: int,
+    bolt_circle: float,
+    pad: float,
+    size: Size,
+    around: int | None = None,
+    order: int = 2,
+    patches: Sequence[Patch | BoltCircle] = (),
+    material: Material | None = None,
+) -> SolidMesh:
+    """A flange with pads under its bolts on the top face: group `flange`, sets `bolts`, `bolts-1`, ..
+
+    Parameters
+    ----------
+    inner_radius, outer_radius, thickness : float
+        Of the ring [m]; `inner_radius = 0` is a solid disc.
+    bolts : int
+        Number of bolts.
+    bolt_circle, pad : float
+        Radius of the circle through the bolts and diameter of a pad [m].
+    size, around, order, patches, material
+        As for `revolved`.
+    """
+    block = Block("flange", inner_radius, outer_radius, 0.0, thickness)
+    circle = BoltCircle("bolts", radius=bolt_circle, count=bolts, diameter=pad, height=thickness)
+    return revolved(
+        [block], size=size, around=around, order=order, patches=[*patches, circle], material=material
+    )

@@ -1,0 +1,184 @@
+"""A part that revolves: its profile in the (r, z) half-plane, swept around z into hexahedra."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import ceil, lcm, pi
+
+import numpy as np
+
+from flexarm.arm.link import Material
+from flexarm.arrays import Floats, Ints
+from flexarm.errors import InvalidParameter
+from flexarm.solids.mesh import SolidMesh
+from flexarm.solids.revolve.lines import SAME, Lines
+from flexarm.solids.revolve.plan import plan_of
+from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
+from flexarm.solids.revolve.second_order import with_middle_points
+from flexarm.solids.revolve.selection import point_sets
+
+FEWEST_AROUND = 8
+
+
+def revolved(
+    blocks: Sequence[Block],
+    *,
+    size: float | tuple[float, float],
+    around: int | None = None,
+    order: int = 2,
+    patches: Sequence[Patch | BoltCircle] = (),
+    material: Material | None = None,
+) -> SolidMesh:
+    """Hexahedra for a part made of rings, discs and tubes around z.
+
+    Blocks that touch share their points; blocks must not overlap.
+
+    Parameters
+    ----------
+    blocks : sequence of Block
+        The rectangles of the profile; each is a group of cells.
+    size : float or (float, float)
+        Largest edge of a cell [m], along r and z alike or each of its own.
+    around : int, optional
+        Cells around the axis; default: as long as `size` on the largest radius, at least 8, and a multiple of
+        the number of bolts. A multiple of 4 where the axis is solid.
+    order : {1, 2}
+        1: 8-node hexahedra with straight edges. 2: 20-node ones, whose middle points lie on the circles.
+    patches : sequence of Patch and BoltCircle
+        Further sets of points.
+    material : Material, optional
+        Of the blocks that name none.
+
+    Returns
+    -------
+    mesh : SolidMesh
+        With a group for each block; point sets `BLOCK.inner`, `BLOCK.outer`, `BLOCK.bottom`, `BLOCK.top` for
+        each block and `inner`, `outer`, `bottom`, `top` for the whole part (its least and largest r and z);
+        and those of `patches`.
+
+    Examples
+    --------
+    >>> from flexarm.solids import Block, revolved
+    >>> hub = revolved([Block("disc", 0, 0.05, 0, 0.01), Block("tube", 0.03, 0.05, 0.01, 0.06)], size=0.01)
+    >>> sorted(hub.cell_groups)
+    ['disc', 'tube']
+    """
+    _check(blocks, patches)
+    if order not in (1, 2):
+        raise InvalidParameter(f"must be 1 (hex8) or 2 (hex20), got {order}", where="order")
+    along_r, along_z = _sizes(size)
+    radii, heights = _lines(blocks, patches, along_r, along_z)
+    n = _around(radii, along_r, around, patches)
+    plan = plan_of(radii.values, n, along_r)
+    points = _levels(plan.points, heights.values)
+    circle = np.tile(plan.circle, len(heights))
+    cells, groups = _sweep(plan.quads, plan.column, len(plan.points), blocks, radii, heights)
+    points, circle, cells = _used(points, circle, cells)
+    if order == 2:
+        points, cells = with_middle_points(points, circle, cells)
+    kind = "hex8" if order == 1 else "hex20"
+    mesh = SolidMesh(
+        points=points,
+        cells={kind: cells},
+        cell_groups={name: {kind: indices} for name, indices in groups.items()},
+        point_sets=point_sets(points, blocks, patches),
+        materials=_materials(blocks, material),
+    )
+    return mesh
+
+
+def _check(blocks: Sequence[Block], patches: Sequence[Patch | BoltCircle]) -> None:
+    if not blocks:
+        raise InvalidParameter("there are none; a part needs at least one block", where="blocks")
+    names = [item.name for item in (*blocks, *patches)]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise InvalidParameter(f"names must differ; given twice: {', '.join(twice)}", where="blocks")
+    most = max(block.outer for block in blocks)
+    for i, a in enumerate(blocks):
+        for b in blocks[i + 1 :]:
+            wide = min(a.outer, b.outer) - max(a.inner, b.inner)
+            high = min(a.top, b.top) - max(a.bottom, b.bottom)
+            if wide > SAME * most and high > SAME * most:
+                raise InvalidParameter(
+                    f"blocks {a.name!r} and {b.name!r} overlap by {wide:g} m along r and {high:g} m along z; "
+                    "blocks may touch, not overlap",
+                    where="blocks",
+                )
+
+
+def _sizes(size: float | tuple[float, float]) -> tuple[float, float]:
+    along_r, along_z = size if isinstance(size, tuple) else (size, size)
+    if not (along_r > 0 and along_z > 0):
+        raise InvalidParameter(f"must be positive, got {size} m", where="size")
+    return along_r, along_z
+
+
+def _lines(
+    blocks: Sequence[Block], patches: Sequence[Patch | BoltCircle], along_r: float, along_z: float
+) -> tuple[Lines, Lines]:
+    r = [value for block in blocks for value in (block.inner, block.outer)]
+    z = [value for block in blocks for value in (block.bottom, block.top)]
+    (least_r, most_r), (least_z, most_z) = (min(r), max(r)), (min(z), max(z))
+    for patch in patches:
+        if isinstance(patch, BoltCircle):
+            r += [patch.radius - patch.diameter / 2, patch.radius + patch.diameter / 2]
+            z += [patch.height]
+        else:
+            r += [patch.inner, patch.outer]
+            z += [patch.bottom, patch.top]
+    r = [value for value in r if least_r <= value <= most_r]
+    z = [value for value in z if least_z <= value <= most_z]
+    radii = Lines.through(r, along_r, most_r)
+    if least_r == 0:  # inside the smallest circle the core has lines of its own
+        smallest = min(value for value in r if value > SAME * most_r)
+        radii = Lines(np.concatenate([[0.0], radii.values[radii.index(smallest) :]]))
+    return radii, Lines.through(z, along_z, most_z - least_z)
+
+
+def _around(radii: Lines, size: float, wanted: int | None, patches: Iterable[object]) -> int:
+    step = 4 if radii.values[0] == 0 else 1
+    if wanted is None:
+        bolts = lcm(step, *(p.count for p in patches if isinstance(p, BoltCircle)))
+        least = max(FEWEST_AROUND, ceil(2 * pi * radii.values[-1] / size * (1 - 1e-9)))
+        return int(bolts * ceil(least / bolts))
+    if wanted < FEWEST_AROUND or wanted % step:
+        solid = " and a multiple of 4, as the axis is solid" if step == 4 else ""
+        raise InvalidParameter(f"must be at least {FEWEST_AROUND}{solid}, got {wanted}", where="around")
+    return wanted
+
+
+def _levels(plan: Floats, heights: Floats) -> Floats:
+    z = np.repeat(heights, len(plan))
+    return np.column_stack([np.tile(plan, (len(heights), 1)), z])
+
+
+def _sweep(
+    quads: Ints,
+    column: Ints,
+    n_plan: int,
+    blocks: Sequence[Block],
+    radii: Lines,
+    heights: Lines,
+) -> tuple[Ints, dict[str, Ints]]:
+    """Hexahedra of all blocks, and the indices of those of each."""
+    cells, groups, count = [], {}, 0
+    for block in blocks:
+        r, z = radii.within(block.inner, block.outer), heights.within(block.bottom, block.top)
+        ring = quads[(column >= r.start) & (column < r.stop - 1)]
+        for level in range(z.start, z.stop - 1):
+            cells.append(np.hstack([ring + level * n_plan, ring + (level + 1) * n_plan]))
+        n = len(ring) * (z.stop - 1 - z.start)
+        groups[block.name] = np.arange(count, count + n)
+        count += n
+    return np.concatenate(cells), groups
+
+
+def _used(points: Floats, circle: Floats, cells: Ints) -> tuple[Floats, Floats, Ints]:
+    """Only the points that cells use."""
+    used, inverse = np.unique(cells, return_inverse=True)
+    return points[used], circle[used], inverse.reshape(cells.shape)
+
+
+def _materials(blocks: Sequence[Block], rest: Material | None) -> Mapping[str, Material]:
+    return {block.name: material for block in blocks if (material := block.material or rest) is not None}
