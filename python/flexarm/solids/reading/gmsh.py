@@ -21,6 +21,11 @@ from flexarm.solids.reading.content import Content
 from flexarm.solids.reading.gmsh_numbers import cell_numbers
 from flexarm.solids.reading.through_meshlane import blocks_of, read_by
 
+#: What a failure of the reader means, by a part of its message.
+_REMEDIES = {
+    "gmsh:physical": "some cells are in no physical group: save without 'Save all elements'",
+    "parametric": "save without 'Save parametric coordinates'",
+}
 _DIMENSION = ("point", "curve", "surface", "volume")
 
 
@@ -29,7 +34,7 @@ def content(path: Path) -> Content:
     import meshlane
 
     _refuse_shared_names(path)
-    mesh = read_by(meshlane.gmsh.read, path, "Gmsh mesh")
+    mesh = read_by(meshlane.gmsh.read, path, "Gmsh mesh", _REMEDIES)
     blocks = blocks_of(mesh)
     numbers = cell_numbers(path)
     if numbers is not None and len(numbers) == sum(len(block.nodes) for block in blocks):

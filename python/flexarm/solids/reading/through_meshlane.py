@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
@@ -14,7 +14,9 @@ from flexarm.errors import InvalidFile
 from flexarm.solids.reading.content import Block
 
 
-def read_by(reader: Callable[[str], Any], path: Path, what: str) -> Any:
+def read_by(
+    reader: Callable[[str], Any], path: Path, what: str, remedies: Mapping[str, str] | None = None
+) -> Any:
     """The mesh that a reader of meshlane makes of a file.
 
     Parameters
@@ -25,6 +27,8 @@ def read_by(reader: Callable[[str], Any], path: Path, what: str) -> Any:
         The file.
     what : str
         What it should be.
+    remedies : mapping, optional
+        Part of a message of the reader -> what the user can do.
     """
     said = StringIO()
     try:
@@ -32,7 +36,8 @@ def read_by(reader: Callable[[str], Any], path: Path, what: str) -> Any:
             return reader(str(path))
     except Exception as error:  # a reader fails in any way on a file that is cut off or of another kind
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InvalidFile(path, "", f"cannot be read as a {what} ({reason})") from error
+        remedy = next((f"; {told}" for part, told in (remedies or {}).items() if part in reason), "")
+        raise InvalidFile(path, "", f"cannot be read as a {what} ({reason}){remedy}") from error
 
 
 def blocks_of(mesh: Any) -> list[Block]:

@@ -1,0 +1,136 @@
+"""Gmsh files as Gmsh writes them: physical groups, numbers, orders of nodes, what is refused."""
+
+import meshlane
+import numpy as np
+import pytest
+from solid_volume import volume
+
+from flexarm import InvalidFile, InvalidParameter, read_mesh
+from flexarm.solids import Material, ring
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
+
+TWO_TETRAHEDRA = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 7 "foot"
+3 1 "body"
+$EndPhysicalNames
+$Nodes
+6
+1 0 0 0
+2 1 0 0
+3 0 1 0
+5 0 0 1
+8 1 1 1
+9 7 7 7
+$EndNodes
+$Elements
+4
+3 15 2 4 1 5
+10 2 2 7 1 1 3 2
+20 4 2 1 1 1 2 3 5
+31 4 2 1 1 2 8 3 5
+$EndElements
+"""
+
+
+def test_physical_volumes_are_groups_and_all_else_sets(tmp_path):
+    path = tmp_path / "two.msh"
+    path.write_text(TWO_TETRAHEDRA)
+    mesh = read_mesh(path)
+    assert list(mesh.cells["tet4"].ravel()) == [0, 1, 2, 3, 1, 4, 2, 3]
+    assert {name: list(group["tet4"]) for name, group in mesh.cell_groups.items()} == {"body": [0, 1]}
+    assert {name: list(points) for name, points in mesh.point_sets.items()} == {
+        "foot": [0, 1, 2],
+        "point-4": [3],
+    }
+
+
+def test_messages_use_the_numbers_of_the_file(tmp_path):
+    path = tmp_path / "two.msh"
+    path.write_text(TWO_TETRAHEDRA)
+    assert list(read_mesh(path).cell_numbers["tet4"]) == [20, 31]
+
+
+def test_points_that_no_cell_uses_are_left_out(tmp_path):
+    path = tmp_path / "two.msh"
+    path.write_text(TWO_TETRAHEDRA)
+    assert read_mesh(path).n_points == 5
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("kind", ["gmsh", "gmsh22"])
+@pytest.mark.parametrize("binary", [True, False], ids=["binary", "text"])
+def test_hexahedra_come_back_as_they_were_written(tmp_path, order, kind, binary):
+    """Both versions, binary and text; a wrong order of middle nodes would change the volume."""
+    part = ring(0.1, 0.2, 0.1, size=0.1, order=order)
+    name = "hexahedron" if order == 1 else "hexahedron20"
+    nodes = next(iter(part.cells.values()))
+    written = meshlane.Mesh(
+        part.points * 1000,
+        [(name, nodes)],
+        cell_data={"gmsh:physical": [np.full(len(nodes), 3)], "gmsh:geometrical": [np.ones(len(nodes), int)]},
+        field_data={"ring": np.array([3, 3])},
+        point_data={"gmsh:dim_tags": np.tile([3, 1], (part.n_points, 1))} if kind == "gmsh" else {},
+    )
+    meshlane.write(tmp_path / "ring.msh", written, file_format=kind, binary=binary)
+    mesh = read_mesh(tmp_path / "ring.msh", unit="mm")
+    assert (mesh.cells[next(iter(part.cells))] == nodes).all()
+    assert np.abs(mesh.points - part.points).max() < 1e-15
+    assert volume(mesh) == pytest.approx(volume(part), rel=1e-12)
+    assert list(mesh.cell_groups) == ["ring"]
+
+
+def test_a_name_of_two_groups_is_refused(tmp_path):
+    path = tmp_path / "two.msh"
+    path.write_text(TWO_TETRAHEDRA.replace('"foot"', '"body"'))
+    with pytest.raises(
+        InvalidFile, match=r"two.msh: \$PhysicalNames: 'body' is the name of surface 7, volume 1"
+    ):
+        read_mesh(path)
+
+
+def test_other_solids_are_named_with_what_is_allowed(tmp_path):
+    path = tmp_path / "prism.msh"
+    meshlane.write(
+        path,
+        meshlane.Mesh(np.eye(6)[:, :3] * 1.0, [("wedge", [[0, 1, 2, 3, 4, 5]])]),
+        file_format="gmsh22",
+        binary=False,
+    )
+    with pytest.raises(InvalidFile, match=r"1 of type wedge; allowed are 4- and 10-node tetrahedra, 8- and"):
+        read_mesh(path)
+
+
+def test_27_node_hexahedra_are_read_as_20_node_ones(tmp_path):
+    part = ring(0.1, 0.2, 0.1, size=0.1)
+    nodes = part.cells["hex20"]
+    inner = part.n_points + np.arange(7 * len(nodes)).reshape(-1, 7)
+    points = np.vstack([part.points, np.zeros((inner.size, 3))])
+    full = meshlane.Mesh(points, [("hexahedron27", np.hstack([nodes, inner]))])
+    meshlane.write(tmp_path / "full.msh", full, file_format="gmsh22", binary=False)
+    mesh = read_mesh(tmp_path / "full.msh")
+    assert (mesh.cells["hex20"] == nodes).all()
+    assert mesh.n_points == part.n_points
+    assert "hexahedra of 27 nodes are read as 20-node ones" in str(mesh.notes[0])
+
+
+@pytest.mark.parametrize("text", ["", "$MeshFormat\n", "solid cube\n", TWO_TETRAHEDRA[:200]])
+def test_a_file_of_another_kind_or_cut_off_is_an_error_that_names_it(tmp_path, text):
+    path = tmp_path / "broken.msh"
+    path.write_text(text)
+    with pytest.raises(InvalidFile, match=r"broken.msh: .*cannot be read as a Gmsh mesh"):
+        read_mesh(path)
+
+
+def test_an_unknown_unit_or_ending_or_file_is_said(tmp_path):
+    with pytest.raises(InvalidParameter, match=r"unit: must be a unit of length, one of m, mm, .* got 'kg'"):
+        read_mesh(tmp_path / "two.msh", unit="kg")
+    with pytest.raises(InvalidFile, match=r"there is no such file"):
+        read_mesh(tmp_path / "two.msh")
+    (tmp_path / "part.step").write_text("")
+    with pytest.raises(InvalidFile, match=r"files ending in '.step' are not read; allowed are .*.msh"):
+        read_mesh(tmp_path / "part.step")
