@@ -55,4 +55,5 @@ PYBIND11_MODULE(_core, m) {
   bind_model(m);
   bind_assembly(m);
   bind_simulation(m);
+  bind_solids(m);
 }

@@ -10,12 +10,15 @@ import typing
 
 import numpy
 import numpy.typing
+import scipy.sparse
 
 __all__: list[str] = [
     "Arm",
     "BeamLink",
     "BeamTheory",
     "BuildInfo",
+    "CellBlock",
+    "CellType",
     "CubicSpring",
     "DahlFriction",
     "DriveKind",
@@ -38,11 +41,14 @@ __all__: list[str] = [
     "SampledRun",
     "Section",
     "SectionForces",
+    "SolidMaterial",
+    "SolidMesh",
     "State",
     "System",
     "Transient",
     "TransientOptions",
     "ViscousFriction",
+    "assemble_solids",
     "base_wrench",
     "build_info",
     "exp6",
@@ -56,6 +62,7 @@ __all__: list[str] = [
     "round_section",
     "section_forces",
     "simulate",
+    "smallest_jacobians",
     "static_equilibrium",
     "tube_section",
 ]
@@ -583,6 +590,56 @@ class SampledRun:
     @property
     def time(self) -> float: ...
 
+class CellType(enum.Enum):
+    hex20 = ...
+    hex8 = ...
+    tet10 = ...
+    tet4 = ...
+
+class SolidMaterial:
+    """
+    Isotropic linear elastic material of a solid.
+    """
+    def __init__(
+        self,
+        youngs_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        poisson_ratio: typing.SupportsFloat | typing.SupportsIndex,
+        density: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class CellBlock:
+    """
+    Cells of one type, nodes in the order of VTK.
+    """
+    def __init__(
+        self,
+        type: CellType,
+        nodes: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, n]"],
+        material: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"],
+    ) -> None: ...
+
+class SolidMesh:
+    """
+    A solid part: points, cells, materials.
+    """
+    def __init__(
+        self,
+        points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"],
+        blocks: collections.abc.Sequence[CellBlock],
+        materials: collections.abc.Sequence[SolidMaterial],
+    ) -> None: ...
+    @property
+    def n_dof(self) -> int: ...
+    @property
+    def n_points(self) -> int: ...
+
+def assemble_solids(
+    mesh: SolidMesh, lumped: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0
+) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]:
+    """
+    Stiffness and mass, lower triangles; freedom 3 point + axis.
+    """
+
 def base_wrench(
     system: System, state: State
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
@@ -664,6 +721,13 @@ def simulate(
 ) -> Transient:
     """
     A run from equilibrium along drives.
+    """
+
+def smallest_jacobians(
+    mesh: SolidMesh,
+) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+    """
+    Smallest scaled Jacobian of each cell, one array a block; 1 is ideal, 0 flat, below inverted.
     """
 
 def static_equilibrium(
