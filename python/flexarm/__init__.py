@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics import Statics, static
     from flexarm.superelement import SuperElement
+    from flexarm.superelement.foreign import accept_matrices
 
 # Public name and the module that defines it, imported when first used: `import flexarm` stays light.
 # A public name must not also be the name of a module, which would take its place once imported.
@@ -35,6 +36,7 @@ _EXPORTS = {
     "SolidMesh": "flexarm.solids",
     "Statics": "flexarm.statics",
     "SuperElement": "flexarm.superelement",
+    "accept_matrices": "flexarm.superelement.foreign",
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
     "measure": "flexarm.measurement",
@@ -60,6 +62,7 @@ __all__ = [
     "SolidMesh",
     "Statics",
     "SuperElement",
+    "accept_matrices",
     "compare",
     "config",
     "measure",

@@ -9,6 +9,7 @@ rigid motions and nothing else (`stiffness_checks`), M must be the inertia of a 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,11 +28,15 @@ TOLERANCE = 1e-5
 """Relative error that an entry of a matrix may have: files with six digits pass."""
 
 
+STATED_ORDER = "stated"
+"""What a foreign part's provenance says of the order of its freedoms if the file did not hold it."""
+
+
 def refusals(element: SuperElement, mass: float | None, tolerance: float) -> list[Problem]:
     """Everything that no elastic part could have; empty if there is nothing."""
     return [
-        *_not_definite(element, tolerance),
         *strained_by_rigid_motion(element, tolerance),
+        *_not_definite(element, tolerance),
         *mechanisms(element, tolerance),
         *no_body(element, tolerance),
         *unlikely_density(element),
@@ -46,6 +51,7 @@ def doubts(element: SuperElement) -> list[Problem]:
         *_other_frequencies(element),
         *_other_load(element),
         *_damped_rigid_motion(element),
+        *_one_place(element),
     ]
 
 
@@ -113,3 +119,16 @@ def _damped_rigid_motion(element: SuperElement) -> Iterator[Problem]:
     if force.max() > 1e-3 * np.abs(element.damping).max():
         where = freedom(int(force.argmax()), element.interfaces)
         yield Problem("damping", f"resists rigid motion, most at {where}; it should not")
+
+
+def _one_place(element: SuperElement) -> Iterator[Problem]:
+    """Two interfaces at one place move alike in rigid motion, so that nothing tells which is which."""
+    if element.provenance.get("order_of_source") != STATED_ORDER:
+        return
+    for i, j in combinations(range(element.n_interfaces), 2):
+        if np.linalg.norm(element.positions[i] - element.positions[j]) < 1e-6 * size_of(element):
+            names = f"{element.interfaces[i]!r} and {element.interfaces[j]!r}"
+            what = (
+                f"{names} stand at one place; no check can tell which is which, the stated order alone does"
+            )
+            yield Problem("order", what)
