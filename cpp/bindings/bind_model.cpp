@@ -48,6 +48,16 @@ void bind_model(py::module_& m) {
            }),
            py::kw_only(), py::arg("name"), py::arg("mass") = 0.0, py::arg("com") = Vector3d::Zero(),
            py::arg("inertia") = Matrix3d::Zero());
+  py::class_<SuperElementLink>(m, "SuperElementLink", "A part reduced to interfaces and internal modes.")
+      .def(py::init([](std::string name, std::vector<std::string> interfaces,
+                       std::vector<flexarm::geometry::Frame> frames, Eigen::MatrixXd stiffness,
+                       Eigen::MatrixXd mass, Eigen::MatrixXd damping, double damping_ratio) {
+             return SuperElementLink{std::move(name),      std::move(interfaces), std::move(frames),
+                                     std::move(stiffness), std::move(mass),       std::move(damping),
+                                     damping_ratio};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("interfaces"), py::arg("frames"), py::arg("stiffness"),
+           py::arg("mass"), py::arg("damping") = Eigen::MatrixXd(), py::arg("damping_ratio") = 0.0);
   py::class_<Payload>(m, "Payload", "A concentrated mass.")
       .def(py::init([](std::string name, std::string link, const Vector3d& position, double mass,
                        const Matrix3d& inertia, const Vector3d& offset) {

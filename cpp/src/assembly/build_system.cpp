@@ -33,7 +33,7 @@ int index_of(const Things& things, const std::string& name, const std::string& w
 System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& drives) : arm_(arm) {
   std::vector<std::vector<double>> occupied(arm_.links.size());
   const auto occupy = [&](const std::string& link, const Vector3d& position) {
-    const int k = link_index(link);
+    const int k = link_index(link.substr(0, link.find(':')));
     if (const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k])) {
       const double L = beam->end.norm();
       occupied[k].push_back(std::clamp(beam->end.dot(position) / L, 0.0, L));
@@ -44,11 +44,13 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
     if (point.loaded) occupy(point.link, point.position);
   }
   mesh_links(occupied);
-  place_joints(drives);
+  place_scalars(drives);
+  place_joints();
   place_masses();
   set_damping();
   for (const model::Point& point : arm_.points) {
-    points_.push_back(attach(meshes_[link_index(point.link)], point.position, point.loaded));
+    const Place at = place(point.link);
+    points_.push_back(attach(meshes_[at.link], point.position, point.loaded, at.node));
   }
 }
 
@@ -74,13 +76,16 @@ void System::mesh_links(const std::vector<std::vector<double>>& occupied) {
                             mesh.node_frame(Frame{}, e + 1), properties);
       }
       reach_ += beam->end.norm();
+    } else if (const auto* part = std::get_if<model::SuperElementLink>(&arm_.links[k])) {
+      mesh.interfaces = part->frames;
+      for (const Frame& frame : part->frames) reach_ += (frame.x - part->frames.front().x).norm();
     }
     n_nodes_ += mesh.n_nodes();
     meshes_.push_back(mesh);
   }
 }
 
-void System::place_joints(const std::map<std::string, DriveKind>& drives) {
+void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
   for (const auto& [name, kind] : drives) joint_index(name);
 
   // Scalar coordinates: first collected in the order of the joints, then the free ones are put before the
@@ -127,24 +132,39 @@ void System::place_joints(const std::map<std::string, DriveKind>& drives) {
       order[k] = static_cast<int>(scalar_inertia_.size());
       scalar_inertia_.push_back(scalars[k].inertia);
     }
-    if (free) n_free_scalars_ = static_cast<int>(scalar_inertia_.size());
+    if (free) {
+      place_superelements();
+      n_free_scalars_ = static_cast<int>(scalar_inertia_.size());
+    }
   }
-  const auto place = [&](int k) { return k < 0 ? k : order[k]; };
-  for (JointCoordinates& at : joint_coordinates_) at = {place(at.theta), place(at.phi)};
-  for (PlacedLaw& law : laws_) law = {law.law, place(law.plus), place(law.minus)};
+  const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
+  for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi)};
+  for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
+}
 
+/// The amplitudes of their modes are free scalar coordinates without inertia of their own.
+void System::place_superelements() {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    const auto* part = std::get_if<model::SuperElementLink>(&arm_.links[k]);
+    if (part == nullptr) continue;
+    superelements_.emplace_back(*part, meshes_[k].first_node, static_cast<int>(scalar_inertia_.size()));
+    scalar_inertia_.resize(scalar_inertia_.size() + superelements_.back().n_modes(), 0.0);
+  }
+}
+
+void System::place_joints() {
   for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
     const model::Joint& joint = arm_.joints[k];
-    const LinkMesh& child = meshes_[link_index(joint.child)];
+    const Place child = place(joint.child);
     int node_a = joints::JointConstraint::ground;
     Frame X_a = joint.origin;
     if (joint.parent != "base") {
-      const LinkMesh& parent = meshes_[link_index(joint.parent)];
-      node_a = joint.at_end ? parent.last_node() : parent.first_node;
-      X_a = parent.link_axes() * joint.origin;
+      const Place parent = place(joint.parent, joint.at_end);
+      node_a = node(parent);
+      X_a = axes(parent) * joint.origin;
     }
     reach_ += joint.origin.x.norm();
-    constraints_.emplace_back(joint.type, node_a, X_a, child.first_node, child.link_axes(), joint.axis,
+    constraints_.emplace_back(joint.type, node_a, X_a, node(child), axes(child), joint.axis,
                               joint_coordinates_[k].theta);
     n_constraints_ += constraints_.back().rows();
   }
@@ -170,6 +190,11 @@ void System::place_masses() {
     weights_[beam.node2()].mass += beam.end_mass();
     weights_[beam.node2()].moment -= along;
   }
+  for (const elements::SuperElement& part : superelements_) {
+    const elements::Weight weight = part.weight();
+    weights_[part.node(0)].mass += weight.mass;
+    weights_[part.node(0)].moment += weight.moment;
+  }
   std::map<int, elements::RigidBody> at_node;
   const auto add = [&](const Attachment& at, double mass, const Vector3d& com, const Matrix3d& inertia) {
     const Vector3d c = at.offset * com;
@@ -185,7 +210,8 @@ void System::place_masses() {
     }
   }
   for (const model::Payload& payload : arm_.payloads) {
-    add(attach(meshes_[link_index(payload.link)], payload.position, true), payload.mass, payload.offset,
+    const Place at = place(payload.link);
+    add(attach(meshes_[at.link], payload.position, true, at.node), payload.mass, payload.offset,
         payload.inertia);
   }
   for (const auto& [node, body] : at_node) bodies_.push_back(body);
@@ -220,6 +246,25 @@ int System::link_index(const std::string& name) const {
     if (model::name_of(arm_.links[k]) == name) return static_cast<int>(k);
   }
   throw InvalidParameter("there is no link '" + name + "'");
+}
+
+Place System::place(const std::string& name, bool at_end) const {
+  const auto colon = name.find(':');
+  const int link = link_index(name.substr(0, colon));
+  const auto* part = std::get_if<model::SuperElementLink>(&arm_.links[link]);
+  if (part == nullptr) {
+    if (colon != std::string::npos)
+      throw InvalidParameter("'" + name + "': only a super-element has interfaces");
+    return {link, at_end ? meshes_[link].n_nodes() - 1 : 0};
+  }
+  const std::string wanted = colon == std::string::npos ? "" : name.substr(colon + 1);
+  std::string known;
+  for (std::size_t k = 0; k < part->interfaces.size(); ++k) {
+    if (part->interfaces[k] == wanted) return {link, static_cast<int>(k)};
+    known.append(known.empty() ? "" : ", ").append(part->interfaces[k]);
+  }
+  throw InvalidParameter("'" + name + "' must name an interface of the super-element, as in '" + part->name +
+                         ":" + part->interfaces.front() + "'; there are: " + known);
 }
 
 }  // namespace flexarm::assembly

@@ -57,9 +57,10 @@ std::vector<double> beam_stations(double length, int elements, std::vector<doubl
   return stations;
 }
 
-Attachment attach(const LinkMesh& mesh, const Vector3d& position, bool on_node) {
+Attachment attach(const LinkMesh& mesh, const Vector3d& position, bool on_node, int interface) {
   if (!mesh.is_beam()) {
-    return {.node = mesh.first_node, .offset = Frame::translation(position)};
+    return {.node = mesh.first_node + interface,
+            .offset = mesh.place_axes(interface) * Frame::translation(position)};
   }
   const double length = mesh.length();
   const double along = std::clamp(mesh.R_LS.col(0).dot(position), 0.0, length);
@@ -68,7 +69,7 @@ Attachment attach(const LinkMesh& mesh, const Vector3d& position, bool on_node) 
       s.begin(), s.end(), [&](double p, double q) { return std::abs(p - along) < std::abs(q - along); });
   const int k = static_cast<int>(nearest - s.begin());
   const auto offset_from = [&](double station) {
-    return mesh.link_axes() * Frame::translation(position - mesh.R_LS.col(0) * station);
+    return mesh.place_axes(0) * Frame::translation(position - mesh.R_LS.col(0) * station);
   };
   if (on_node || std::abs(s[k] - along) <= same_place * length) {
     return {.node = mesh.first_node + k, .offset = offset_from(s[k])};

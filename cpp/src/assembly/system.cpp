@@ -40,20 +40,19 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
     progress = false;
     for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
       const model::Joint& joint = arm_.joints[k];
-      const int child = link_index(joint.child);
-      if (placed[child]) continue;
+      const Place child = place(joint.child);
+      if (placed[child.link]) continue;
       Frame A = joint.origin;
       if (joint.parent != "base") {
-        const int parent = link_index(joint.parent);
-        if (!placed[parent]) continue;
-        const LinkMesh& mesh = meshes_[parent];
-        const int node = joint.at_end ? mesh.last_node() : mesh.first_node;
-        A = state.frames[node] * mesh.link_axes() * joint.origin;
+        const Place parent = place(joint.parent, joint.at_end);
+        if (!placed[parent.link]) continue;
+        A = state.frames[node(parent)] * axes(parent) * joint.origin;
       }
       const Frame B = A * exp6(joint_values[k] * joints::motion_twist(joint.type, joint.axis));
-      const LinkMesh& mesh = meshes_[child];
-      for (int n = 0; n < mesh.n_nodes(); ++n) state.frames[mesh.first_node + n] = mesh.node_frame(B, n);
-      placed[child] = progress = true;
+      const LinkMesh& mesh = meshes_[child.link];
+      const Frame link = B * mesh.place_in_link(child.node).inverse();
+      for (int n = 0; n < mesh.n_nodes(); ++n) state.frames[mesh.first_node + n] = mesh.node_frame(link, n);
+      placed[child.link] = progress = true;
     }
   }
   for (std::size_t k = 0; k < placed.size(); ++k) {
@@ -71,6 +70,24 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
   }
   remember(state);
   return state;
+}
+
+elements::SuperElement::Configuration System::configuration(const elements::SuperElement& part,
+                                                            const State& state) const {
+  const auto first = state.frames.begin() + part.node(0);
+  return {{first, first + part.n_interfaces()}, state.s.segment(part.mode(0), part.n_modes())};
+}
+
+VectorXd System::velocities(const elements::SuperElement& part, const VectorXd& v) const {
+  VectorXd own(part.size());
+  own << v.segment(6 * part.node(0), 6 * part.n_interfaces()),
+      v.segment(scalar_offset() + part.mode(0), part.n_modes());
+  return own;
+}
+
+int System::row(const elements::SuperElement& part, int k) const {
+  const int modes_from = 6 * part.n_interfaces();
+  return k < modes_from ? 6 * part.node(0) + k : scalar_offset() + part.mode(k - modes_from);
 }
 
 void System::remember(State& state) const {
@@ -116,6 +133,14 @@ void System::residual(const State& state, const Loads& loads, bool friction, Vec
   }
   scalar_residual(state, friction, r.tail(n_scalars()));
   if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
+
+  for (const elements::SuperElement& part : superelements_) {
+    const VectorXd V = velocities(part, state.v);
+    const VectorXd f = part.internal_forces(configuration(part, state), V, loads.gravity).f +
+                       part.inertia_forces(V, velocities(part, state.v_dot));
+    r.segment(6 * part.node(0), 6 * part.n_interfaces()) += f.head(6 * part.n_interfaces());
+    r.segment(scalar_offset() + part.mode(0), part.n_modes()) += f.tail(part.n_modes());
+  }
 }
 
 void System::scalar_residual(const State& state, bool friction, Eigen::Ref<VectorXd> r) const {

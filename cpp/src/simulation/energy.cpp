@@ -14,6 +14,13 @@ Energies energies(const System& system, const State& state, const Loads& loads) 
     const Vector6d e = beam.deformation(state.frames[beam.node1()], state.frames[beam.node2()]);
     E.elastic += 0.5 * e.dot(beam.stiffness().cwiseProduct(e));
   }
+  for (const auto& part : system.superelements()) {
+    const Eigen::VectorXd V = system.velocities(part, state.v);
+    E.kinetic += 0.5 * V.dot(part.mass() * V);
+    const auto forces = part.internal_forces(system.configuration(part, state), V, loads.gravity);
+    E.elastic += forces.elastic;
+    E.gravity += forces.gravity;
+  }
   for (const auto& body : system.bodies()) {
     const Vector6d v = state.v.segment<6>(6 * body.node());
     E.kinetic += 0.5 * v.dot(body.mass() * v);
@@ -31,12 +38,17 @@ Energies energies(const System& system, const State& state, const Loads& loads) 
   return E;
 }
 
-double beam_dissipation(const System& system, const State& state) {
+double link_dissipation(const System& system, const State& state) {
   double power = 0;
   for (const auto& beam : system.beams()) {
     if (beam.damping_time() == 0) continue;
     power += beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
                                   state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()))
+                 .dissipation;
+  }
+  for (const auto& part : system.superelements()) {
+    power += part.internal_forces(system.configuration(part, state), system.velocities(part, state.v),
+                                  Vector3d::Zero())
                  .dissipation;
   }
   return power;

@@ -83,7 +83,7 @@ void Recorder::energy(Eigen::Index k, const State& state, const Loads& loads) {
   out_.kinetic[k] = E.kinetic;
   out_.elastic[k] = E.elastic;
   out_.gravity[k] = E.gravity;
-  Instant now{beam_dissipation(system_, state),
+  Instant now{link_dissipation(system_, state),
               load_power(system_, state, loads),
               law_losses(system_, state),
               motor_torques(system_, state, true),

@@ -23,6 +23,9 @@ enum class Outcome { stable, unstable, diverged, singular };
 double typical_stiffness(const System& system) {
   double k = system.mass();
   for (const auto& beam : system.beams()) k = std::max(k, beam.stiffness()[4]);
+  for (const auto& part : system.superelements()) {
+    if (part.n_interfaces() > 1) k = std::max(k, part.deformation_stiffness()(4, 4));
+  }
   return k;
 }
 

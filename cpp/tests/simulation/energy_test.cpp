@@ -58,7 +58,7 @@ TEST_CASE("Power of all forces equals the rate of change of all energies") {
     const Energies E = energies(system, there, loads);
     return E.kinetic + E.elastic + E.gravity;
   };
-  double loss = beam_dissipation(system, state);
+  double loss = link_dissipation(system, state);
   const VectorXd losses = law_losses(system, state);
   for (std::size_t k = 0; k < system.laws().size(); ++k) {
     loss += losses[static_cast<Eigen::Index>(k)] *

@@ -5,8 +5,9 @@
 ///     Φ(H, s, t) = 0                                                                                 (2)
 ///
 /// Unknowns are, in this order, six components a node, the free scalar coordinates, the multipliers.
-/// Prescribed scalar coordinates (driven angles) come after the free ones; their rows of (1) yield the torque
-/// that drives them. A System is constant after assembly; everything that moves is in the State.
+/// Scalar coordinates are angles of joints and amplitudes of internal modes. Prescribed ones (driven angles)
+/// come after the free ones; their rows of (1) yield the torque that drives them. A System is constant after
+/// assembly; everything that moves is in the State.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -19,6 +20,7 @@
 #include "flexarm/assembly/state.hpp"
 #include "flexarm/elements/beam.hpp"
 #include "flexarm/elements/rigid_body.hpp"
+#include "flexarm/elements/superelement.hpp"
 #include "flexarm/elements/weight.hpp"
 #include "flexarm/joints/joint_constraint.hpp"
 #include "flexarm/model/arm.hpp"
@@ -90,6 +92,7 @@ class System {
   const std::vector<LinkMesh>& meshes() const { return meshes_; }
   const std::vector<elements::BeamElement>& beams() const { return beams_; }
   const std::vector<elements::RigidBody>& bodies() const { return bodies_; }
+  const std::vector<elements::SuperElement>& superelements() const { return superelements_; }
   const std::vector<elements::Weight>& weights() const { return weights_; }      ///< one a node
   const std::vector<double>& scalar_inertia() const { return scalar_inertia_; }  ///< one a scalar coordinate
   const std::vector<joints::JointConstraint>& constraints() const { return constraints_; }
@@ -136,6 +139,11 @@ class System {
     return s[law.plus] - (law.minus < 0 ? 0.0 : s[law.minus]);
   }
 
+  /// The part of a state that a super-element sees, and its velocities (or accelerations) out of all of them.
+  elements::SuperElement::Configuration configuration(const elements::SuperElement& part,
+                                                      const State& state) const;
+  VectorXd velocities(const elements::SuperElement& part, const VectorXd& v) const;
+
   /// Makes the state the one from which laws with memory count.
   void remember(State& state) const;
 
@@ -145,10 +153,17 @@ class System {
 
  private:
   void mesh_links(const std::vector<std::vector<double>>& occupied);
-  void place_joints(const std::map<std::string, DriveKind>& drives);
+  void place_scalars(const std::map<std::string, DriveKind>& drives);
+  void place_superelements();
+  void place_joints();
   void place_masses();
   void set_damping();
   int link_index(const std::string& name) const;
+  /// @throws InvalidParameter if there is no such link or interface, or the interface is not named.
+  Place place(const std::string& name, bool at_end = false) const;
+  int node(const Place& place) const { return meshes_[place.link].first_node + place.node; }
+  Frame axes(const Place& place) const { return meshes_[place.link].place_axes(place.node); }
+  int row(const elements::SuperElement& part, int k) const;  // of its k-th velocity
   /// @throws InvalidParameter if there is no such point, or it has no node of its own to be loaded at.
   const Attachment& loaded_point(int point) const;
   const Frame& frame(const State& state, int node) const;
@@ -159,6 +174,7 @@ class System {
   std::vector<LinkMesh> meshes_;
   std::vector<elements::BeamElement> beams_;
   std::vector<elements::RigidBody> bodies_;
+  std::vector<elements::SuperElement> superelements_;
   std::vector<elements::Weight> weights_;  // one a node
   std::vector<joints::JointConstraint> constraints_;
   std::vector<GearConstraint> gears_;
@@ -199,6 +215,16 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
         n, n,
         geometry::Matrix6d(c.mass * body.mass() + c.damping * body.gyroscopic_matrix(state.v.segment<6>(n))));
   }
+  for (const elements::SuperElement& part : superelements_) {
+    const auto at = configuration(part, state);
+    Eigen::MatrixXd S = c.mass * part.mass();
+    if (c.stiffness != 0) S += c.stiffness * part.stiffness_matrix(at, loads.gravity);
+    if (c.damping != 0) {
+      S += c.damping * (part.damping_matrix(at) + part.gyroscopic_matrix(velocities(part, state.v)));
+    }
+    for (int j = 0; j < part.size(); ++j)
+      for (int i = 0; i < part.size(); ++i) add(row(part, i), row(part, j), S(i, j));
+  }
   for (int n = 0; n < n_nodes_; ++n) {
     block(6 * n, 6 * n,
           geometry::Matrix6d(c.stiffness * weights_[n].stiffness(state.frames[n].R, loads.gravity)));
@@ -222,18 +248,18 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
     scalar(law.minus, law.plus, -kappa);
   }
 
-  int row = n_free();
+  int first_row = n_free();
   for (const joints::JointConstraint& joint : constraints_) {
     const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
     const Frame &H_a = frame(state, a), &H_b = frame(state, b);
     const double theta = q < 0 ? 0.0 : state.s[q];
     const auto J = joint.jacobian(H_a, H_b, theta);
     geometry::Vector6d lambda = geometry::Vector6d::Zero();
-    lambda.head(m) = state.multipliers.segment(row - n_free(), m);
+    lambda.head(m) = state.multipliers.segment(first_row - n_free(), m);
     const auto K = joint.geometric_stiffness(H_a, H_b, theta, lambda);
     const auto both = [&](int column, const auto& B) {  // constraint rows and, transposed, multiplier columns
-      block(row, column, (c.constraint * B.topRows(m)).eval());
-      block(column, row, (c.constraint * B.topRows(m).transpose()).eval());
+      block(first_row, column, (c.constraint * B.topRows(m)).eval());
+      block(column, first_row, (c.constraint * B.topRows(m).transpose()).eval());
     };
     both(6 * b, J.b);
     if (a >= 0) {
@@ -247,17 +273,17 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
       both(scalar_offset() + q, J.theta);
       if (a >= 0) block(6 * a, scalar_offset() + q, geometry::Vector6d(c.stiffness * K.a_theta));
     }
-    row += m;
+    first_row += m;
   }
   for (const GearConstraint& gear : gears_) {
     const auto both = [&](int coordinate, double value) {
       if (!is_free(coordinate)) return;
-      add(row, scalar_offset() + coordinate, c.constraint * value);
-      add(scalar_offset() + coordinate, row, c.constraint * value);
+      add(first_row, scalar_offset() + coordinate, c.constraint * value);
+      add(scalar_offset() + coordinate, first_row, c.constraint * value);
     };
     both(gear.input, 1);
     both(gear.output, -gear.ratio);
-    ++row;
+    ++first_row;
   }
 }
 

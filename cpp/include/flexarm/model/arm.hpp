@@ -4,7 +4,8 @@
 /// Every link has a frame. At joint values zero it coincides with the frame of the joint that carries it,
 /// which sits at `origin` from the parent link's frame (or from the frame at the far end of a beam, parallel
 /// to it). A revolute joint turns about its axis, a prismatic one slides along it. "base" is the frame of the
-/// ground.
+/// ground. Joints meet a super-element at its interfaces, whose frames then take the place of the link's:
+/// "hub:output" is interface "output" of link "hub".
 #pragma once
 
 #include <Eigen/Core>
@@ -47,16 +48,28 @@ struct RigidLink {
   Matrix3d inertia = Matrix3d::Zero();  ///< about the centre of mass, in the link's axes [kg m²]
 };
 
-using Link = std::variant<BeamLink, RigidLink>;
+/// A part reduced to its interfaces and some internal modes. Freedoms: of each interface three translations
+/// and three rotations in the link's axes, then the modes.
+struct SuperElementLink {
+  std::string name;
+  std::vector<std::string> interfaces;  ///< their names
+  std::vector<geometry::Frame> frames;  ///< their places in the link's frame
+  Eigen::MatrixXd stiffness, mass;      ///< SI
+  Eigen::MatrixXd damping;              ///< SI; no entries: none
+  double damping_ratio = 0;             ///< if positive, instead of `damping`; see SuperElement [-]
+};
+
+using Link = std::variant<BeamLink, RigidLink, SuperElementLink>;
 
 inline const std::string& name_of(const Link& link) {
   return std::visit([](const auto& l) -> const std::string& { return l.name; }, link);
 }
 
-/// A concentrated mass with its own inertia, fixed to the section at its projection on the beam's axis.
+/// A concentrated mass with its own inertia, fixed to the section at its projection on the beam's axis, or to
+/// an interface of a super-element.
 struct Payload {
   std::string name, link;
-  Vector3d position = Vector3d::Zero();  ///< in the link's frame [m]
+  Vector3d position = Vector3d::Zero();  ///< in the link's frame, or the interface's [m]
   double mass = 0;                       ///< [kg]
   Matrix3d inertia = Matrix3d::Zero();   ///< about its own centre, in the link's axes [kg m²]
   Vector3d offset = Vector3d::Zero();    ///< of the centre from `position`, turning with the section [m]

@@ -21,8 +21,8 @@ struct Energies {
 /// Equation (1).
 Energies energies(const System& system, const State& state, const Loads& loads);
 
-/// What the beams' damping takes [W].
-double beam_dissipation(const System& system, const State& state);
+/// What the damping of beams and super-elements takes [W].
+double link_dissipation(const System& system, const State& state);
 
 /// Dissipating force of every joint law at the state, to be summed over its deflection [N m].
 Eigen::VectorXd law_losses(const System& system, const State& state);

@@ -1,0 +1,78 @@
+/// @file
+/// Reduced parts whose full model is known: frames of beams, reduced by dense algebra.
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+
+#include "arms.hpp"
+#include "flexarm/elements/superelement.hpp"
+
+namespace flexarm::tests {
+
+/// Stiffness and mass of a free structure, six freedoms a node in common axes.
+struct Structure {
+  std::vector<Vector3d> nodes;
+  MatrixXd K, M;
+};
+
+/// Star of straight beams from the origin, each cut into `elements`; the ends are the first nodes, in order.
+inline Structure star_of_beams(const std::vector<Vector3d>& ends, int elements, const model::BeamLink& like) {
+  Structure part;
+  part.nodes = ends;
+  part.nodes.emplace_back(Vector3d::Zero());
+  const int centre = static_cast<int>(ends.size());
+  const int n = 6 * (centre + 1 + static_cast<int>(ends.size()) * (elements - 1));
+  part.K = part.M = MatrixXd::Zero(n, n);
+  for (int arm = 0; arm < centre; ++arm) {
+    const Matrix3d R = assembly::section_axes(ends[arm], {0.3, 0.2, 1});
+    int before = centre;
+    for (int e = 0; e < elements; ++e) {
+      const int after = e + 1 == elements ? arm : static_cast<int>(part.nodes.size());
+      if (after != arm) part.nodes.emplace_back(ends[arm] * (e + 1.0) / elements);
+      const Frame H1{R, part.nodes[before]}, H2{R, part.nodes[after]};
+      const elements::BeamElement beam(before, after, H1, H2, elements::BeamProperties::from(like));
+      Eigen::Matrix<double, 12, 12> to_section = Eigen::Matrix<double, 12, 12>::Zero();
+      for (int k = 0; k < 4; ++k) to_section.block<3, 3>(3 * k, 3 * k) = R.transpose();
+      const MatrixXd K = to_section.transpose() * beam.stiffness_matrix(H1, H2) * to_section;
+      const MatrixXd M = to_section.transpose() * beam.mass() * to_section;
+      const int at[] = {6 * before, 6 * after};
+      for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j) {
+          part.K.block<6, 6>(at[i], at[j]) += K.block<6, 6>(6 * i, 6 * j);
+          part.M.block<6, 6>(at[i], at[j]) += M.block<6, 6>(6 * i, 6 * j);
+        }
+      before = after;
+    }
+  }
+  return part;
+}
+
+/// Craig and Bampton: the first `interfaces` nodes stay, with `n_modes` modes of the rest.
+inline model::SuperElementLink craig_bampton(const std::string& name, const Structure& full, int interfaces,
+                                             int n_modes) {
+  const int b = 6 * interfaces, n = static_cast<int>(full.K.rows()), i = n - b;
+  MatrixXd T = MatrixXd::Zero(n, b + n_modes);
+  T.topLeftCorner(b, b).setIdentity();
+  T.bottomLeftCorner(i, b) = -full.K.bottomRightCorner(i, i).ldlt().solve(full.K.bottomLeftCorner(i, b));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(full.K.bottomRightCorner(i, i),
+                                                                 full.M.bottomRightCorner(i, i));
+  T.bottomRightCorner(i, n_modes) = modes.eigenvectors().leftCols(n_modes);
+  model::SuperElementLink part{
+      .name = name, .stiffness = T.transpose() * full.K * T, .mass = T.transpose() * full.M * T};
+  for (int k = 0; k < interfaces; ++k) {
+    part.interfaces.push_back(std::string("i").append(std::to_string(k + 1)));
+    part.frames.push_back(Frame::translation(full.nodes[k]));
+  }
+  return part;
+}
+
+/// A straight beam from the origin as one part with interfaces i1 (origin) and i2 (end).
+inline model::SuperElementLink reduced_beam(const model::BeamLink& beam, int elements, int n_modes) {
+  model::BeamLink half = beam;
+  Structure part = star_of_beams({-0.5 * beam.end, 0.5 * beam.end}, elements / 2, half);
+  for (Vector3d& node : part.nodes) node += 0.5 * beam.end;
+  return craig_bampton(beam.name, part, 2, n_modes);
+}
+
+}  // namespace flexarm::tests
