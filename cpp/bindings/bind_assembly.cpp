@@ -41,5 +41,14 @@ void bind_assembly(py::module_& m) {
       .def_property_readonly("n_unknowns", &System::n_unknowns)
       .def_property_readonly("mass", &System::mass, "Mass of everything [kg].")
       .def("rigid_state", &System::rigid_state, "The undeformed arm.", py::arg("joint_values"))
-      .def("point_frame", &System::point_frame, "Frame of a point.", py::arg("state"), py::arg("point"));
+      .def("point_frame", &System::point_frame, "Frame of a point.", py::arg("state"), py::arg("point"))
+      .def(
+          "part_shape",
+          [](const System& system, const State& state, int part) {
+            const auto& element = system.superelements().at(part);
+            const auto shape = element.shape(system.configuration(element, state));
+            return std::pair(shape.frame, shape.u);
+          },
+          "Frame of the k-th super-element and its displacements in the freedoms of its matrices.",
+          py::arg("state"), py::arg("part"));
 }

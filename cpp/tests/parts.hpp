@@ -75,4 +75,38 @@ inline model::SuperElementLink reduced_beam(const model::BeamLink& beam, int ele
   return craig_bampton(beam.name, part, 2, n_modes);
 }
 
+/// Three arms of different lengths and directions, two modes; one interface's frame is turned.
+inline model::SuperElementLink tripod() {
+  const auto like = thin_beam("leg", {1, 0, 0}, 1);
+  model::SuperElementLink part = craig_bampton(
+      "tripod", star_of_beams({{0.5, 0.1, 0}, {-0.2, 0.4, 0.1}, {0, -0.1, 0.6}}, 3, like), 3, 2);
+  part.frames[1].R = geometry::exp3({0.3, -0.2, 2.9});
+  part.damping = 1e-3 * part.stiffness;
+  return part;
+}
+
+/// A beam on a hinge carries the tripod, which carries a rigid body on a hinge, a beam and a payload.
+inline model::Arm tripod_arm() {
+  model::Arm arm;
+  arm.name = "tripod";
+  arm.links = {thin_beam("column", {0.1, 0.2, 0.9}, 2), tripod(),
+               model::RigidLink{"hand", 1.0, {0.05, 0.02, 0.1}, Vector3d(0.02, 0.03, 0.04).asDiagonal()},
+               thin_beam("boom", {0.5, 0.1, -0.1}, 2)};
+  model::Joint turn{.name = "turn", .child = "column", .axis = Vector3d(0.1, 0.2, 1)};
+  turn.drive_train = compliant(3000, 2);
+  model::Joint flange{.name = "flange", .type = JointType::fixed, .parent = "column", .child = "tripod:i1"};
+  flange.at_end = true;
+  flange.origin = geometry::exp6((Vector6d() << 0, 0.05, 0.02, 0.4, 0.1, -0.2).finished());
+  model::Joint wrist{.name = "wrist", .parent = "tripod:i2", .child = "hand", .axis = Vector3d(0, 1, 0.1)};
+  wrist.drive_train.rotor_inertia = 0.05;
+  model::Joint mount{.name = "mount", .type = JointType::fixed, .parent = "tripod:i3", .child = "boom"};
+  mount.origin = Frame::translation({0.1, 0.05, 0.1});
+  arm.joints = {turn, flange, wrist, mount};
+  arm.payloads = {{.name = "tool", .link = "tripod:i2", .position = {0.1, 0.1, 0}, .mass = 1.2},
+                  {.name = "load", .link = "boom", .position = {0.5, 0.1, -0.1}, .mass = 0.8}};
+  arm.points = {{.name = "tip", .link = "boom", .position = {0.5, 0.1, -0.1}, .loaded = true},
+                {.name = "leg", .link = "tripod:i2", .position = {0.05, 0, 0.1}, .loaded = true}};
+  return arm;
+}
+
 }  // namespace flexarm::tests

@@ -44,6 +44,7 @@ __all__: list[str] = [
     "SolidMaterial",
     "SolidMesh",
     "State",
+    "SuperElementLink",
     "System",
     "Transient",
     "TransientOptions",
@@ -247,6 +248,22 @@ class RigidLink:
         inertia: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"] = ...,
     ) -> None: ...
 
+class SuperElementLink:
+    """
+    A part reduced to interfaces and internal modes.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        interfaces: collections.abc.Sequence[str],
+        frames: collections.abc.Sequence[Frame],
+        stiffness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+        mass: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+        damping: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"] = ...,
+        damping_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
 class Payload:
     """
     A concentrated mass.
@@ -309,7 +326,7 @@ class Arm:
         *,
         name: str,
         gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
-        links: collections.abc.Sequence[BeamLink | RigidLink],
+        links: collections.abc.Sequence[BeamLink | RigidLink | SuperElementLink],
         joints: collections.abc.Sequence[Joint],
         payloads: collections.abc.Sequence[Payload],
         points: collections.abc.Sequence[Point],
@@ -372,6 +389,12 @@ class System:
     An arm, assembled.
     """
     def __init__(self, arm: Arm, drives: collections.abc.Mapping[str, DriveKind]) -> None: ...
+    def part_shape(
+        self, state: State, part: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[Frame, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+        """
+        Frame of the k-th super-element and its displacements in the freedoms of its matrices.
+        """
     def point_frame(self, state: State, point: typing.SupportsInt | typing.SupportsIndex) -> Frame:
         """
         Frame of a point.

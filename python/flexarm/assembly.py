@@ -11,7 +11,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Joint
-from flexarm.arm.link import Beam, Link, RigidLink
+from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
 from flexarm.arm.rotation import from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
 from flexarm.errors import InvalidParameter
@@ -34,8 +34,8 @@ def core_arm(arm: Arm, loaded: Iterable[str] = ()) -> _core.Arm:
 
     Raises
     ------
-    InvalidParameter
-        If the model holds what the core cannot do yet.
+    InvalidFile, InvalidParameter
+        If the file of a super-element cannot be read.
     """
     loads = set(loaded)
     points = [
@@ -147,7 +147,7 @@ def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLo
     return loads
 
 
-def _link(link: Link) -> _core.BeamLink | _core.RigidLink:
+def _link(link: Link) -> _core.BeamLink | _core.RigidLink | _core.SuperElementLink:
     if isinstance(link, Beam):
         return _core.BeamLink(
             name=link.name,
@@ -170,7 +170,20 @@ def _link(link: Link) -> _core.BeamLink | _core.RigidLink:
             com=np.array(link.com),
             inertia=np.array(inertia_matrix(link.inertia)),
         )
-    raise InvalidParameter("super-elements cannot be computed yet", where=f"links.{link.name}.type")
+    return _part(link)
+
+
+def _part(link: SuperElementLink) -> _core.SuperElementLink:
+    part = link.part
+    return _core.SuperElementLink(
+        name=link.name,
+        interfaces=list(part.interfaces),
+        frames=[_core.Frame(R, x) for R, x in zip(part.rotations, part.positions, strict=True)],
+        stiffness=part.stiffness,
+        mass=part.mass,
+        damping=part.damping,
+        damping_ratio=link.damping_ratio,
+    )
 
 
 def _section(section: Tube | Round | Rectangle | General) -> _core.Section:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,32 @@ from flexarm.result import Result, load, model_of, provenance
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+# What a file keeps of a PartShape, in its order: variable, axes, unit.
+_PART_VARIABLES = (
+    ("rotation", ("axis", "body_axis"), "1"),
+    ("position", ("axis",), "m"),
+    ("freedoms", ("freedom",), "m, rad"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PartShape:
+    """Where a super-element is, and how it is deformed.
+
+    Attributes
+    ----------
+    rotation, position : ndarray, shapes (3, 3) and (3,)
+        The part's frame in the base, fixed to its first interface; position in m.
+    freedoms : ndarray, shape (dof,)
+        Displacements in that frame, in the freedoms of the super-element: of each interface three
+        translations [m] and three rotations [rad], then its modes. `SuperElement.recovery` turns them into
+        the mesh's.
+    """
+
+    rotation: Floats
+    position: Floats
+    freedoms: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,6 +67,8 @@ class Statics(Result):
         Force and moment that the arm puts on the base about its origin, base axes [N, N m].
     solver : dict
         Backend, iterations, load steps, largest unbalanced force left.
+    parts : dict of str to PartShape
+        Where each super-element is and how it is deformed.
     """
 
     arm: Arm
@@ -53,6 +81,7 @@ class Statics(Result):
     section_forces: Floats
     base_wrench: Floats
     solver: dict[str, Any]
+    parts: dict[str, PartShape] = field(default_factory=dict)
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm static --json`."""
@@ -86,8 +115,18 @@ class Statics(Result):
 
         axis = ["x", "y", "z"]
         component = ["N", "Vy", "Vz", "T", "My", "Mz"]
+        parts = {
+            f"{name}_{what}": (
+                (*(f"{name}_{axis}" for axis in axes),),
+                getattr(shape, what),
+                {"units": units},
+            )
+            for name, shape in self.parts.items()
+            for what, axes, units in _PART_VARIABLES
+        }
         return xr.Dataset(
             {
+                **parts,
                 "position": (("point", "axis"), self.position, {"units": "m"}),
                 "displacement": (("point", "axis"), self.displacement, {"units": "m"}),
                 "rotation": (("point", "axis", "body_axis"), self.rotation, {"units": "1"}),
@@ -136,7 +175,15 @@ class Statics(Result):
         )
         arrays: dict[str, Any] = {name: frozen(data[name].values) for name in names}
         solver = {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")}
-        return cls(arm=model_of(data), solver=solver, **arrays)
+        arm = model_of(data)
+        parts = {
+            link.name: PartShape(
+                *(frozen(data[f"{link.name}_{what}"].values) for what, _, _ in _PART_VARIABLES)
+            )
+            for link in arm.links
+            if link.type == "superelement"
+        }
+        return cls(arm=arm, solver=solver, parts=parts, **arrays)
 
     def plot(self, ax: Axes | None = None, scale: float = 1.0) -> Axes:
         """Rigid and deformed places of the points in the x-z plane, displacements times `scale`."""
@@ -242,6 +289,7 @@ def static(
             "load_steps": equilibrium.load_steps,
             "residual_N": equilibrium.residual,
         },
+        parts=_parts(arm, system, state),
     )
 
 
@@ -251,6 +299,15 @@ def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
 
 def _rotations(system: _core.System, state: _core.State, count: int) -> Floats:
     return np.array([system.point_frame(state, i).R for i in range(count)]).reshape(count, 3, 3)
+
+
+def _parts(arm: Arm, system: _core.System, state: _core.State) -> dict[str, PartShape]:
+    names = [link.name for link in arm.links if link.type == "superelement"]
+    shapes = (system.part_shape(state, i) for i in range(len(names)))
+    return {
+        name: PartShape(frozen(frame.R), frozen(frame.x), frozen(freedoms))
+        for name, (frame, freedoms) in zip(names, shapes, strict=True)
+    }
 
 
 def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:

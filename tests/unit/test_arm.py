@@ -149,21 +149,6 @@ def test_a_payload_beyond_the_beam_is_a_warning(model_text: str, tmp_path: Path)
     ]
 
 
-def test_a_superelement_is_read_and_written(model_text: str, tmp_path: Path) -> None:
-    hub = model_text.replace(
-        'type = "rigid"\nmass = 2.0\ncom = [0, 0, 0.1]\ninertia = [0.02, 0.02, 0.01]',
-        'type = "superelement"\nfile = "hub.nc"',
-    )
-    hub = hub.replace('child = "gripper"', 'child = "gripper:in"').replace(
-        'link = "gripper"', 'link = "gripper:out"'
-    )
-    (tmp_path / "arm.toml").write_text(hub)
-    arm = Arm.from_toml(tmp_path / "arm.toml")
-    arm.to_toml(tmp_path / "again.toml")
-    assert arm.link("gripper").file == "hub.nc"
-    assert Arm.from_toml(tmp_path / "again.toml") == arm
-
-
 # --------------------------------------------------------------------- uncertainty
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from arms import arm, beam, general, hinge, paper_arm, rigid
 
-from flexarm import Arm, InvalidParameter, _core
+from flexarm import InvalidParameter, _core
 from flexarm.assembly import assemble, joint_values, point_loads
 
 
@@ -74,14 +74,3 @@ def test_a_fixed_joint_takes_no_value():
 def test_point_loads_name_their_point():
     (load,) = point_loads(paper_arm(1), {"tip": np.array([1.0, 2.0, 3.0])})
     assert isinstance(load, _core.PointLoad)
-
-
-def test_super_elements_are_refused_by_name():
-    hub = Arm.from_dict(
-        {
-            "joints": [{"name": "foot", "type": "fixed", "parent": "base", "child": "hub:base"}],
-            "links": [{"name": "hub", "type": "superelement", "file": "hub.nc"}],
-        }
-    )
-    with pytest.raises(InvalidParameter, match=r"links\.hub\.type: super-elements cannot be computed yet"):
-        assemble(hub)

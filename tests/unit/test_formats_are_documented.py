@@ -22,7 +22,6 @@ from flexarm.arm import (
     Round,
     Sensor,
     StateFeedback,
-    SuperElement,
     Tube,
 )
 from flexarm.quantities import QUANTITIES
@@ -55,7 +54,3 @@ def test_every_key_of_the_formats_is_documented(table: type[Table]) -> None:
 
 def test_every_quantity_is_documented() -> None:
     assert [name for name in QUANTITIES if name not in WORDS] == []
-
-
-def test_superelements_are_said_to_be_missing() -> None:
-    assert SuperElement.model_fields["type"].default in WORDS

@@ -5,12 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 from pytest import approx
 
 from flexarm import Arm
 from flexarm.arm.weight import Body, combined, link_frames, weight_statement
-from flexarm.errors import InvalidParameter
 
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
 
@@ -116,11 +114,6 @@ def test_link_frames_follow_ends_of_beams_and_turned_origins() -> None:
     forearm = weight_statement(arm).links["forearm"]
     assert forearm.centre == approx((1, 0, 2.6))
     assert np.array(forearm.inertia) == approx(np.diag([2.5, 2, 1]), abs=1e-12)
-
-
-def test_a_superelement_has_no_weight_statement_yet() -> None:
-    with pytest.raises(InvalidParameter, match=r"links\.hub\.type: super-elements are not supported yet"):
-        weight_statement(arm_of({"name": "hub", "type": "superelement", "file": "hub.nc"}))
 
 
 def test_the_whole_of_case_18_is_the_sum_of_its_parts(shared_dir: Path) -> None:

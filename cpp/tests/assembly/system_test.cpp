@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "arms.hpp"
 #include "flexarm/errors.hpp"
+#include "parts.hpp"
 
 using namespace flexarm::tests;
 using flexarm::InvalidParameter;
@@ -36,6 +36,7 @@ std::vector<System> systems() {
   flexarm::model::Arm rigid = spatial_arm();
   rigid.joints[1].type = JointType::fixed;
   all.emplace_back(rigid, Drives{{"turn", DriveKind::locked}, {"lift", DriveKind::motor_angle}});
+  all.emplace_back(tripod_arm(), Drives{{"turn", DriveKind::motor_angle}, {"wrist", DriveKind::free}});
   return all;
 }
 

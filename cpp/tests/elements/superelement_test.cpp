@@ -16,16 +16,6 @@ namespace {
 
 const Vector3d g{0.7, -1.1, -9.81};
 
-/// Three arms of different lengths and directions, two modes; one interface's frame is turned.
-flexarm::model::SuperElementLink three_legs() {
-  const auto like = thin_beam("leg", {1, 0, 0}, 1);
-  auto part = craig_bampton("tripod",
-                            star_of_beams({{0.5, 0.1, 0}, {-0.2, 0.4, 0.1}, {0, -0.1, 0.6}}, 3, like), 3, 2);
-  part.frames[1].R = exp3({0.3, -0.2, 2.9});
-  part.damping = 1e-3 * part.stiffness;
-  return part;
-}
-
 /// The part somewhere, deformed by relative motions up to `size`.
 Configuration placed(const SuperElement& part, const flexarm::model::SuperElementLink& link, Random& random,
                      double size) {
@@ -54,7 +44,7 @@ double potential(const SuperElement& part, const Configuration& at) {
 
 TEST_CASE("A rigid motion of a super-element gives neither strain nor forces") {
   Random random(1);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 0);
   CHECK(largest(part.deformation(at)) < 1e-14);
@@ -69,7 +59,7 @@ TEST_CASE("A rigid motion of a super-element gives neither strain nor forces") {
 
 TEST_CASE("Forces of a super-element do not change when it moves as a whole") {
   Random random(2);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 0.2);
   const Frame H = exp6(random.twist(5, 3));
@@ -82,7 +72,7 @@ TEST_CASE("Forces of a super-element do not change when it moves as a whole") {
 
 TEST_CASE("Forces of a super-element derive from its elastic energy and its potential in gravity") {
   Random random(3);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 0.3);
   const auto energy = [&](const VectorXd& h) -> VectorXd {
@@ -94,7 +84,7 @@ TEST_CASE("Forces of a super-element derive from its elastic energy and its pote
 
 TEST_CASE("Tangents of a super-element match differences") {
   Random random(4);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 0.3);
   const VectorXd V = random.vector(part.size()), zero = VectorXd::Zero(part.size());
@@ -136,7 +126,7 @@ TEST_CASE("Two interfaces without modes are the beam element, however far they b
 
 TEST_CASE("A free super-element keeps its momentum: its forces balance, whatever its shape") {
   Random random(6);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 0.4);
   const VectorXd V = random.vector(part.size());
@@ -148,7 +138,7 @@ TEST_CASE("A free super-element keeps its momentum: its forces balance, whatever
 
 TEST_CASE("Gravity acts on a super-element as on the rigid body with its mass and centre") {
   Random random(7);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 0);
   auto f = part.internal_forces(at, VectorXd::Zero(part.size()), g).f;
@@ -174,7 +164,7 @@ TEST_CASE("Gravity acts on a super-element as on the rigid body with its mass an
 
 TEST_CASE("How the modes of a part are scaled does not matter to its interfaces") {
   Random random(8);
-  const auto link = three_legs();
+  const auto link = tripod();
   auto scaled = link;
   VectorXd by = VectorXd::Ones(link.stiffness.rows());
   by.tail(2) << 1e-3, -40;
@@ -194,7 +184,7 @@ TEST_CASE("How the modes of a part are scaled does not matter to its interfaces"
 
 TEST_CASE("The shape of a part gives the displacements of its interfaces") {
   Random random(9);
-  const auto link = three_legs();
+  const auto link = tripod();
   const SuperElement part(link, 0, 0);
   const Configuration at = placed(part, link, random, 1e-6);
   const auto shape = part.shape(at);
@@ -221,11 +211,11 @@ TEST_CASE("A damping ratio is that of the part held at its first interface in it
 }
 
 TEST_CASE("Matrices that do not fit a super-element are refused by name") {
-  auto link = three_legs();
+  auto link = tripod();
   link.mass.conservativeResize(19, 19);
   CHECK_THROWS_WITH_AS(SuperElement(link, 0, 0), doctest::Contains("link 'tripod': stiffness, mass"),
                        flexarm::InvalidParameter);
-  link = three_legs();
+  link = tripod();
   link.mass *= -1;
   CHECK_THROWS_WITH_AS(SuperElement(link, 0, 0), doctest::Contains("mass must be positive"),
                        flexarm::InvalidParameter);

@@ -2,10 +2,43 @@
 
 #include <doctest/doctest.h>
 
-#include "arms.hpp"
+#include "parts.hpp"
 
 using namespace flexarm::tests;
 using namespace flexarm::simulation;
+
+namespace {
+
+void check_power_balance(const System& system) {
+  Loads loads{.gravity = {1, 2, -9}};
+  loads.points = {{.point = 0, .force = {3, 4, 5}, .moment = {1, -1, 2}},
+                  {.point = 1, .force = {-3, 2, 1}, .moment = {0, 1, 2}, .follows = true}};
+  loads.torques = VectorXd::LinSpaced(system.n_scalars(), 1, 3);
+  State state = random_state(system, 3);
+  // Velocities that the joints permit.
+  const MatrixXd J = system.constraint_jacobian(state);
+  state.v -= J.transpose() * (J * J.transpose()).ldlt().solve(J * state.v);
+  balance(system, loads, state);
+  const int n = system.n_free();
+  const auto total_after = [&](double t) {
+    State there = state;
+    flexarm::solvers::move(system, t * state.v.head(n), there);
+    there.v += t * state.v_dot;
+    const Energies E = energies(system, there, loads);
+    return E.kinetic + E.elastic + E.gravity;
+  };
+  double loss = link_dissipation(system, state);
+  const VectorXd losses = law_losses(system, state);
+  for (std::size_t k = 0; k < system.laws().size(); ++k) {
+    loss += losses[static_cast<Eigen::Index>(k)] *
+            system.deflection(system.laws()[k], state.v.tail(system.n_scalars()));
+  }
+  const double work = load_power(system, state, loads) + loads.torques.dot(state.v.tail(system.n_scalars()));
+  CHECK(loss > 0);
+  CHECK(derivative(total_after, 0, 1e-4) == near(work - loss, 1e-6));
+}
+
+}  // namespace
 
 TEST_CASE("A pendulum has ½ (J + m c²) θ'² and −m g c cos θ") {
   const double m = 2, c = 0.7, J = 0.1, theta = 0.6, rate = 1.4;
@@ -39,32 +72,12 @@ TEST_CASE("Power of all forces equals the rate of change of all energies") {
   for (auto& joint : arm.joints)
     joint.drive_train.rotor_inertia = 0.1;  // every coordinate can be accelerated
   arm.joints[1].drive_train.stages.resize(1);
-  const System system(
-      arm, {{"turn", DriveKind::torque}, {"slide", DriveKind::torque}, {"lift", DriveKind::torque}});
-  Loads loads{.gravity = {1, 2, -9}};
-  loads.points = {{.point = 0, .force = {3, 4, 5}, .moment = {1, -1, 2}},
-                  {.point = 1, .force = {-3, 2, 1}, .moment = {0, 1, 2}, .follows = true}};
-  loads.torques = VectorXd::LinSpaced(system.n_scalars(), 1, 3);
-  State state = random_state(system, 3);
-  // Velocities that the joints permit.
-  const MatrixXd J = system.constraint_jacobian(state);
-  state.v -= J.transpose() * (J * J.transpose()).ldlt().solve(J * state.v);
-  balance(system, loads, state);
-  const int n = system.n_free();
-  const auto total_after = [&](double t) {
-    State there = state;
-    flexarm::solvers::move(system, t * state.v.head(n), there);
-    there.v += t * state.v_dot;
-    const Energies E = energies(system, there, loads);
-    return E.kinetic + E.elastic + E.gravity;
-  };
-  double loss = link_dissipation(system, state);
-  const VectorXd losses = law_losses(system, state);
-  for (std::size_t k = 0; k < system.laws().size(); ++k) {
-    loss += losses[static_cast<Eigen::Index>(k)] *
-            system.deflection(system.laws()[k], state.v.tail(system.n_scalars()));
-  }
-  const double work = load_power(system, state, loads) + loads.torques.dot(state.v.tail(system.n_scalars()));
-  CHECK(loss > 0);
-  CHECK(derivative(total_after, 0, 1e-4) == near(work - loss, 1e-6));
+  check_power_balance(
+      System(arm, {{"turn", DriveKind::torque}, {"slide", DriveKind::torque}, {"lift", DriveKind::torque}}));
+}
+
+TEST_CASE("With super-elements, too, power equals the rate of change of all energies") {
+  auto arm = tripod_arm();
+  for (auto& joint : arm.joints) joint.drive_train.rotor_inertia = 0.1;
+  check_power_balance(System(arm, {{"turn", DriveKind::torque}, {"wrist", DriveKind::torque}}));
 }

@@ -6,7 +6,7 @@ from flexarm.arm.controller import Cascade, Controller, StateFeedback
 from flexarm.arm.effect import KNOWN_EFFECTS, Effect, effect_class
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Gear, Joint, Origin
-from flexarm.arm.link import Beam, Link, Material, RigidLink, SuperElement
+from flexarm.arm.link import Beam, Link, Material, RigidLink, SuperElementLink
 from flexarm.arm.motor import Motor
 from flexarm.arm.section import General, Rectangle, Round, Section, Tube
 from flexarm.arm.sensor import Measurement, Sensor
@@ -34,7 +34,7 @@ __all__ = [
     "Section",
     "Sensor",
     "StateFeedback",
-    "SuperElement",
+    "SuperElementLink",
     "Tube",
     "effect_class",
     "inertia_matrix",

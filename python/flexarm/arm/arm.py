@@ -15,6 +15,7 @@ from flexarm.arm.effect import Effect, read_effect
 from flexarm.arm.joint import Gear, Joint
 from flexarm.arm.link import Link
 from flexarm.arm.motor import Motor
+from flexarm.arm.part_files import found_from, part_problems, seen_from
 from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
@@ -28,6 +29,7 @@ from flexarm.tables import (
     Vector3,
     check_table,
     read_toml,
+    refuse,
     toml_text,
     value_in,
 )
@@ -106,7 +108,11 @@ class Arm(Table):
         if Path(path).suffix == ".urdf":
             return check_table(cls, with_urdf({"urdf": Path(path).name}, Path(path).parent), path, "")
         data, text = read_toml(Path(path), "flexarm-arm/1")
-        return check_table(cls, with_urdf(data, Path(path).parent), path, text)
+        folder = Path(path).parent
+        data = found_from(with_urdf(data, folder), folder)
+        arm = check_table(cls, data, path, text)
+        refuse(list(part_problems(arm)), data, path, text)
+        return arm
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
@@ -125,7 +131,8 @@ class Arm(Table):
 
     def to_toml(self, path: str | Path) -> None:
         """Writes the model file; `from_toml` of it gives an equal arm."""
-        Path(path).write_text(toml_text(self.to_dict()), encoding="utf-8")
+        data = seen_from(self.to_dict(), Path(path).parent)
+        Path(path).write_text(toml_text(data), encoding="utf-8")
 
     # ---------------------------------------------------------------- effects
 

@@ -19,7 +19,7 @@ class Payload(Table):
     name, link : str
         Its name and the link that carries it; `link:interface` on a super-element.
     position : (3,)
-        Its centre in the link's frame [m].
+        Its centre in the link's frame, or in that of the interface [m].
     mass : float
         Mass [kg].
     inertia : (3,) or (6,)
@@ -45,9 +45,9 @@ class Point(Table):
     Parameters
     ----------
     name, link : str
-        Its name and the link that carries it.
+        Its name and the link that carries it; `link:interface` on a super-element.
     position : (3,)
-        In the link's frame [m].
+        In the link's frame, or in that of the interface [m].
     """
 
     name: Name = Field(description="name of the point")

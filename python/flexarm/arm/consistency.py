@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.joint import Joint
-from flexarm.arm.link import Beam, SuperElement
+from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.tables.table import Path
 
@@ -59,10 +59,15 @@ def _joint_ends(arm: Arm) -> Found:
                 continue
             if name not in links:
                 yield ("joints", i, end), missing("link", name, links)
-            elif ":" in place and not isinstance(links[name], SuperElement):
+            elif ":" in place and not isinstance(links[name], SuperElementLink):
                 yield (
                     ("joints", i, end),
                     f"{place!r}: only a super-element has interfaces, {name!r} is a {links[name].type}",
+                )
+            elif ":" not in place and isinstance(links[name], SuperElementLink):
+                yield (
+                    ("joints", i, end),
+                    f"must name an interface of the super-element, as {name}:INTERFACE, got {place!r}",
                 )
         parent = links.get(link_of(joint.parent))
         if joint.at == "end" and not isinstance(parent, Beam):
@@ -130,8 +135,8 @@ def _attachments(arm: Arm) -> Found:
             name = link_of(entry.link)
             if name not in links:
                 yield (table, i, "link"), missing("link", name, links)
-            elif (":" in entry.link) != isinstance(links[name], SuperElement):
-                wanted = "LINK:INTERFACE" if isinstance(links[name], SuperElement) else "LINK"
+            elif (":" in entry.link) != isinstance(links[name], SuperElementLink):
+                wanted = "LINK:INTERFACE" if isinstance(links[name], SuperElementLink) else "LINK"
                 yield (
                     (table, i, "link"),
                     f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import hypot
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -11,6 +11,9 @@ from flexarm.arm.inertia import Inertia, impossible
 from flexarm.arm.section import Section
 from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
 from flexarm.tables.table import Whole
+
+if TYPE_CHECKING:
+    from flexarm.superelement import SuperElement
 
 
 class Material(Table):
@@ -114,15 +117,40 @@ class RigidLink(Table):
         return self
 
 
-class SuperElement(Table):
-    """A part reduced from a solid mesh; its matrices stand in `file`."""
+class SuperElementLink(Table):
+    """A part reduced to its interfaces and internal modes, such as `flexarm reduce` makes from a mesh.
+
+    Parameters
+    ----------
+    name : str
+        Name of the link.
+    file : str
+        The super-element's file; in a model file, from where that lies.
+    damping_ratio : float
+        Of the part alone, held at its first interface, in its lowest mode; stiffness-proportional, in place
+        of the damping in the file.
+    """
 
     name: Name = Field(description="name of the link")
     type: Literal["superelement"] = "superelement"
     file: str = Field(description="name of the file with the reduced matrices", min_length=1)
+    damping_ratio: Number = value_in("-", "damping ratio, held at the first interface", 0.0, ge=0, lt=1)
+
+    @property
+    def part(self) -> SuperElement:
+        """The matrices.
+
+        Raises
+        ------
+        InvalidFile
+            If the file cannot be read.
+        """
+        from flexarm.arm.part_files import load_part
+
+        return load_part(self.file)
 
 
-Link = Annotated[Beam | RigidLink | SuperElement, Field(discriminator="type")]
+Link = Annotated[Beam | RigidLink | SuperElementLink, Field(discriminator="type")]
 
 
 def _sine(a: Vector3, b: Vector3) -> float:

@@ -7,6 +7,7 @@ from math import cos, hypot, sin
 from flexarm.arm.inertia import Matrix
 
 Vector = tuple[float, float, float]
+Frame = tuple[Matrix, Vector]
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -69,3 +70,14 @@ def rotated(a: Matrix, x: Vector) -> Vector:
 def sum_of(a: Matrix, b: Matrix) -> Matrix:
     """Sum of two matrices."""
     return added(a[0], b[0]), added(a[1], b[1]), added(a[2], b[2])
+
+
+def chained(a: Frame, b: Frame) -> Frame:
+    """Frame b, given in frame a, in the parent of a."""
+    return times(a[0], b[0]), added(a[1], rotated(a[0], b[1]))
+
+
+def inverted(rotation: Matrix, position: Vector) -> Frame:
+    """The parent seen from the frame."""
+    back = transposed(rotation)
+    return back, scaled(-1.0, rotated(back, position))

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import hypot
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.arm.link import Beam
+from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
+from flexarm.arm.places import place_in_link
+from flexarm.arm.rotation import added, scaled
 from flexarm.arm.section import General, contradiction
 from flexarm.errors import Problem
 
@@ -21,6 +24,7 @@ def doubts(arm: Arm) -> Iterable[Problem]:
         if isinstance(link, Beam):
             yield from _beam(link)
     yield from _beyond_the_beam(arm)
+    yield from _counted_twice(arm)
     if not 9.5 < hypot(*arm.gravity) < 10 and hypot(*arm.gravity) > 0:
         yield Problem("gravity", f"has a magnitude of {hypot(*arm.gravity):g} m/s2; on Earth it is 9.81 m/s2")
 
@@ -73,4 +77,22 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
                     f"{table}.{entry.name}.position",
                     f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to "
                     f"{beam.length:g} m; it sits rigidly on the nearer end",
+                )
+
+
+def _counted_twice(arm: Arm) -> Iterable[Problem]:
+    """Positions on a super-element that repeat where its interface stands: they count from the interface."""
+    parts = {
+        link.name for link in arm.links if isinstance(link, SuperElementLink) and Path(link.file).is_file()
+    }
+    for table, entries in (("payloads", arm.payloads), ("points", arm.points)):
+        for entry in entries:
+            if link_of(entry.link) not in parts:
+                continue
+            _, position = place_in_link(arm, entry.link)
+            if hypot(*position) > 0 and hypot(*added(entry.position, scaled(-1.0, position))) < 1e-6:
+                yield Problem(
+                    f"{table}.{entry.name}.position",
+                    f"is {list(entry.position)}, as the interface's own in its part; it counts from the "
+                    f"interface {entry.link!r}, where [0, 0, 0] is",
                 )

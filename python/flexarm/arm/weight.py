@@ -21,22 +21,24 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.inertia import Matrix, inertia_matrix
-from flexarm.arm.link import Beam, Link, RigidLink
+from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
 from flexarm.arm.names import link_of
+from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import (
     IDENTITY,
     Vector,
     added,
+    chained,
     dot,
     from_axes,
     from_rpy,
+    inverted,
     rotated,
     scaled,
     sum_of,
     times,
     transposed,
 )
-from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -86,15 +88,15 @@ def weight_statement(arm: Arm) -> WeightStatement:
 
     Raises
     ------
-    InvalidParameter
-        If a link is a super-element, whose mass stands in its file.
+    InvalidFile
+        If the file of a super-element cannot be read.
     """
     frames = link_frames(arm)
     links = {link.name: body_of(link).moved(*frames[link.name]) for link in arm.links}
     payloads = {
-        load.name: Body(load.mass, load.position, inertia_matrix(load.inertia)).moved(
-            *frames[link_of(load.link)]
-        )
+        load.name: Body(load.mass, load.position, inertia_matrix(load.inertia))
+        .moved(*place_in_link(arm, load.link))
+        .moved(*frames[link_of(load.link)])
         for load in arm.payloads
     }
     return WeightStatement(links, payloads, combined([*links.values(), *payloads.values()]))
@@ -104,9 +106,15 @@ def body_of(link: Link) -> Body:
     """Mass, centre and inertia of a link in its own frame."""
     if isinstance(link, RigidLink):
         return Body(link.mass, link.com, inertia_matrix(link.inertia))
-    if isinstance(link, Beam):
-        return _beam(link)
-    raise InvalidParameter("super-elements are not supported yet", where=f"links.{link.name}.type")
+    return _part(link) if isinstance(link, SuperElementLink) else _beam(link)
+
+
+def _part(link: SuperElementLink) -> Body:
+    part = link.part
+    x, y, z = map(float, part.centre)
+    rows = [[float(entry) for entry in row] for row in part.inertia]
+    about = (rows[0][0], rows[1][1], rows[2][2], rows[0][1], rows[0][2], rows[1][2])
+    return Body(part.mass_total, (x, y, z), inertia_matrix(about))
 
 
 def _beam(link: Beam) -> Body:
@@ -152,12 +160,10 @@ def link_frames(arm: Arm) -> dict[str, tuple[Matrix, Vector]]:
     while waiting:  # a tree: in every round the children of placed links are placed
         placed = [joint for joint in waiting if link_of(joint.parent) in frames]
         for joint in placed:
-            parent = link_of(joint.parent)
-            rotation, position = frames[parent]
-            offset = added(joint.origin.xyz, ends[parent]) if joint.at == "end" else joint.origin.xyz
-            frames[link_of(joint.child)] = (
-                times(rotation, from_rpy(joint.origin.rpy)),
-                added(position, rotated(rotation, offset)),
-            )
+            frame = chained(frames[link_of(joint.parent)], place_in_link(arm, joint.parent))
+            if joint.at == "end":
+                frame = chained(frame, (IDENTITY, ends[link_of(joint.parent)]))
+            frame = chained(frame, (from_rpy(joint.origin.rpy), joint.origin.xyz))
+            frames[link_of(joint.child)] = chained(frame, inverted(*place_in_link(arm, joint.child)))
         waiting = [joint for joint in waiting if joint not in placed]
     return frames

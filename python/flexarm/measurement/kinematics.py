@@ -1,9 +1,10 @@
 """Where the links of a rigid arm are: poses by multiplication along the chain from the base.
 
-    H_link = H_parent T_at T_origin exp(axis q)                                                      (1)
+    H_child = H_parent T_at T_origin exp(axis q) T_in^-1                                             (1)
 
-T_at goes to the far end of a beam (`at = "end"`), T_origin is the joint's `origin`, exp the turn (revolute)
-or shift (prismatic) by q about the joint's axis. All joint values may be arrays over time.
+T_at goes to the far end of a beam (`at = "end"`) or to the interface of a super-element that the joint
+names, T_origin is the joint's `origin`, exp the turn (revolute) or shift (prismatic) by q about the joint's
+axis, and T_in leads from the child's frame to its interface. All joint values may be arrays over time.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.names import link_of
+from flexarm.arm.places import place_in_link
+from flexarm.arm.rotation import inverted
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.frames import rotation_from_rpy
 
@@ -40,45 +44,54 @@ class Pose:
 
 def joint_to(arm: Any, link: str) -> Any:
     """The joint whose child is the link, or an interface of it; None for the base."""
-    return next((joint for joint in arm.joints if joint.child.split(":")[0] == link), None)
+    return next((joint for joint in arm.joints if link_of(joint.child) == link), None)
 
 
-def chain_to(arm: Any, link: str) -> list[Any]:
-    """Joints from the base to the link.
+def chain_to(arm: Any, place: str) -> list[Any]:
+    """Joints from the base to a link, or to the link of an interface.
 
     Raises
     ------
     InvalidParameter
-        If no joint leads there, or the chain passes an interface of a super-element.
+        If no joint leads there.
     """
     found: list[Any] = []
+    link = link_of(place)
     while link != "base":
         joint = joint_to(arm, link)
         if joint is None:
             raise InvalidParameter(f"no joint leads to the link {link!r}")
-        if ":" in joint.parent or ":" in joint.child:
-            raise InvalidParameter(f"the rigid pose of {link!r} behind a super-element is not known")
         found.insert(0, joint)
-        link = joint.parent
+        link = link_of(joint.parent)
     return found
 
 
 def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
-    """The frame in which a joint turns, before it turns: H_parent T_at T_origin of (1)."""
+    """The frame in which a joint turns, before it turns.
+
+    Parameters
+    ----------
+    arm : Arm
+        The arm.
+    joint : Joint
+        One of its joints.
+    parent : Pose
+        Of the place that `joint.parent` names, as `link_pose` gives it.
+    """
     if joint.at == "end":
         parent = parent.moved(np.eye(3), np.asarray(arm.link(joint.parent).end))
     return parent.moved(rotation_from_rpy(*joint.origin.rpy), np.asarray(joint.origin.xyz))
 
 
 def link_pose(arm: Any, link: str, values: Mapping[str, Floats]) -> Pose:
-    """Pose (1) of a link of the rigid arm.
+    """Pose (1) of a link of the rigid arm, or of an interface.
 
     Parameters
     ----------
     arm : Arm
         The arm.
     link : str
-        Name of the link, or "base".
+        Name of the link, "base", or LINK:INTERFACE on a super-element.
     values : dict of str to ndarray, shape (m,)
         Values of the joints on the way [rad or m]; those left out are 0.
     """
@@ -87,9 +100,17 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats]) -> Pose:
     pose = Pose(np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3)))
     for joint in joints:
         pose = _moved_by(
-            joint_frame(arm, joint, pose), joint, np.asarray(values.get(joint.name, 0.0), dtype=float)
+            joint_frame(arm, joint, _at(pose, place_in_link(arm, joint.parent))),
+            joint,
+            np.asarray(values.get(joint.name, 0.0), dtype=float),
         )
-    return pose
+        pose = _at(pose, inverted(*place_in_link(arm, joint.child)))
+    return _at(pose, place_in_link(arm, link))
+
+
+def _at(pose: Pose, frame: Any) -> Pose:
+    rotation, position = frame
+    return pose.moved(np.asarray(rotation), np.asarray(position))
 
 
 def _moved_by(pose: Pose, joint: Any, value: Floats) -> Pose:

@@ -4,7 +4,7 @@
 file into tables or into one `InvalidFile` that lists all that is wrong.
 """
 
-from flexarm.tables.check import check_table, parameter_error
+from flexarm.tables.check import check_table, parameter_error, refuse
 from flexarm.tables.table import (
     FrozenDict,
     Inconsistent,
@@ -29,6 +29,7 @@ __all__ = [
     "check_table",
     "parameter_error",
     "read_toml",
+    "refuse",
     "toml_text",
     "unit_of",
     "value_in",

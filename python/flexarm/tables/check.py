@@ -39,12 +39,17 @@ def check_table(
     except ValidationError as error:
         if file is None:
             raise parameter_error(table, error, data) from None
-        problems = tuple(
-            Problem(dotted(path, data), what, line_in(text, path))
-            for path, what in problems_of(table, error, data)
-        )
+        found = problems_of(table, error, data)
+    refuse(found, data, file, text)
+    raise AssertionError("a refused table has at least one problem")
+
+
+def refuse(found: list[tuple[Path, str]], data: dict[str, Any], file: str | FilePath, text: str) -> None:
+    """Raises InvalidFile with all the pairs of place and sentence, if there are any."""
+    problems = tuple(Problem(dotted(path, data), what, line_in(text, path)) for path, what in found)
+    if problems:
         first = problems[0]
-        raise InvalidFile(file, first.where, first.what, line=first.line, problems=problems) from None
+        raise InvalidFile(file, first.where, first.what, line=first.line, problems=problems)
 
 
 def parameter_error(table: type[Table], error: ValidationError, data: Any) -> InvalidParameter:

@@ -1,0 +1,105 @@
+"""Files of super-elements: where they lie, and whether a model names what they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from os.path import relpath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.link import SuperElementLink
+from flexarm.arm.names import link_of
+from flexarm.tables import table
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.superelement import SuperElement
+
+
+def found_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Tables of a model with the files of its super-elements as absolute paths.
+
+    Parameters
+    ----------
+    data : dict
+        The model.
+    folder : Path
+        Where relative names start from.
+    """
+    return _with_files(data, lambda file: str((folder / file).resolve()))
+
+
+def seen_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The reverse: files relative to the folder in which the model shall lie."""
+    return _with_files(data, lambda file: Path(relpath(file, folder)).as_posix())
+
+
+def _with_files(data: Mapping[str, Any], place: Any) -> dict[str, Any]:
+    links = data.get("links")
+    if not isinstance(links, list | tuple):
+        return dict(data)  # the check of the model says what is wrong with it
+    return {
+        **data,
+        "links": [
+            {**link, "file": place(link["file"])}
+            if isinstance(link, dict)
+            and link.get("type") == "superelement"
+            and isinstance(link.get("file"), str)
+            and link["file"]
+            else link
+            for link in links
+        ],
+    }
+
+
+def load_part(file: str) -> SuperElement:
+    """The super-element in a file, read once until the file changes.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read.
+    """
+    path = Path(file)
+    stamp = path.stat().st_mtime_ns if path.is_file() else 0
+    return _loaded(str(path.resolve()), stamp)
+
+
+@lru_cache(maxsize=64)
+def _loaded(path: str, stamp: int) -> SuperElement:
+    from flexarm.superelement import SuperElement
+
+    return SuperElement.load(path)
+
+
+def part_problems(arm: Arm) -> Iterator[tuple[table.Path, str]]:
+    """Places and sentences for files that are missing and interfaces that their parts do not have."""
+    interfaces: dict[str, tuple[str, ...]] = {}
+    for i, link in enumerate(arm.links):
+        if not isinstance(link, SuperElementLink):
+            continue
+        if Path(link.file).is_file():
+            interfaces[link.name] = link.part.interfaces
+        else:
+            yield (
+                ("links", i, "file"),
+                f"there is no file {link.file}; `flexarm reduce` makes one from a mesh",
+            )
+    places = [
+        *(
+            (("joints", i, end), getattr(joint, end))
+            for i, joint in enumerate(arm.joints)
+            for end in ("parent", "child")
+        ),
+        *((("payloads", i, "link"), load.link) for i, load in enumerate(arm.payloads)),
+        *((("points", i, "link"), point.link) for i, point in enumerate(arm.points)),
+    ]
+    for path, place in places:
+        known = interfaces.get(link_of(place))
+        if known is not None and place.partition(":")[2] not in known:
+            yield (
+                path,
+                f"there is no interface {place.partition(':')[2]!r} on {link_of(place)!r}; "
+                f"there are {', '.join(known)}",
+            )
