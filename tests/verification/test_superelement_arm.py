@@ -84,3 +84,23 @@ def test_a_rigid_part_is_the_rigid_arm(tmp_path: Path) -> None:
     stiff.save(tmp_path / "segment.nc", force=True)
     second = flexarm.static(arm(**tables), joints={"hinge": 1.0}).displacement[0]
     assert np.linalg.norm(second) == approx(1e-4 * np.linalg.norm(first), rel=0.02)
+
+
+def test_a_deflection_sensor_sees_a_part_bend_as_a_beam(tmp_path: Path) -> None:
+    """From the link's rigid place, in its axes; the interface's own frame does not matter."""
+    motion = drive({"hinge": swing_angle}, 3.0)
+    sensor = {"name": "d", "quantity": "deflection", "axes": ["x", "z"], "point": "tip", "rate_hz": 10}
+    found = []
+    for model in (arm(**arm_of_parts(tmp_path, 1), sensors=[sensor]), paper_arm(1).replace(sensors=[sensor])):
+        run = flexarm.simulate(model, motion, step=5e-3)
+        found.append(flexarm.measure(run, model.sensors, np.random.default_rng(0)).signals["d"].values)
+    assert np.ptp(found[1][:, 0]) > 0.02
+    assert found[0] == approx(found[1], abs=1e-4)
+
+
+def test_no_deflection_is_measured_from_a_part_that_bends_itself(tmp_path: Path) -> None:
+    sensor = {"name": "d", "quantity": "deflection", "axes": ["x"], "point": "tip", "rate_hz": 10}
+    model = arm(**arm_of_parts(tmp_path, 2), sensors=[sensor])
+    run = flexarm.simulate(model, drive({"hinge": swing_angle}, 0.5), step=5e-3)
+    with pytest.raises(flexarm.InvalidParameter, match="stands on the flexible 's0:end'"):
+        flexarm.measure(run, model.sensors, np.random.default_rng(0))

@@ -1,12 +1,12 @@
 """Strain gauges and deflection sensors: what they see of a bent link.
 
     strain     eps = N/EA + z M_y/EI_y - y M_z/EI_z        of the fibre (y, z) of a section          (1)
-    deflection d = R_L^T (p - x_L) - p_0                   of a point p of the link                  (2)
+    deflection d = R_L^T (p - p_0)                         of a point p of the link                  (2)
 
 N, M_y, M_z are section forces in the section's axes (tension positive, moments on the nearer part); along the
 link they follow from those at its two ends, M' from the shear forces (M_y' = V_z, M_z' = -V_y), which is
-exact for loads that change linearly along it. (R_L, x_L) is the frame that the link would have if it were
-rigid, at the simulated angle of its joint, and p_0 the point's place in it.
+exact for loads that change linearly along it. R_L holds the axes and p_0 is the place that link and point
+would have if the link were rigid, at the simulated angle of its joint.
 """
 
 from __future__ import annotations
@@ -64,19 +64,19 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
     point = _point(simulation.arm, what)
     link = point.link.split(":")[0]
     for joint in chain_to(simulation.arm, link):
-        if joint.at == "end":
+        if joint.at == "end" or ":" in joint.parent:
             raise CannotMeasure(
                 f"signal {what.name!r}: the deflection of {link!r} is measured from a frame "
                 f"that stands on the flexible {joint.parent!r}; its parent must be rigid"
             )
     angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
     theta = sample(simulation.time, angle, instants, rate)
-    frame = link_pose(simulation.arm, link, {name: theta[:, j] for j, name in enumerate(simulation.joints)})
+    values = {name: theta[:, j] for j, name in enumerate(simulation.joints)}
+    frame = link_pose(simulation.arm, link, values)
+    rigid = link_pose(simulation.arm, point.link, values).of_point(np.asarray(point.position))
     position = base_position(simulation, what, instants, point.name)
-    relative: Floats = np.einsum("nji,nj->ni", frame.R, position - frame.x) - np.asarray(
-        point.position
-    )  # eq. (2)
-    return relative[:, columns(what.axes)]
+    offset: Floats = np.einsum("nji,nj->ni", frame.R, position - rigid)  # eq. (2)
+    return offset[:, columns(what.axes)]
 
 
 def _point(arm: Any, what: Described) -> Any:
