@@ -95,8 +95,9 @@ def _without(mesh: SolidMesh, indices: Mapping[str, Ints]) -> Problem | None:
     kind, cells = next((kind, cells) for kind, cells in bare.items() if len(cells))
     first = mesh.cell_numbers[kind][cells[0]]
     which = f"in groups {', '.join(groups[:20])}" if groups else f"such as cell {first}, which is in no group"
+    why = [f"{note.where}: {note.what}" for note in mesh.notes if note.where.startswith("materials.")]
     return Problem(
         "materials",
         f"{count} of {mesh.n_cells} cells have no material ({which}); give one by group or one for all: "
-        "Young's modulus [Pa], Poisson's ratio, density [kg/m3]",
+        "Young's modulus [Pa], Poisson's ratio, density [kg/m3]" + "".join(f"; {text}" for text in why),
     )

@@ -46,19 +46,22 @@ def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Mate
     _refuse_other_solids(content, file)
     kinds = [BY_MESHIO_NAME[_lesser(b.kind)].name if _is_solid(b.kind) else "" for b in content.blocks]
     cells, numbers, offset = _cells(content, kinds)
+    if not cells:
+        raise InvalidFile(file, "cells", _no_solids(content))
     used = np.zeros(len(content.points), dtype=bool)
     for nodes in cells.values():
         used[nodes.ravel()] = True
     new = np.cumsum(used) - 1
     groups, sets = _groups(content, kinds, offset)
-    notes = [*content.notes, *_left_out(content, used)]
     in_file = {name: m for name, m in content.materials.items() if name not in materials and name in groups}
+    known, not_used = si_materials(in_file, unit)
+    notes = [*content.notes, *_left_out(content, used), *not_used]
     return SolidMesh(
         points=content.points[used] * (factor_to("m", unit) or 1.0),
         cells={kind: new[nodes] for kind, nodes in cells.items()},
         cell_groups=groups,
         point_sets={name: np.unique(new[points[used[points]]]) for name, points in sets.items()},
-        materials={**si_materials(in_file, unit, file), **materials},
+        materials={**known, **materials},
         file=file,
         cell_numbers=numbers,
         point_numbers=content.numbers[used],
@@ -86,6 +89,14 @@ def _refuse_other_solids(content: Content, file: str) -> None:
         raise InvalidFile(
             file, "cells", f"cells that flexarm has no element for: {shown}; allowed are {ALLOWED}; {remedy}"
         )
+
+
+def _no_solids(content: Content) -> str:
+    counts: dict[str, int] = {}
+    for block in content.blocks:
+        counts[block.kind] = counts.get(block.kind, 0) + len(block.nodes)
+    there = ", ".join(f"{n} of type {kind}" for kind, n in counts.items()) or "no cells at all"
+    return f"there are no solid cells ({there}); needed are {ALLOWED}"
 
 
 def _cells(content: Content, kinds: list[str]) -> tuple[dict[str, Ints], dict[str, Ints], list[int]]:

@@ -15,8 +15,13 @@ from flexarm.solids.reading.units import check_unit
 
 #: Ending of a file's name -> what it is, and the module with `content(path)` that reads it.
 FORMATS = {
+    ".inp": ("Abaqus or CalculiX input", "abaqus"),
     ".msh": ("Gmsh mesh", "gmsh"),
     ".vtu": ("VTK unstructured grid", "vtu"),
+    ".bdf": ("Nastran bulk data", "nastran"),
+    ".nas": ("Nastran bulk data", "nastran"),
+    ".fem": ("Nastran bulk data (OptiStruct)", "nastran"),
+    ".dat": ("Nastran bulk data", "nastran"),
 }
 
 

@@ -5,7 +5,7 @@ MPa,
 
     E [Pa] = 1e6 E [MPa] ,   rho [kg/m3] = 1e12 rho [t/mm3]                                         (1)
 
-With any other unit of length the file's materials are not known and must be given.
+With any other unit of length the file's materials are not used.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexarm.arm.link import Material
-from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.errors import InvalidParameter, Problem
 from flexarm.solids.reading.content import Elastic
 from flexarm.units import FACTORS, factor_to
 
@@ -28,35 +28,47 @@ def check_unit(unit: str) -> None:
         )
 
 
-def si_materials(materials: Mapping[str, Elastic], unit: str, file: str) -> dict[str, Material]:
-    """Materials by group, in SI."""
-    return {name: _si(material, unit, file, name) for name, material in materials.items()}
+def si_materials(materials: Mapping[str, Elastic], unit: str) -> tuple[dict[str, Material], list[Problem]]:
+    """Materials by group, in SI, and why others cannot be used."""
+    known, notes = {}, []
+    for group, material in materials.items():
+        why = _doubt(material, unit)
+        if why:
+            notes.append(Problem(f"materials.{group}", f"{material.where}: {why}; it is not used"))
+        else:
+            known[group] = _si(material, unit)
+    return known, notes
 
 
-def _si(material: Elastic, unit: str, file: str, group: str) -> Material:
+def _doubt(material: Elastic, unit: str) -> str:
+    """Why a material of the file cannot be used; empty if it can."""
     modulus, ratio, density = material.youngs_modulus, material.poisson_ratio, material.density
-    if modulus is None or ratio is None or density is None:
-        values = {"Young's modulus": modulus, "Poisson's ratio": ratio, "density": density}
-        missing = ", ".join(name for name, value in values.items() if value is None)
-        raise InvalidFile(
-            file, material.where, f"has no {missing}; add it, or give group {group!r} a material of its own"
+    values = {"Young's modulus": modulus, "Poisson's ratio": ratio, "density": density}
+    missing = [name for name, value in values.items() if value is None]
+    if missing:
+        return f"has no {' and no '.join(missing)}"
+    if factor_to("m", unit) not in _TO_SI:
+        return f"is in units that lengths in {unit!r} do not tell ('m': Pa, kg/m3; 'mm': MPa, t/mm3)"
+    try:
+        _si(material, unit)
+    except ValueError:
+        return (
+            f"E = {modulus:g}, nu = {ratio:g}, density {density:g} are no material: E must be positive, nu "
+            "between -1 and 0.5, density not negative"
         )
-    factors = _TO_SI.get(factor_to("m", unit) or 0.0)
-    if factors is None:
-        raise InvalidFile(
-            file,
-            material.where,
-            f"the unit {unit!r} does not tell those of E = {modulus:g} and density {density:g}; give "
-            f"group {group!r} a material (SI), or use 'm' (Pa, kg/m3) or 'mm' (MPa, t/mm3)",
-        )
-    try:  # eq. (1)
-        return Material(
-            youngs_modulus=modulus * factors[0], poisson_ratio=ratio, density=density * factors[1]
-        )
-    except ValueError as error:
-        raise InvalidFile(
-            file,
-            material.where,
-            f"E = {modulus:g}, nu = {ratio:g}, density {density:g}: must be positive, "
-            "Poisson's ratio between -1 and 0.5",
-        ) from error
+    return ""
+
+
+def _si(material: Elastic, unit: str) -> Material:
+    to_pascal, to_kg_per_m3 = _TO_SI[factor_to("m", unit) or 1.0]
+    assert material.youngs_modulus is not None and material.density is not None  # _doubt has looked
+    return Material(
+        youngs_modulus=_shifted(material.youngs_modulus, to_pascal),  # eq. (1)
+        poisson_ratio=material.poisson_ratio,
+        density=_shifted(material.density, to_kg_per_m3),
+    )
+
+
+def _shifted(value: float, factor: float) -> float:
+    """The product of a decimal number and a power of ten, rounded as the number was written."""
+    return float(f"{value * factor:.15g}")

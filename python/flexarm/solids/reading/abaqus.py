@@ -1,0 +1,223 @@
+"""Abaqus and CalculiX input files (.inp).
+
+Read are *NODE, *ELEMENT, *NSET, *ELSET, *SURFACE, *SOLID SECTION, *MATERIAL with *ELASTIC and *DENSITY,
+*PART, *INSTANCE, *ASSEMBLY and *INCLUDE. Element sets of solids are groups; node sets, surfaces and element
+sets of shells are sets of points. In an assembly of several instances the names of a part's sets begin with
+that of the instance: `lever-1.bore`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from copy import deepcopy
+from pathlib import Path
+
+from flexarm.errors import Problem
+from flexarm.solids.cell_types import BY_MESHIO_NAME
+from flexarm.solids.reading.abaqus_cells import kind_of, rows_of
+from flexarm.solids.reading.abaqus_flat import Flat
+from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope, Section
+from flexarm.solids.reading.content import Content
+from flexarm.solids.reading.keywords import Keyword, keywords
+
+#: What makes nodes or cells out of others, or moves them: leaving it out would change the part.
+_REFUSED = ("SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
+#: What joins parts beside their mesh; leaving it out is allowed and said.
+_SAID = (
+    "TIE",
+    "EQUATION",
+    "MPC",
+    "CONTACT PAIR",
+    "COUPLING",
+    "KINEMATIC COUPLING",
+    "RIGID BODY",
+    "EMBEDDED ELEMENT",
+)
+
+
+def content(path: Path) -> Content:
+    """What an Abaqus or CalculiX file holds."""
+    reader = _Reader()
+    for keyword in keywords(path):
+        reader.take(keyword)
+    return reader.finished(path)
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.scope = self.assembly = Scope()
+        self.parts: dict[str, Scope] = {}
+        self.instances: list[str] = []
+        self.instance: Keyword | None = None
+        self.materials: Names[AbaqusMaterial] = Names()
+        self.material: AbaqusMaterial | None = None
+        self.notes: list[Problem] = []
+        self.left: dict[str, int] = {}
+        self.said: dict[str, list[int]] = {}
+        self.steps: Mapping[str, Callable[[Keyword], None]] = {
+            "NODE": self._nodes,
+            "ELEMENT": self._cells,
+            "NSET": self._node_set,
+            "ELSET": self._cell_set,
+            "SURFACE": self._surface,
+            "SOLID SECTION": self._section,
+            "MATERIAL": self._material,
+            "ELASTIC": self._elastic,
+            "DENSITY": self._density,
+            "PART": self._part,
+            "END PART": self._end_part,
+            "INSTANCE": self._instance,
+            "END INSTANCE": self._end_instance,
+        }
+
+    def take(self, keyword: Keyword) -> None:
+        """Read one keyword."""
+        if keyword.name in _REFUSED:
+            raise keyword.error(
+                "is not read; write the file from a preprocessor, with all nodes and cells in it"
+            )
+        if keyword.name in _SAID:
+            self.said.setdefault(keyword.name, []).append(keyword.line)
+        step = self.steps.get(keyword.name)
+        if step:
+            step(keyword)
+
+    def _nodes(self, keyword: Keyword) -> None:
+        if keyword.parameters.get("SYSTEM", "R").upper() != "R":
+            raise keyword.error(
+                f"SYSTEM={keyword.parameters['SYSTEM']} is not read; give rectangular coordinates"
+            )
+        keys = []
+        for line, values in keyword.rows:
+            (number,) = keyword.numbers(line, values[:1]) or [0]
+            xyz = keyword.floats(line, values[1:4])
+            self.scope.nodes["", number] = xyz + [0.0] * (3 - len(xyz))
+            keys.append(("", number))
+        _extend(self.scope.node_sets, keyword.parameters.get("NSET", ""), keys)
+
+    def _cells(self, keyword: Keyword) -> None:
+        name = keyword.needed("TYPE").upper()
+        kind, keys = kind_of(name), []
+        if not kind:
+            self.left[name] = self.left.get(name, 0) + len(keyword.rows)
+            _extend(self.scope.cell_sets, keyword.parameters.get("ELSET", ""), [])
+            return
+        for number, *nodes in rows_of(keyword, name):
+            own = [("", node) for node in nodes]
+            missing = [node for _, node in own if ("", node) not in self.scope.nodes]
+            if missing:
+                raise keyword.error(f"cell {number} names node {missing[0]}, which is not defined before")
+            self.scope.cells["", number] = (kind, own)
+            keys.append(("", number))
+        _extend(self.scope.cell_sets, keyword.parameters.get("ELSET", ""), keys)
+
+    def _node_set(self, keyword: Keyword) -> None:
+        found = self.scope.members(keyword, self.scope.node_sets, keyword.parameters.get("INSTANCE", ""))
+        cells = keyword.parameters.get("ELSET")
+        if cells:
+            found += [node for key in self._cell_keys(cells, keyword) for node in self.scope.cells[key][1]]
+        _extend(self.scope.node_sets, keyword.needed("NSET"), found)
+
+    def _cell_set(self, keyword: Keyword) -> None:
+        found = self.scope.members(keyword, self.scope.cell_sets, keyword.parameters.get("INSTANCE", ""))
+        _extend(self.scope.cell_sets, keyword.needed("ELSET"), found)
+
+    def _cell_keys(self, name: str, keyword: Keyword) -> list[Key]:
+        found = self.scope.cell_sets.get(name)
+        if found is None:
+            raise keyword.error(f"there is no element set {name!r} before this line")
+        return [key for key in found if key in self.scope.cells]
+
+    def _surface(self, keyword: Keyword) -> None:
+        name, nodes = keyword.needed("NAME"), []
+        instance = keyword.parameters.get("INSTANCE", "")
+        by_node = keyword.parameters.get("TYPE", "ELEMENT").upper() == "NODE"
+        for line, (what, *face) in keyword.rows:
+            row = Keyword(keyword.name, {}, keyword.file, keyword.line, [(line, [what])])
+            if by_node:
+                nodes += self.scope.members(row, self.scope.node_sets, instance)
+                continue
+            label = face[0].upper() if face else ""
+            for key in self.scope.members(row, self.scope.cell_sets, instance):
+                if key in self.scope.cells:
+                    nodes += self._face(keyword, line, key, label)
+        _extend(self.scope.surfaces, name, nodes)
+
+    def _face(self, keyword: Keyword, line: int, key: Key, label: str) -> list[Key]:
+        kind, nodes = self.scope.cells[key]
+        if kind in ("polygon", "line"):
+            return nodes
+        if kind not in BY_MESHIO_NAME:
+            return []  # refused later, with all of its type
+        faces = BY_MESHIO_NAME[kind].faces
+        if not (label[:1] == "S" and label[1:].isdigit() and 1 <= int(label[1:]) <= len(faces)):
+            raise keyword.error(f"face must be one of S1 to S{len(faces)} of a solid, got {label!r}", line)
+        return [nodes[i] for i in BY_MESHIO_NAME[kind].face_nodes(int(label[1:]) - 1)]
+
+    def _section(self, keyword: Keyword) -> None:
+        section = Section(keyword.needed("ELSET"), keyword.needed("MATERIAL"), f"line {keyword.line}")
+        self.scope.sections.append(section)
+
+    def _material(self, keyword: Keyword) -> None:
+        name = keyword.needed("NAME")
+        self.material = AbaqusMaterial(f"line {keyword.line}, *MATERIAL {name}")
+        self.materials.set(name, self.material)
+
+    def _elastic(self, keyword: Keyword) -> None:
+        kind = keyword.parameters.get("TYPE", "ISOTROPIC").upper()
+        if self.material is None or not keyword.rows:
+            return
+        if not kind.startswith("ISO"):
+            self.notes.append(
+                Problem(f"line {keyword.line}", f"*ELASTIC, TYPE={kind} is not read, isotropic is")
+            )
+            return
+        values = keyword.floats(*keyword.rows[0])
+        self.material.youngs_modulus, self.material.poisson_ratio = [*values, 0.0][:2]
+
+    def _density(self, keyword: Keyword) -> None:
+        if self.material is not None and keyword.rows:
+            self.material.density = keyword.floats(*keyword.rows[0])[0]
+
+    def _part(self, keyword: Keyword) -> None:
+        self.scope = self.parts[keyword.needed("NAME").upper()] = Scope()
+
+    def _end_part(self, _: Keyword) -> None:
+        self.scope = self.assembly
+
+    def _instance(self, keyword: Keyword) -> None:
+        """Until `*END INSTANCE` an instance may add nodes and cells of its own to those of its part."""
+        part = keyword.parameters.get("PART", "").upper()
+        if part and part not in self.parts:
+            raise keyword.error(f"there is no *PART {part!r} before")
+        self.instance, self.scope = keyword, deepcopy(self.parts[part]) if part else Scope()
+
+    def _end_instance(self, keyword: Keyword) -> None:
+        if self.instance is None:
+            raise keyword.error("there is no *INSTANCE before")
+        name = self.instance.needed("NAME")
+        rows = [self.instance.floats(*row) for row in self.instance.rows]
+        self.scope.copied(name, rows, self.assembly)
+        self.instances.append(name)
+        self.instance, self.scope = None, self.assembly
+
+    def finished(self, path: Path) -> Content:
+        """All that was read."""
+        if not self.instances:
+            for name, part in self.parts.items():  # parts that no assembly places stand where they are
+                part.copied(name, [], self.assembly)
+                self.instances.append(name)
+        for name, count in self.left.items():
+            self.notes.append(Problem("cells", f"{count} of type {name} are not read"))
+        for name, lines in self.said.items():
+            often = f" and {len(lines) - 1} more" if len(lines) > 1 else ""
+            self.notes.append(
+                Problem(f"line {lines[0]}{often}", f"*{name} is not read and joins nothing here")
+            )
+        return Flat(self.assembly, self.instances, self.notes).content(path, self.materials)
+
+
+def _extend(sets: Names[list[Key]], name: str, keys: Iterable[Key]) -> None:
+    """A set that is given again grows, as both programs have it."""
+    if name:
+        sets.set(name, [*(sets.get(name) or []), *keys])

@@ -1,0 +1,97 @@
+"""An Abaqus assembly, numbers by instance, as points and blocks that count from 0."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from flexarm.arrays import Ints
+from flexarm.errors import InvalidFile, Problem
+from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope
+from flexarm.solids.reading.content import Block, Content, Elastic
+
+
+class Flat:
+    """The assembly with indices instead of numbers: what `Content` holds."""
+
+    def __init__(self, scope: Scope, instances: list[str], notes: list[Problem]) -> None:
+        self.scope, self.notes = scope, notes
+        self.prefix = f"{instances[0]}." if len(instances) == 1 else ""
+        self.index = {key: i for i, key in enumerate(scope.nodes)}
+        self.place: dict[Key, tuple[int, int]] = {}
+
+    def content(self, path: Path, materials: Names[AbaqusMaterial]) -> Content:
+        """All of it; `path` names the file in errors."""
+        blocks = self._blocks()
+        found = Content(
+            points=np.array(list(self.scope.nodes.values()), float).reshape(-1, 3),
+            numbers=np.array([number for _, number in self.scope.nodes], int),
+            blocks=blocks,
+            notes=self.notes,
+        )
+        for name, keys in self.scope.cell_sets.items():
+            found.groups[self._short(name, found.groups)] = self._members(keys)
+        for name, keys in self.scope.node_sets.items():
+            found.point_sets[self._short(name, found.point_sets)] = self._points(name, keys)
+        for name, keys in self.scope.surfaces.items():
+            short = self._short(name, found.point_sets)
+            free = short if short not in found.point_sets else f"{short}-surface"
+            found.point_sets[free] = self._points(name, keys)
+        found.materials = self._materials(path, materials, found.groups)
+        return found
+
+    def _blocks(self) -> list[Block]:
+        rows: dict[tuple[str, int], list[tuple[Key, list[int]]]] = {}
+        for key, (kind, nodes) in self.scope.cells.items():
+            row = [self.index[node] for node in nodes]
+            rows.setdefault((kind, len(row)), []).append((key, row))
+        blocks: list[Block] = []
+        for (kind, _), cells in rows.items():
+            self.place.update({key: (len(blocks), i) for i, (key, _) in enumerate(cells)})
+            numbers = np.array([number for (_, number), _ in cells])
+            blocks.append(Block(kind, np.array([row for _, row in cells]), numbers))
+        return blocks
+
+    def _short(self, name: str, taken: Iterable[str]) -> str:
+        """Without the instance's name where there is but one instance."""
+        short = name.removeprefix(self.prefix)
+        return short if short not in taken else name
+
+    def _members(self, keys: list[Key]) -> dict[int, Ints]:
+        members: dict[int, list[int]] = {}
+        for block, i in (self.place[key] for key in keys if key in self.place):
+            members.setdefault(block, []).append(i)
+        return {block: np.unique(cells) for block, cells in members.items()}
+
+    def _points(self, name: str, keys: list[Key]) -> Ints:
+        there = [self.index[key] for key in keys if key in self.index]
+        if len(there) < len(keys):
+            number = next(number for key in keys if key not in self.index for number in key[1:])
+            self.notes.append(
+                Problem(
+                    f"set {name!r}",
+                    f"names {len(keys) - len(there)} nodes that do not exist, such as {number}",
+                )
+            )
+        return np.unique(np.array(there, int))
+
+    def _materials(
+        self, path: Path, materials: Names[AbaqusMaterial], groups: Mapping[str, object]
+    ) -> dict[str, Elastic]:
+        found = {}
+        for section in self.scope.sections:
+            material = materials.get(section.material)
+            if material is None:
+                raise InvalidFile(
+                    path, section.where, f"*SOLID SECTION: there is no *MATERIAL {section.material!r}"
+                )
+            name = section.cells.removeprefix(self.prefix)
+            group = next((g for g in groups if g.upper() in (name.upper(), section.cells.upper())), None)
+            if group is None:
+                raise InvalidFile(path, section.where, f"*SOLID SECTION: there is no element set {name!r}")
+            found[group] = Elastic(
+                material.youngs_modulus, material.poisson_ratio, material.density, material.where
+            )
+        return found

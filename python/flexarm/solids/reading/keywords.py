@@ -1,0 +1,116 @@
+"""Abaqus and CalculiX input as a sequence of keywords with their parameters and rows of data.
+
+    *KEYWORD, PARAMETER=VALUE, FLAG        a line that ends in a comma goes on in the next
+    value, value, ..                       rows of data, until the next keyword
+    ** comment
+
+Keywords, parameters and names of sets do not distinguish capitals. `*INCLUDE` is followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from flexarm.errors import InvalidFile
+
+_MOST_INCLUDES = 20
+
+
+@dataclass
+class Keyword:
+    """One keyword.
+
+    Attributes
+    ----------
+    name : str
+        Capitals, one blank between words.
+    parameters : dict
+        Name in capitals -> value, empty for a flag.
+    rows : list of (line, values)
+        Data, blanks and quotes stripped; a comma at the end of a row leaves an empty last value.
+    file, line : Path, int
+        Where it stands.
+    """
+
+    name: str
+    parameters: dict[str, str]
+    file: Path
+    line: int
+    rows: list[tuple[int, list[str]]] = field(default_factory=list)
+
+    def error(self, what: str, line: int | None = None) -> InvalidFile:
+        """An error at this keyword, or at a line of its data."""
+        return InvalidFile(self.file, f"line {line or self.line}, *{self.name}", what)
+
+    def needed(self, parameter: str) -> str:
+        """Value of a parameter that must be there."""
+        value = self.parameters.get(parameter, "")
+        if not value:
+            raise self.error(f"{parameter} is missing")
+        return value
+
+    def numbers(self, line: int, values: list[str]) -> list[int]:
+        """Whole numbers of a row; empty values are left out."""
+        try:
+            return [int(value) for value in values if value]
+        except ValueError:
+            raise self.error(f"must be whole numbers, got {', '.join(values)}", line) from None
+
+    def floats(self, line: int, values: list[str]) -> list[float]:
+        """Numbers of a row; empty values are zero, as both programs take them."""
+        try:
+            return [float(value.upper().replace("D", "E") or 0) for value in values]
+        except ValueError:
+            raise self.error(f"must be numbers, got {', '.join(values)}", line) from None
+
+
+def keywords(path: Path, depth: int = 0) -> Iterator[Keyword]:
+    """Every keyword of a file and of those it includes."""
+    current: Keyword | None = None
+    lines = iter(enumerate(_text(path).splitlines(), start=1))
+    for number, line in lines:
+        text = line.strip()
+        if not text or text.startswith("**"):
+            continue
+        if not text.startswith("*"):
+            if current is not None:
+                current.rows.append((number, [value.strip().strip('"') for value in text.split(",")]))
+            continue
+        if current is not None:
+            yield from _followed(current, depth)
+        while text.endswith(","):
+            text += next(lines, (0, ""))[1].strip()
+        current = _keyword(text, path, number)
+    if current is not None:
+        yield from _followed(current, depth)
+
+
+def _text(path: Path) -> str:
+    raw = path.read_bytes()
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def _keyword(text: str, path: Path, number: int) -> Keyword:
+    name, *rest = text[1:].split(",")
+    parameters = {}
+    for word in rest:
+        key, _, value = word.partition("=")
+        parameters[key.strip().upper()] = value.strip().strip('"')
+    return Keyword(" ".join(name.upper().split()), parameters, path, number)
+
+
+def _followed(keyword: Keyword, depth: int) -> Iterator[Keyword]:
+    if keyword.name != "INCLUDE":
+        yield keyword
+        return
+    path = keyword.file.parent / keyword.needed("INPUT")
+    if not path.is_file():
+        raise keyword.error(f"there is no file {path}")
+    if depth >= _MOST_INCLUDES:
+        raise keyword.error(f"files include one another more than {_MOST_INCLUDES} deep")
+    yield from keywords(path, depth + 1)
