@@ -1,0 +1,129 @@
+"""Nastran bulk data as a sequence of cards with their fields.
+
+A card is a name and fields: in columns of 8 (ten to a line), or of 8, 16, 16, 16, 16, 8 where the name ends
+in `*`, or separated by commas. It goes on in a line that begins with `+`, `*` or blanks.
+`$` begins a comment. `SET n = ..` of the case control, before `BEGIN BULK`, is a card too. `INCLUDE` is
+followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexarm.errors import InvalidFile
+
+_MOST_INCLUDES = 20
+
+
+@dataclass
+class Card:
+    """One card.
+
+    Attributes
+    ----------
+    name : str
+        Capitals, without `*` and `_` at its end.
+    fields : list of str
+        What follows the name, blanks stripped; an empty field is a default.
+    file, line : Path, int
+        Where it begins.
+    """
+
+    name: str
+    fields: list[str]
+    file: Path
+    line: int
+
+    def error(self, what: str) -> InvalidFile:
+        """An error at this card."""
+        return InvalidFile(self.file, f"line {self.line}, {self.name}", what)
+
+    def text(self, index: int) -> str:
+        """A field, empty if the card ends before."""
+        return self.fields[index] if index < len(self.fields) else ""
+
+    def integer(self, index: int, otherwise: int | None = None) -> int:
+        """A whole number; `otherwise` for an empty field."""
+        text = self.text(index)
+        if not text and otherwise is not None:
+            return otherwise
+        try:
+            return int(text)
+        except ValueError:
+            raise self.error(f"field {index + 2} must be a whole number, got {text!r}") from None
+
+    def number(self, index: int) -> float:
+        """A real number, 0 for an empty field; `7.-3` is 0.007."""
+        text = self.text(index).upper().replace("D", "E")
+        if not text:
+            return 0.0
+        sign = max(text.rfind("+"), text.rfind("-"))
+        if sign > 0 and text[sign - 1] != "E":
+            text = f"{text[:sign]}E{text[sign:]}"
+        try:
+            return float(text)
+        except ValueError:
+            raise self.error(f"field {index + 2} must be a number, got {self.text(index)!r}") from None
+
+
+def cards(path: Path, depth: int = 0) -> Iterator[Card]:
+    """Every card of a file and of those it includes."""
+    lines = list(enumerate(path.read_bytes().decode("latin-1").expandtabs(8).splitlines(), start=1))
+    begin = next(
+        (i for i, (_, text) in enumerate(lines) if text.strip().upper().startswith("BEGIN BULK")), -1
+    )
+    yield from _case_sets(lines[: max(begin, 0)], path)
+    current: Card | None = None
+    for number, line in lines[begin + 1 :]:
+        text = line.split("$")[0].rstrip()
+        if not text.strip():
+            continue
+        if text.upper().startswith("ENDDATA"):
+            break
+        if text.upper().startswith("INCLUDE"):
+            yield from _included(text, path, number, depth)
+            continue
+        name, fields = _split(text)
+        if current is not None and (not name or name[0] in "+*"):
+            current.fields += fields
+            continue
+        if current is not None:
+            yield current
+        current = Card(name.upper().rstrip("*_"), fields, path, number)  # meshio writes CHEXA_ for 20 nodes
+    if current is not None:
+        yield current
+
+
+def _split(line: str) -> tuple[str, list[str]]:
+    """Name and fields of one line, without the field that only announces a continuation."""
+    if "," in line:
+        name, *fields = (field.strip() for field in line.split(","))
+        width = 4 if name.endswith("*") or name.startswith("*") else 8
+    else:
+        name = line[:8].strip()
+        wide = name.endswith("*") or name.startswith("*")
+        width, step = (4, 16) if wide else (8, 8)
+        fields = [line[i : i + step].strip() for i in range(8, min(len(line), 72), step)]
+    return name, (fields + [""] * width)[:width]
+
+
+def _case_sets(lines: list[tuple[int, str]], path: Path) -> Iterator[Card]:
+    """`SET n = 1, 2, 5 THRU 9`, which goes on while a line ends in a comma."""
+    rest = iter(lines)
+    for number, line in rest:
+        words = line.split("$")[0].replace("=", " = ").split()
+        if len(words) > 3 and words[0].upper() == "SET" and words[2] == "=":
+            text = " ".join(words[3:])
+            while text.endswith(","):
+                text += next(rest, (0, ""))[1].split("$")[0].strip() or " "
+            yield Card("SET", [words[1], *text.replace(",", " ").split()], path, number)
+
+
+def _included(line: str, path: Path, number: int, depth: int) -> Iterator[Card]:
+    name = line[7:].strip().strip("'\"")
+    file = path.parent / name
+    if not file.is_file() or depth >= _MOST_INCLUDES:
+        raise InvalidFile(path, f"line {number}, INCLUDE", f"there is no file {file}")
+    yield from cards(file, depth + 1)

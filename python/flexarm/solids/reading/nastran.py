@@ -1,0 +1,201 @@
+"""Nastran bulk data (.bdf, .nas, .fem, .dat).
+
+Read are GRID, CTETRA, CHEXA, PSOLID with MAT1, and what names grids: SPC, SPC1, RBE2, RBE3, SET1, ASET1, and
+SET of the case control. The cells of a property are a group `psolid-1`; sets of points are `spc-1`, `rbe2-7`
+(its dependent grids), `rbe3-7` (the grids it averages), `set-3`, `aset`, `shell-4` (the grids of a shell's
+property). Grids in coordinate systems other than the basic one need CORD2R, CORD2C or CORD2S.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from flexarm.errors import Problem
+from flexarm.solids.reading.cards import Card, cards
+from flexarm.solids.reading.content import Block, Content, Elastic
+from flexarm.solids.reading.nastran_frames import Frame, basic, frame_of
+
+_SOLIDS = {"CTETRA": (4, 10, "tetra"), "CHEXA": (8, 20, "hexahedron")}
+_OTHER_SOLIDS = {"CPENTA": "wedge", "CPYRAM": "pyramid", "CPYRA": "pyramid"}
+_SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 6, "CQUAD4": 4, "CQUADR": 4, "CQUAD8": 8}
+#: Nastran's order of a hexahedron's middle nodes: bottom, upright, top; VTK's: bottom, top, upright.
+_CHEXA = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
+
+
+def content(path: Path) -> Content:
+    """What a bulk data file holds."""
+    reader = _Reader()
+    for card in cards(path):
+        reader.take(card)
+    return reader.finished(path)
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.grids: dict[int, Card] = {}
+        self.frames: dict[int, Frame] = {}
+        self.cells: dict[str, list[tuple[int, int, list[int], Card]]] = {}
+        self.properties: dict[int, Card] = {}
+        self.materials: dict[int, Card] = {}
+        self.sets: dict[str, list[int]] = {}
+        self.left: dict[str, int] = {}
+        self.steps: Mapping[str, Callable[[Card], None]] = {
+            "GRID": self._grid,
+            "PSOLID": self._property,
+            "MAT1": self._material,
+            "SPC": self._spc,
+            "SPC1": self._spc1,
+            "ASET1": self._aset1,
+            "RBE2": self._rbe2,
+            "RBE3": self._rbe3,
+            "SET1": self._set,
+            "SET": self._set,
+        }
+
+    def take(self, card: Card) -> None:
+        """Read one card."""
+        if card.name in _SOLIDS:
+            self._solid(card)
+        elif card.name in _SHELLS:
+            count = _SHELLS[card.name]
+            nodes = [int(text) for text in card.fields[2 : 2 + count] if text.isdigit()]
+            self._extend(f"shell-{card.integer(1, card.integer(0))}", nodes)
+        elif card.name in _OTHER_SOLIDS:
+            row = (card.integer(0), 0, [card.integer(2)], card)
+            self.cells.setdefault(_OTHER_SOLIDS[card.name], []).append(row)
+        elif card.name.startswith("CORD"):
+            frame_of(card, self.frames)
+        elif card.name in self.steps:
+            self.steps[card.name](card)
+        elif card.name.startswith(("C", "RB", "MPC")) and card.text(0).isdigit():
+            self.left[card.name] = self.left.get(card.name, 0) + 1
+
+    def _grid(self, card: Card) -> None:
+        self.grids[card.integer(0)] = card
+
+    def _solid(self, card: Card) -> None:
+        few, many, kind = _SOLIDS[card.name]
+        texts = [text for text in card.fields[2:] if not text.startswith("+")]
+        nodes = [int(text) for text in texts if text.isdigit()]
+        if len(nodes) not in (few, many) or len([t for t in texts[: len(nodes)] if t]) != len(nodes):
+            raise card.error(
+                f"cell {card.integer(0)} has {len(nodes)} nodes; allowed are {few}, or {many} without gaps"
+            )
+        if len(nodes) == 20:
+            nodes = [nodes[i] for i in _CHEXA]
+        kind = kind if len(nodes) == few else f"{kind}{many}"
+        self.cells.setdefault(kind, []).append(
+            (card.integer(0), card.integer(1, card.integer(0)), nodes, card)
+        )
+
+    def _property(self, card: Card) -> None:
+        self.properties[card.integer(0)] = card
+
+    def _material(self, card: Card) -> None:
+        self.materials[card.integer(0)] = card
+
+    def _spc(self, card: Card) -> None:
+        """Set, then grid, components, displacement, twice."""
+        grids = [card.integer(i) for i in (1, 4) if card.text(i)]
+        self._extend(f"spc-{card.integer(0)}", grids)
+
+    def _spc1(self, card: Card) -> None:
+        self._extend(f"spc-{card.integer(0)}", _range(card, 2))
+
+    def _aset1(self, card: Card) -> None:
+        self._extend("aset", _range(card, 1))
+
+    def _rbe2(self, card: Card) -> None:
+        """Number, independent grid, components, dependent grids, [thermal expansion]."""
+        self._extend(f"rbe2-{card.integer(0)}", _range(card, 3))
+
+    def _rbe3(self, card: Card) -> None:
+        """Number, blank, reference grid, components, then weight, components, grids, again and again."""
+        grids, i = [], 4
+        while i < len(card.fields) and card.text(i).upper() not in ("UM", "ALPHA"):
+            if "." in card.text(i):
+                i += 2  # a weight and the components it is for
+                continue
+            grids += [int(card.text(i))] if card.text(i).isdigit() else []
+            i += 1
+        self._extend(f"rbe3-{card.integer(0)}", grids)
+
+    def _set(self, card: Card) -> None:
+        self._extend(f"set-{card.text(0)}", _range(card, 1))
+
+    def _extend(self, name: str, grids: Iterable[int]) -> None:
+        self.sets.setdefault(name, []).extend(grids)
+
+    def finished(self, path: Path) -> Content:
+        """All that was read."""
+        index = {number: i for i, number in enumerate(self.grids)}
+        points = [basic(card, self.frames) for card in self.grids.values()]
+        found = Content(
+            points=np.array(points, float).reshape(-1, 3),
+            numbers=np.array(list(self.grids), int),
+            blocks=[self._block(kind, rows, index) for kind, rows in self.cells.items()],
+        )
+        for i, rows in enumerate(self.cells.values()):
+            owners = np.array([owner for _, owner, _, _ in rows])
+            for owner in np.unique(owners):
+                found.groups.setdefault(f"psolid-{owner}", {})[i] = np.flatnonzero(owners == owner)
+        for name, grids in self.sets.items():
+            there = np.array([index[grid] for grid in grids if grid in index], int)
+            if len(there):  # a set of the case control may also number cells
+                found.point_sets[name] = np.unique(there)
+        found.materials = self._elastic()
+        found.notes = [Problem("cells", f"{n} cards {name} are not read") for name, n in self.left.items()]
+        return found
+
+    def _block(
+        self, kind: str, rows: list[tuple[int, int, list[int], Card]], index: Mapping[int, int]
+    ) -> Block:
+        for _, _, grids, card in rows:
+            missing = [grid for grid in grids if grid not in index]
+            if missing:
+                raise card.error(f"names grid {missing[0]}, which is not in the file")
+        nodes = np.array([[index[grid] for grid in grids] for _, _, grids, _ in rows])
+        return Block(kind, nodes, np.array([number for number, _, _, _ in rows]))
+
+    def _elastic(self) -> dict[str, Elastic]:
+        found = {}
+        for number, card in self.properties.items():
+            material = self.materials.get(card.integer(1, 0))
+            if material is None:
+                self.left["PSOLID without MAT1"] = self.left.get("PSOLID without MAT1", 0) + 1
+                continue
+            found[f"psolid-{number}"] = _mat1(material)
+        return found
+
+
+def _mat1(card: Card) -> Elastic:
+    """Number, E, G, nu, rho; of E, G, nu one may be left out: E = 2 G (1 + nu)."""
+    modulus, shear, ratio = (card.number(i) if card.text(i) else None for i in (1, 2, 3))
+    if modulus is None and shear is not None and ratio is not None:
+        modulus = 2 * shear * (1 + ratio)
+    if ratio is None and modulus is not None and shear:
+        ratio = modulus / (2 * shear) - 1
+    density = card.number(4) if card.text(4) else None
+    return Elastic(modulus, ratio, density, f"line {card.line}, MAT1 {card.text(0)}")
+
+
+def _range(card: Card, first: int) -> list[int]:
+    """Grids from a field on: numbers, and `a THRU b` [`BY` step]."""
+    texts = [text.upper() for text in card.fields[first:] if text and not text.startswith("+")]
+    found: list[int] = []
+    i = 0
+    while i < len(texts):
+        if texts[i] == "THRU" and found and i + 1 < len(texts) and texts[i + 1].isdigit():
+            step = int(texts[i + 3]) if texts[i + 2 : i + 3] == ["BY"] else 1
+            found += range(found[-1] + step, int(texts[i + 1]) + 1, step)
+            i += 4 if step > 1 else 2
+            continue
+        if texts[i].isdigit():
+            found.append(int(texts[i]))
+        elif texts[i] not in ("ALL", "EXCEPT") and "." not in texts[i]:
+            raise card.error(f"must be grids or THRU, got {texts[i]!r}")
+        i += 1
+    return found
