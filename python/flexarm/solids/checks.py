@@ -42,10 +42,8 @@ def problems(mesh: SolidMesh) -> Iterator[Problem]:
     yield from repeated
     if not repeated:
         yield from _inverted(mesh)
-    double = list(_duplicates(mesh))
-    yield from double
-    if not double:  # points written twice are why pieces are loose
-        yield from _loose(mesh)
+    yield from _duplicates(mesh)
+    yield from _loose(mesh)
     yield from _unused(mesh)
     yield from material_problems(mesh)
 

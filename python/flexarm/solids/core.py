@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm import _core as _typed_core
+from flexarm import _core
 from flexarm.arm.link import Material
 from flexarm.arrays import Floats, Ints
 
@@ -15,10 +15,7 @@ if TYPE_CHECKING:
     from flexarm.solids.mesh import SolidMesh
 
 
-_core: Any = _typed_core
-
-
-def core_mesh(mesh: SolidMesh, materials: Sequence[Material], indices: Mapping[str, Ints]) -> Any:
+def core_mesh(mesh: SolidMesh, materials: Sequence[Material], indices: Mapping[str, Ints]) -> _core.SolidMesh:
     """Points, blocks of cells with the index of each cell's material, materials."""
     blocks = [
         _core.CellBlock(getattr(_core.CellType, kind), nodes, indices[kind])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from flexarm.solids.cell_types import CELL_TYPES
 from flexarm.solids.names import known_names
 
 CellGroup = Mapping[str, Ints]
+
+if TYPE_CHECKING:
+    from flexarm import _core
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +169,7 @@ class SolidMesh:
 
         return material_indices(self)
 
-    def core(self) -> Any:
+    def core(self) -> _core.SolidMesh:
         """The mesh as the solver takes it."""
         from flexarm.solids.core import core_mesh
 
