@@ -137,6 +137,14 @@ def test_a_missing_set_lists_those_there_are():
         mesh.with_point_set("none", []).point_set("none")
 
 
+def test_points_in_a_box_are_those_within_its_sides():
+    """The upper half of a ring: its top, and nothing of its bottom."""
+    mesh, inf = _ring(), np.inf
+    assert list(mesh.points_in_box([-inf, -inf, 0.09], [inf, inf, inf])) == list(mesh.point_sets["top"])
+    corner = mesh.points_in_box([0.19, -0.01, -0.01], [0.21, 0.01, 0.01])
+    assert mesh.points[corner] == pytest.approx(np.array([[0.2, 0.0, 0.0]]))
+
+
 def test_cells_without_material_are_counted_by_group():
     blocks = [Block("a", 0.1, 0.2, 0, 0.1, STEEL), Block("b", 0.1, 0.2, 0.1, 0.2)]
     mesh = revolved(blocks, size=0.1, around=8, order=1)

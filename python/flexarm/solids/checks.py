@@ -27,6 +27,12 @@ COINCIDENT = 1e-3
 #: Below this part of an ideal cell's, det J counts as zero: the cell is flat.
 FLAT = 1e-6
 _SHOWN = 10
+#: Where cells with middle nodes are inverted, a curved surface is often why.
+_CURVED = dict.fromkeys(
+    ("tet10", "hex20"),
+    "; if their middle nodes follow a curved surface, let the mesher optimise them (Gmsh: "
+    "Mesh.HighOrderOptimize = 2), keep them straight (Mesh.SecondOrderLinear = 1) or mesh finer",
+)
 
 
 def problems(mesh: SolidMesh) -> Iterator[Problem]:

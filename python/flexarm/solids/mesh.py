@@ -211,6 +211,18 @@ class SolidMesh:
         """The same mesh with one more set of points."""
         return replace(self, point_sets={**self.point_sets, name: np.asarray(points)})
 
+    def points_in_box(self, lower: ArrayLike, upper: ArrayLike) -> Ints:
+        """Indices of the points with lower <= (x, y, z) <= upper [m]; `-inf` and `inf` leave a side open.
+
+        >>> from flexarm.solids import ring
+        >>> inf = float("inf")
+        >>> part = ring(0.1, 0.2, 0.1, size=0.1)
+        >>> part = part.with_point_set("foot", part.points_in_box([-inf, -inf, 0], [inf, inf, 1e-6]))
+        """
+        inside = (self.points >= np.asarray(lower)) & (self.points <= np.asarray(upper))
+        found: Ints = np.flatnonzero(inside.all(axis=1))
+        return found
+
     def merged(self, tolerance: float) -> SolidMesh:
         """The same mesh with points closer than `tolerance` [m] made one."""
         from flexarm.solids.joining import merge_points
