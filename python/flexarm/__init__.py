@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from flexarm.configuration import config, show_config
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
-    from flexarm.measurement import measure
+    from flexarm.measurement.measure import measure
     from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
     from flexarm.simulation import Simulation, simulate
