@@ -142,3 +142,17 @@ def test_a_sliding_mimic_joint_without_an_axis_is_refused(folder):
     (folder / "crane.urdf").write_text(URDF.replace(slide, slide.replace("0 0 1", "0 0 0")))
     with pytest.raises(InvalidFile, match=r"joints\.reach\.axis"):
         flexarm.Arm.from_toml(folder / "crane.urdf")
+
+
+def test_two_entries_that_replace_the_same_one_are_refused(folder):
+    twice = '[[links]]\nname = "mast"\ntype = "rigid"\nmass = 1.0\n'
+    model = folder / "crane.toml"
+    model.write_text(model.read_text() + twice + twice)
+    with pytest.raises(InvalidFile, match="'mast' is used twice"):
+        flexarm.Arm.from_toml(model)
+
+
+def test_an_arm_made_in_python_has_no_urdf_to_read(folder):
+    arm = flexarm.Arm.from_toml(folder / "crane.toml")
+    with pytest.raises(flexarm.InvalidParameter, match=r"urdf: is read by Arm\.from_toml"):
+        arm.replace(urdf="crane.urdf")

@@ -82,6 +82,8 @@ class Arm(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         found = inconsistencies(self)
+        if self.urdf is not None:
+            found = [(("urdf",), "is read by Arm.from_toml and Arm.from_dict; an Arm made here has none")]
         if not self.joints:
             found = [(("joints",), "is missing; a model needs at least one joint and one link"), *found]
         found += [] if found else uncertainty_problems(self)

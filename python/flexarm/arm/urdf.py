@@ -52,8 +52,14 @@ def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         for entry in entries:
             other = named.pop(entry["name"], None)
             joined.append({**entry, **other} if kind == "joints" and other else other or entry)
-        merged[kind] = joined + [entry for entry in own if entry["name"] in named]
+        merged[kind] = joined + [entry for entry in own if entry["name"] in named] + _doubles(own)
     return {key: value for key, value in merged.items() if key in _NOT_TABLES or value}
+
+
+def _doubles(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Entries whose name stands before them already: kept, for the check of the model to refuse."""
+    names = [entry["name"] for entry in entries]
+    return [entry for i, entry in enumerate(entries) if entry["name"] in names[:i]]
 
 
 def _is_named(entry: Any) -> bool:
