@@ -40,7 +40,10 @@ def no_body(element: SuperElement, tolerance: float) -> Iterator[Problem]:
         return
     motions = rigid_motions(element.positions, element.n_modes, element.positions.mean(axis=0))
     block = motions.T @ element.mass @ motions
-    allowed = 10 * tolerance * (np.abs(motions).T @ np.abs(element.mass) @ np.abs(motions))
+    inertia = np.sqrt(np.abs(np.diag(block)))
+    # A symmetric part has nothing but rounding where freedoms do not couple: its size is that of the inertia.
+    summed = np.abs(motions).T @ np.abs(element.mass) @ np.abs(motions) + np.outer(inertia, inertia)
+    allowed = 10 * tolerance * summed
     translation, coupling = block[:3, :3], block[:3, 3:]
     apart = np.abs(translation - total * np.eye(3)) > allowed[:3, :3]
     if np.diag(apart).any():
