@@ -5,6 +5,8 @@
 #include "bindings.hpp"
 #include "flexarm/solids/assemble.hpp"
 #include "flexarm/solids/cell.hpp"
+#include "flexarm/solids/mass_properties.hpp"
+#include "flexarm/solids/stress.hpp"
 
 namespace py = pybind11;
 using namespace flexarm::solids;
@@ -44,4 +46,21 @@ void bind_solids(py::module_& m) {
         py::arg("mesh"), py::call_guard<py::gil_scoped_release>());
   m.def("assemble_solids", &assemble_pair, "Stiffness and mass, lower triangles; freedom 3 point + axis.",
         py::arg("mesh"), py::arg("lumped") = false, py::arg("threads") = 0);
+  m.def(
+      "mass_properties",
+      [](const SolidMesh& mesh) {
+        const MassProperties p = mass_properties(mesh);
+        return std::make_tuple(p.mass, p.first_moment, p.inertia);
+      },
+      "Mass, first moment and inertia about the origin.", py::arg("mesh"),
+      py::call_guard<py::gil_scoped_release>());
+  m.def("stresses", &stresses, "Stresses of the points: xx, yy, zz, xy, yz, zx.", py::arg("mesh"),
+        py::arg("displacements"), py::call_guard<py::gil_scoped_release>());
+  m.def(
+      "von_mises",
+      [](const SolidMesh& mesh, const Points& displacements) {
+        return von_mises(stresses(mesh, displacements));
+      },
+      "Von Mises stress of the points.", py::arg("mesh"), py::arg("displacements"),
+      py::call_guard<py::gil_scoped_release>());
 }

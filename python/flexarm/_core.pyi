@@ -56,6 +56,7 @@ __all__: list[str] = [
     "joint_angles",
     "joint_torque",
     "log6",
+    "mass_properties",
     "modes",
     "motor_torques",
     "rectangle_section",
@@ -65,7 +66,9 @@ __all__: list[str] = [
     "simulate",
     "smallest_jacobians",
     "static_equilibrium",
+    "stresses",
     "tube_section",
+    "von_mises",
 ]
 
 class BuildInfo:
@@ -697,6 +700,17 @@ def log6(H: Frame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6,
     Logarithm of SE(3).
     """
 
+def mass_properties(
+    mesh: SolidMesh,
+) -> tuple[
+    float,
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"],
+]:
+    """
+    Mass, first moment and inertia about the origin.
+    """
+
 def modes(
     system: System, equilibrium: Equilibrium, count: typing.SupportsInt | typing.SupportsIndex
 ) -> Modes:
@@ -762,10 +776,24 @@ def static_equilibrium(
     Equilibrium of the loaded arm, drives held.
     """
 
+def stresses(
+    mesh: SolidMesh, displacements: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 6]"]:
+    """
+    Stresses of the points: xx, yy, zz, xy, yz, zx.
+    """
+
 def tube_section(
     outer_diameter: typing.SupportsFloat | typing.SupportsIndex,
     thickness: typing.SupportsFloat | typing.SupportsIndex,
 ) -> Section:
     """
     Section of a tube.
+    """
+
+def von_mises(
+    mesh: SolidMesh, displacements: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    Von Mises stress of the points.
     """

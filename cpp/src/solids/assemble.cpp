@@ -124,18 +124,12 @@ struct CellMatrices {
 
 template <class Cell>
 CellMatrices<Cell> cell_matrices(const SolidMesh& mesh, std::size_t block, Index cell, bool lump) {
-  const CellBlock& cells = mesh.blocks()[block];
-  const SolidMaterial& material = mesh.materials()[static_cast<std::size_t>(cells.material[cell])];
-  const auto X = node_positions<Cell>(mesh.points(), cells.nodes.row(cell).data());
-  try {
-    CellMatrices<Cell> matrices{stiffness<Cell>(X, Lame(material)), mass<Cell>(X, material.density)};
-    if (lump) matrices.m = lumped<Cell>(matrices.m).asDiagonal();
-    return matrices;
-  } catch (const BadShape&) {
-    throw InvalidParameter(cell_name(mesh, block, cell) +
-                           " is inverted or flat: its scaled Jacobian must be positive, got " +
-                           std::to_string(smallest_jacobian<Cell>(X)));
-  }
+  return with_positions<Cell>(
+      mesh, block, cell, [&](const NodePositions<Cell>& X, const SolidMaterial& material) {
+        CellMatrices<Cell> matrices{stiffness<Cell>(X, Lame(material)), mass<Cell>(X, material.density)};
+        if (lump) matrices.m = lumped<Cell>(matrices.m).asDiagonal();
+        return matrices;
+      });
 }
 
 /// Batches of about 8 MB of cell matrices: computed by all threads, then added by all threads.

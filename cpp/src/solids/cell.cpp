@@ -1,5 +1,10 @@
 #include "flexarm/solids/cell.hpp"
 
+#include <sstream>
+
+#include "flexarm/errors.hpp"
+#include "flexarm/solids/cell_matrices.hpp"
+
 namespace flexarm::solids {
 
 std::vector<Eigen::VectorXd> smallest_jacobians(const SolidMesh& mesh) {
@@ -12,6 +17,13 @@ std::vector<Eigen::VectorXd> smallest_jacobians(const SolidMesh& mesh) {
     });
   }
   return smallest;
+}
+
+void refuse_shape(const SolidMesh& mesh, std::size_t block, Eigen::Index cell, double scaled_jacobian) {
+  std::ostringstream message;
+  message << cell_name(mesh, block, cell)
+          << " is inverted or flat: its scaled Jacobian must be positive, got " << scaled_jacobian;
+  throw InvalidParameter(message.str());
 }
 
 }  // namespace flexarm::solids

@@ -14,7 +14,7 @@ constexpr double nodes[20][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, 
                                  {0, -1, 1},   {1, 0, 1},   {0, 1, 1},  {-1, 0, 1},   // top
                                  {-1, -1, 0},  {1, -1, 0},  {1, 1, 0},  {-1, 1, 0}};  // between
 
-Vector3d node(int a) { return {nodes[a][0], nodes[a][1], nodes[a][2]}; }
+Vector3d place(int a) { return {nodes[a][0], nodes[a][1], nodes[a][2]}; }
 
 int middle_axis(int a) {
   for (int axis = 0; axis < 3; ++axis)
@@ -29,16 +29,18 @@ Vector3d product_gradient(const Vector3d& f, const Vector3d& df) {
 
 }  // namespace
 
+Vector3d Hex8::node(int a) { return place(a); }
+
 Hex8::Values Hex8::values(const Vector3d& xi) {
   Values N;
-  for (int a = 0; a < n_nodes; ++a) N[a] = (1 + xi.array() * node(a).array()).prod() / 8;  // eq. (1)
+  for (int a = 0; a < n_nodes; ++a) N[a] = (1 + xi.array() * place(a).array()).prod() / 8;  // eq. (1)
   return N;
 }
 
 Hex8::Gradients Hex8::gradients(const Vector3d& xi) {
   Gradients g;
   for (int a = 0; a < n_nodes; ++a)
-    g.col(a) = product_gradient(1 + xi.array() * node(a).array(), node(a)) / 8;
+    g.col(a) = product_gradient(1 + xi.array() * place(a).array(), place(a)) / 8;
   return g;
 }
 
@@ -47,16 +49,18 @@ double Hex8::scaled_jacobian(const Eigen::Matrix3d& J) {
   return largest > 0 ? J.determinant() / largest : 0;
 }
 
+Vector3d Hex20::node(int a) { return place(a); }
+
 Hex20::Values Hex20::values(const Vector3d& xi) {
   Values N;
   for (int a = 0; a < n_nodes; ++a) {
-    Vector3d f = 1 + xi.array() * node(a).array();
+    Vector3d f = 1 + xi.array() * place(a).array();
     const int axis = middle_axis(a);
     if (axis >= 0) {
       f[axis] = 1 - xi[axis] * xi[axis];
       N[a] = f.prod() / 4;  // eq. (2)
     } else {
-      N[a] = f.prod() * (xi.dot(node(a)) - 2) / 8;  // eq. (2)
+      N[a] = f.prod() * (xi.dot(place(a)) - 2) / 8;  // eq. (2)
     }
   }
   return N;
@@ -65,14 +69,14 @@ Hex20::Values Hex20::values(const Vector3d& xi) {
 Hex20::Gradients Hex20::gradients(const Vector3d& xi) {
   Gradients g;
   for (int a = 0; a < n_nodes; ++a) {
-    Vector3d f = 1 + xi.array() * node(a).array(), df = node(a);
+    Vector3d f = 1 + xi.array() * place(a).array(), df = place(a);
     const int axis = middle_axis(a);
     if (axis >= 0) {
       f[axis] = 1 - xi[axis] * xi[axis];
       df[axis] = -2 * xi[axis];
       g.col(a) = product_gradient(f, df) / 4;
     } else {
-      g.col(a) = (product_gradient(f, df) * (xi.dot(node(a)) - 2) + f.prod() * node(a)) / 8;
+      g.col(a) = (product_gradient(f, df) * (xi.dot(place(a)) - 2) + f.prod() * place(a)) / 8;
     }
   }
   return g;

@@ -14,6 +14,11 @@ Eigen::Vector4d barycentric(const Eigen::Vector3d& xi) { return {1 - xi.sum(), x
 
 }  // namespace
 
+Eigen::Vector3d Tet4::node(int a) {
+  if (a == 0) return Eigen::Vector3d::Zero();
+  return Eigen::Vector3d::Unit(a - 1);
+}
+
 Tet4::Values Tet4::values(const Eigen::Vector3d& xi) { return barycentric(xi); }  // eq. (1)
 
 Tet4::Gradients Tet4::gradients(const Eigen::Vector3d&) {
@@ -31,6 +36,11 @@ double Tet4::scaled_jacobian(const Eigen::Matrix3d& J) {
                ca = (J.col(0) - J.col(2)).norm();
   const double largest = std::max({a * b * c, a * ab * ca, b * ab * bc, c * bc * ca});
   return largest > 0 ? std::sqrt(2.0) * J.determinant() / largest : 0;
+}
+
+Eigen::Vector3d Tet10::node(int a) {
+  if (a < 4) return Tet4::node(a);
+  return (Tet4::node(edges[a - 4][0]) + Tet4::node(edges[a - 4][1])) / 2;
 }
 
 Tet10::Values Tet10::values(const Eigen::Vector3d& xi) {

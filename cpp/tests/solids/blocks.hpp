@@ -2,7 +2,9 @@
 /// Meshes of mapped boxes, of any type of cell, and static solutions on them.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
+#include <array>
 #include <functional>
 #include <map>
 

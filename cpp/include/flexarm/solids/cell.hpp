@@ -41,32 +41,37 @@ NodePositions<Cell> node_positions(const Points& points, const int* nodes) {
   return X;
 }
 
-/// N_a and ∂N_a/∂ξ of one cell at the points of one rule.
+/// N_a and ∂N_a/∂ξ of one type of cell at the points of one rule.
 template <class Cell, int n>
 struct ShapeTable {
-  explicit ShapeTable(const Quadrature<n>& rule) : weights(rule.weights) {
+  explicit ShapeTable(const Quadrature<n>& of) : rule(of) {
     for (int p = 0; p < n; ++p) {
       values.col(p) = Cell::values(rule.points.col(p));
       gradients[p] = Cell::gradients(rule.points.col(p));
     }
   }
 
-  Eigen::Matrix<double, n, 1> weights;
+  Quadrature<n> rule;
   Eigen::Matrix<double, Cell::n_nodes, n> values;
   typename Cell::Gradients gradients[n];
 };
 
 template <class Cell>
 const auto& stiffness_table() {
-  static const ShapeTable<Cell, std::remove_reference_t<decltype(Cell::stiffness_rule())>::size> table(
+  static const ShapeTable<Cell, std::decay_t<decltype(Cell::stiffness_rule())>::size> table(
       Cell::stiffness_rule());
   return table;
 }
 
 template <class Cell>
 const auto& mass_table() {
-  static const ShapeTable<Cell, std::remove_reference_t<decltype(Cell::mass_rule())>::size> table(
-      Cell::mass_rule());
+  static const ShapeTable<Cell, std::decay_t<decltype(Cell::mass_rule())>::size> table(Cell::mass_rule());
+  return table;
+}
+
+template <class Cell>
+const auto& stress_table() {
+  static const ShapeTable<Cell, std::decay_t<decltype(Cell::stress_rule())>::size> table(Cell::stress_rule());
   return table;
 }
 

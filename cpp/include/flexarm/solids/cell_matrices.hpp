@@ -35,6 +35,10 @@
 
 namespace flexarm::solids {
 
+/// @throws InvalidParameter: the cell is inverted or flat.
+[[noreturn]] void refuse_shape(const SolidMesh& mesh, std::size_t block, Eigen::Index cell,
+                               double scaled_jacobian);
+
 /// Lamé's constants [Pa].
 struct Lame {
   explicit Lame(const SolidMaterial& m)
@@ -55,56 +59,65 @@ double smallest_determinant(const NodePositions<Cell>& X) {
   return flat_cell * std::pow(X.colwise().norm().maxCoeff(), 3);
 }
 
-/// Gradients g_a at the points of the stiffness rule, incompatible modes behind the nodes, and volumes w_p
-/// det J_p.
-template <class Cell>
-struct StrainPoints {
-  static constexpr int n_points = std::remove_reference_t<decltype(Cell::stiffness_rule())>::size;
-  static constexpr int n_functions = Cell::n_nodes + Cell::n_modes;
-  Eigen::Matrix<double, 3, n_functions> gradients[n_points];
-  Eigen::Matrix<double, n_points, 1> volumes;
-};
-
-/// @throws BadShape
-template <class Cell>
-StrainPoints<Cell> strain_points(const NodePositions<Cell>& X) {
-  StrainPoints<Cell> points;
-  const auto& table = stiffness_table<Cell>();
-  const double smallest = smallest_determinant<Cell>(X);
-  for (int p = 0; p < points.n_points; ++p) {
-    const Eigen::Matrix3d J = jacobian<Cell>(X, table.gradients[p]);
-    const double det = J.determinant();
-    if (!(det > smallest)) throw BadShape{};
-    points.volumes[p] = table.weights[p] * det;
-    points.gradients[p].template leftCols<Cell::n_nodes>() =
-        J.inverse().transpose().lazyProduct(table.gradients[p]);
+/// Calls work(X, material) with the positions of a cell's nodes and its material.
+/// @throws InvalidParameter that names the cell if its shape is bad.
+template <class Cell, class Work>
+auto with_positions(const SolidMesh& mesh, std::size_t block, Eigen::Index cell, Work&& work) {
+  const CellBlock& cells = mesh.blocks()[block];
+  const auto X = node_positions<Cell>(mesh.points(), cells.nodes.row(cell).data());
+  try {
+    return work(X, mesh.materials()[static_cast<std::size_t>(cells.material[cell])]);
+  } catch (const BadShape&) {
+    refuse_shape(mesh, block, cell, smallest_jacobian<Cell>(X));
   }
-  if constexpr (Cell::n_modes > 0) add_modes<Cell>(X, points);
-  return points;
 }
 
+/// Gradients g_a at n points, incompatible modes behind the nodes, and volumes w_p det J_p.
+template <class Cell, int n>
+struct StrainPoints {
+  static constexpr int n_functions = Cell::n_nodes + Cell::n_modes;
+  Eigen::Matrix<double, 3, n_functions> gradients[n];
+  Eigen::Matrix<double, n, 1> volumes;
+};
+
 /// Equation (3).
-template <class Cell>
-void add_modes(const NodePositions<Cell>& X, StrainPoints<Cell>& points) {
+template <class Cell, int n>
+void add_modes(const NodePositions<Cell>& X, const Quadrature<n>& rule, StrainPoints<Cell, n>& points) {
   const Eigen::Matrix3d J0 = jacobian<Cell>(X, Cell::gradients(Eigen::Vector3d::Zero()));
   const double det0 = J0.determinant();
   if (!(det0 > smallest_determinant<Cell>(X))) throw BadShape{};
   const Eigen::Matrix3d inverse0 = det0 * J0.inverse().transpose();
-  const auto& rule = Cell::stiffness_rule();
-  for (int p = 0; p < points.n_points; ++p)
+  for (int p = 0; p < n; ++p)
     points.gradients[p].template rightCols<Cell::n_modes>() =
         inverse0 * Cell::mode_gradients(rule.points.col(p)) * (rule.weights[p] / points.volumes[p]);
+}
+
+/// @throws BadShape
+template <class Cell, int n>
+StrainPoints<Cell, n> strain_points(const NodePositions<Cell>& X, const ShapeTable<Cell, n>& table) {
+  StrainPoints<Cell, n> points;
+  const double smallest = smallest_determinant<Cell>(X);
+  for (int p = 0; p < n; ++p) {
+    const Eigen::Matrix3d J = jacobian<Cell>(X, table.gradients[p]);
+    const double det = J.determinant();
+    if (!(det > smallest)) throw BadShape{};
+    points.volumes[p] = table.rule.weights[p] * det;
+    points.gradients[p].template leftCols<Cell::n_nodes>() =
+        J.inverse().transpose().lazyProduct(table.gradients[p]);
+  }
+  if constexpr (Cell::n_modes > 0) add_modes<Cell>(X, table.rule, points);
+  return points;
 }
 
 /// Stiffness before condensation: the nodes' freedoms 3a + axis, then those of the modes.
 template <class Cell>
 using FullStiffness =
-    Eigen::Matrix<double, 3 * StrainPoints<Cell>::n_functions, 3 * StrainPoints<Cell>::n_functions>;
+    Eigen::Matrix<double, 3 * (Cell::n_nodes + Cell::n_modes), 3 * (Cell::n_nodes + Cell::n_modes)>;
 
 /// Equations (1), (2); lower triangle.
-template <class Cell>
-FullStiffness<Cell> full_stiffness(const StrainPoints<Cell>& points, const Lame& material) {
-  constexpr int n = StrainPoints<Cell>::n_functions, n_points = StrainPoints<Cell>::n_points;
+template <class Cell, int n_points>
+FullStiffness<Cell> full_stiffness(const StrainPoints<Cell, n_points>& points, const Lame& material) {
+  constexpr int n = Cell::n_nodes + Cell::n_modes;
   Eigen::Matrix<double, 3 * n, n_points> g;
   for (int p = 0; p < n_points; ++p) g.col(p) = std::sqrt(points.volumes[p]) * points.gradients[p].reshaped();
   FullStiffness<Cell> K;
@@ -126,7 +139,8 @@ using Stiffness = Eigen::Matrix<double, 3 * Cell::n_nodes, 3 * Cell::n_nodes>;
 /// Stiffness of a cell; lower triangle. @throws BadShape
 template <class Cell>
 Stiffness<Cell> stiffness(const NodePositions<Cell>& X, const Lame& material) {
-  const FullStiffness<Cell> full = full_stiffness<Cell>(strain_points<Cell>(X), material);
+  const FullStiffness<Cell> full =
+      full_stiffness<Cell>(strain_points<Cell>(X, stiffness_table<Cell>()), material);
   if constexpr (Cell::n_modes == 0) {
     return full;
   } else {
@@ -151,7 +165,7 @@ Mass<Cell> mass(const NodePositions<Cell>& X, double density) {
   for (Eigen::Index p = 0; p < weighted.cols(); ++p) {
     const double det = jacobian<Cell>(X, table.gradients[p]).determinant();
     if (!(det > smallest)) throw BadShape{};
-    weighted.col(p) *= density * table.weights[p] * det;
+    weighted.col(p) *= density * table.rule.weights[p] * det;
   }
   return weighted * table.values.transpose();
 }

@@ -16,30 +16,36 @@
 namespace flexarm::solids {
 
 struct Tet4 {
+  using Linear = Tet4;
   static constexpr CellType type = CellType::tet4;
   static constexpr int n_nodes = 4, n_modes = 0;
   using Values = Eigen::Matrix<double, n_nodes, 1>;
   using Gradients = Eigen::Matrix<double, 3, n_nodes>;  // column a: ∂N_a/∂ξ
 
+  static Eigen::Vector3d node(int a);
   static Values values(const Eigen::Vector3d& xi);
   static Gradients gradients(const Eigen::Vector3d& xi);
   static const Quadrature<1>& stiffness_rule() { return tetrahedron_centre(); }
   static const Quadrature<4>& mass_rule() { return tetrahedron_4(); }
+  static const Quadrature<4>& stress_rule() { return tetrahedron_4(); }
   /// det J over its largest value for cells with such edges, in [−1, 1]; 1 for the regular tetrahedron.
   /// [Verdict2007]
   static double scaled_jacobian(const Eigen::Matrix3d& J);
 };
 
 struct Tet10 {
+  using Linear = Tet4;
   static constexpr CellType type = CellType::tet10;
   static constexpr int n_nodes = 10, n_modes = 0;
   using Values = Eigen::Matrix<double, n_nodes, 1>;
   using Gradients = Eigen::Matrix<double, 3, n_nodes>;
 
+  static Eigen::Vector3d node(int a);
   static Values values(const Eigen::Vector3d& xi);
   static Gradients gradients(const Eigen::Vector3d& xi);
   static const Quadrature<14>& stiffness_rule() { return tetrahedron_14(); }
   static const Quadrature<14>& mass_rule() { return tetrahedron_14(); }
+  static const Quadrature<4>& stress_rule() { return tetrahedron_4(); }
   static double scaled_jacobian(const Eigen::Matrix3d& J) { return Tet4::scaled_jacobian(J); }
 };
 
