@@ -8,8 +8,8 @@
 ///
 /// the incompatible modes of hex8 included, with coordinates from the nodes' displacements
 /// (cell_matrices.hpp, eq. (4)). A (tri)linear function through these points gives the stress at the cell's
-/// nodes; a point has the mean over its cells, weighted by their volumes [HintonCampbell1974]. On the surface between
-/// two materials that mean hides the jump.
+/// nodes; a point has the mean over its cells, weighted by their volumes [HintonCampbell1974]. On the surface
+/// between two materials that mean hides the jump.
 #pragma once
 
 #include <Eigen/Core>
