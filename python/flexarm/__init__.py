@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from flexarm.measurement.measure import measure
     from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
+    from flexarm.reduction import InterfaceSet, reduce_mesh
     from flexarm.simulation import Simulation, simulate
     from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics import Statics, static
@@ -25,6 +26,7 @@ _EXPORTS = {
     "Arm": "flexarm.arm",
     "Comparison": "flexarm.comparison",
     "Drive": "flexarm.drive",
+    "InterfaceSet": "flexarm.reduction",
     "InvalidFile": "flexarm.errors",
     "InvalidParameter": "flexarm.errors",
     "JointDrive": "flexarm.drive",
@@ -42,6 +44,7 @@ _EXPORTS = {
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
     "read_mesh": "flexarm.solids",
+    "reduce_mesh": "flexarm.reduction",
     "show_config": "flexarm.configuration",
     "simulate": "flexarm.simulation",
     "static": "flexarm.statics",
@@ -51,6 +54,7 @@ __all__ = [
     "Arm",
     "Comparison",
     "Drive",
+    "InterfaceSet",
     "InvalidFile",
     "InvalidParameter",
     "JointDrive",
@@ -68,6 +72,7 @@ __all__ = [
     "measure",
     "modes",
     "read_mesh",
+    "reduce_mesh",
     "show_config",
     "simulate",
     "static",

@@ -298,3 +298,21 @@ def test_a_truncated_file_is_refused(part, tmp_path):
 def test_an_absent_file_is_named(tmp_path):
     with pytest.raises(InvalidFile, match=r"absent\.nc: file: does not exist"):
         SuperElement.load(tmp_path / "absent.nc")
+
+
+def test_masses_lumped_in_a_point_are_doubted_for_their_density():
+    """10 kg with a radius of gyration of 1 mm: nothing is so dense, and a model may say it all the same."""
+    M = np.diag([10.0] * 3 + [1e-5] * 3)
+    point = SuperElement("point", ("hub",), np.zeros((1, 3)), [np.eye(3)], 0 * M, M, 0 * M, [])
+    assert [doubt.where for doubt in point.check()] == ["mass"]
+
+
+def test_a_mechanism_is_refused_and_named(part):
+    """Without resistance of hand to turning about an axis there is a seventh zero eigenvalue."""
+    turn = np.zeros(part.n_dof)
+    turn[9:12] = (0.6, 0.0, 0.8)
+    K = part.stiffness - np.outer(part.stiffness @ turn, turn @ part.stiffness) / (
+        turn @ part.stiffness @ turn
+    )
+    with pytest.raises(InvalidParameter, match="must resist all but the six rigid motions, got 1 more"):
+        part.replace(stiffness=K).check()

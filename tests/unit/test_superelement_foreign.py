@@ -2,80 +2,39 @@
 
 from itertools import permutations
 
+import foreign_parts
 import numpy as np
 import pytest
+from foreign_parts import (
+    CORD2,
+    CUBE,
+    POINTS,
+    foreign,
+    freedoms_of,
+    local_axes,
+    matrix_input,
+    user_element,
+    write_cube,
+    write_dmig,
+    write_grids,
+)
 from parts import frame_mass, frame_part
 from pytest import approx
 from scipy.io import mmwrite
-from scipy.linalg import block_diag
 from scipy.sparse import coo_array
-from scipy.spatial.transform import Rotation
 
 from flexarm import InvalidFile, InvalidParameter, SuperElement, accept_matrices
 from flexarm.superelement.checks import doubts
+from flexarm.superelement.foreign.matrix_market import read_matrix_market
 from flexarm.superelement.foreign.order import read_order
 
-POINTS = {"foot": 11, "hand": 7, "ear": 23}
-MODES = (101, 102, 103)
-SCALE = np.array([1e3] * 3 + [1.0] * 3)  # mm for m of a point's freedoms, rad
+FREEDOMS = freedoms_of(frame_part(n_modes=3))
+ORDER = "11 7 23 101-103.0"
 
 
 @pytest.fixture(scope="module")
 def part() -> SuperElement:
     return frame_part(n_modes=3, damping=1e-5)
-
-
-CORD2 = """\
-CORD2R         1       0   10.00   20.00   30.00  110.00   20.00  130.00
-        -140.00  220.00   30.00
-CORD2C*                2               1             5.0             6.0
-*                    7.0            25.0             6.0             7.0
-*                    5.0            86.0             7.0
-$ a comment
-"""
-
-
-def axes_of_systems():
-    """Axes of systems 1 and 2 of CORD2 by the rule in words: z from A to B, C in the x-z plane."""
-
-    def axes(A, B, C):
-        z = (B - A) / np.linalg.norm(B - A)
-        x = (C - A) - z * (z @ (C - A))
-        x /= np.linalg.norm(x)
-        return np.column_stack([x, np.cross(z, x), z])
-
-    first = axes(*np.array([[10.0, 20, 30], [110, 20, 130], [-140, 220, 30]]))
-    inner = axes(*np.array([[5.0, 6, 7], [25, 6, 7], [5, 86, 7]]))
-    return first, np.array([10.0, 20, 30]) + first @ [5.0, 6, 7], first @ inner
-
-
-def write_grids(path, part, unit=1e-3):
-    """GRID entries in mm: foot in the basic system, hand turned by system 1, ear cylindrical (system 2)."""
-    lines = [CORD2]
-    for (name, number), cd in zip(POINTS.items(), (0, 1, 2), strict=True):
-        x, y, z = part.positions[part.interfaces.index(name)] / unit
-        lines.append(f"GRID,{number},,{x:.12g},{y:.12g},{z:.12g},{cd}\n")
-    path.write_text("SOL 103\nCEND\nBEGIN BULK\n" + "".join(lines) + "ENDDATA\n")
-    return path
-
-
-def local_axes(part):
-    """Axes of the freedoms of the three points, as `write_grids` states them."""
-    first, origin, second = axes_of_systems()
-    x, y, _ = second.T @ (1e3 * part.positions[2] - origin)
-    around = Rotation.from_euler("z", np.arctan2(y, x)).as_matrix()
-    return [np.eye(3), first, second @ around]
-
-
-def foreign(part, matrix, scale=1e3):
-    """A matrix as another program has it: mm, t, s, along each point's axes; modes keep their unit mass."""
-    A = block_diag(*(block_diag(a, a) for a in local_axes(part)), np.eye(part.n_modes))
-    S = np.concatenate([np.tile([1e-3] * 3 + [1.0] * 3, 3), np.full(part.n_modes, 1e-3**0.5)])
-    return scale * np.outer(S, S) * (A.T @ matrix @ A)  # energy 1 J = 1e3 N mm
-
-
-FREEDOMS = [(p, c) for p in POINTS.values() for c in range(1, 7)] + [(m, 0) for m in MODES]
-ORDER = "11 7 23 101-103.0"
 
 
 def same(found: SuperElement, part: SuperElement, rel=1e-6) -> bool:
@@ -85,12 +44,10 @@ def same(found: SuperElement, part: SuperElement, rel=1e-6) -> bool:
     assert found.positions[at] == approx(part.positions, abs=1e-9)
     for name in ("stiffness", "mass", "damping"):
         expected, values = getattr(part, name), getattr(found, name)[np.ix_(rows, rows)]
-        sign = np.concatenate(
-            [np.ones(18), np.sign(np.sum(found.mass[rows[:18], 18:] * part.mass[:18, 18:], axis=0))]
-        )
-        assert values * np.outer(sign, sign) == approx(expected, abs=rel * np.abs(expected).max(), rel=rel), (
-            name
-        )
+        along = np.sum(found.mass[rows[:18], 18:] * part.mass[:18, 18:], axis=0)  # modes have either sign
+        sign = np.concatenate([np.ones(18), np.sign(along)])
+        limit = rel * np.abs(expected).max()
+        assert values * np.outer(sign, sign) == approx(expected, abs=limit, rel=rel), name
     assert found.frequency_hz == approx(part.frequency_hz, rel=rel)
     return True
 
@@ -102,23 +59,28 @@ def accept(tmp_path, part, *args, **kwargs):
 
 @pytest.fixture
 def market(tmp_path, part):
-    """Stiffness, mass and damping as Matrix Market files in mm."""
-    files = []
-    for name in ("stiffness", "mass", "damping"):
-        files.append(tmp_path / f"{name}.mtx")
-        mmwrite(files[-1], coo_array(foreign(part, getattr(part, name))), precision=10, symmetry="symmetric")
-    return files
+    return foreign_parts.market(tmp_path, part)
 
 
 def test_matrix_market_with_a_stated_order(tmp_path, part, market):
     K, M, C = market
     found = accept(tmp_path, part, K, M, damping_matrix=C, order=ORDER, mass=frame_mass())
     assert same(found, part)
-    assert found.inertia_load == approx(
-        found.mass @ np.tile(np.eye(6), 3).T.tolist() if False else found.inertia_load
-    )
+    rigid = np.vstack([np.tile(np.eye(6), 3).T, np.zeros((3, 6))])
+    assert found.inertia_load == approx(found.mass @ rigid[:, :3])
     assert found.name == "stiffness"
     assert found.check() == []
+
+
+@pytest.mark.parametrize("layout", ["coordinate", "array"])
+@pytest.mark.parametrize("symmetry", ["general", "symmetric"])
+def test_matrix_market_as_scipy_writes_it(tmp_path, layout, symmetry):
+    matrix = np.random.default_rng(5).integers(-9, 9, (7, 7)) / 8
+    matrix = matrix + matrix.T if symmetry == "symmetric" else matrix
+    mmwrite(tmp_path / "a.mtx", coo_array(matrix) if layout == "coordinate" else matrix, symmetry=symmetry)
+    (found,) = read_matrix_market(tmp_path / "a.mtx").matrices.values()
+    assert layout in (tmp_path / "a.mtx").read_text().splitlines()[0]
+    assert np.array_equal(found.matrix, matrix)
 
 
 def test_interface_axes_are_those_of_the_points(tmp_path, part, market):
@@ -301,23 +263,6 @@ def test_points_without_a_name_are_named_after_their_number(tmp_path, part, mark
 # Nastran
 
 
-def frame_of(values, freedoms=FREEDOMS):
-    import pandas as pd
-
-    index = pd.MultiIndex.from_tuples(freedoms, names=["id", "dof"])
-    return pd.DataFrame(values, index=index, columns=index)
-
-
-def write_dmig(path, part, names=("KAAX", "MAAX", "BAAX"), shuffle=True):
-    from pyyeti.nastran import bulk
-
-    rows = np.random.default_rng(3).permutation(21) if shuffle else np.arange(21)
-    freedoms = [FREEDOMS[i] for i in rows]
-    values = (foreign(part, getattr(part, n))[np.ix_(rows, rows)] for n in ("stiffness", "mass", "damping"))
-    bulk.wtdmig(str(path), {n: frame_of(v, freedoms) for n, v in zip(names, values, strict=True)})
-    return path
-
-
 def test_dmig_names_its_freedoms_whatever_their_order(tmp_path, part):
     file = write_dmig(tmp_path / "part.pch", part)
     assert same(accept(tmp_path, part, file, mass=frame_mass()), part, rel=1e-5)
@@ -435,24 +380,6 @@ def test_damaged_matrices_are_refused(tmp_path, part, name, content):
 # Abaqus and CalculiX
 
 
-def user_element(part, per_freedom=False):
-    """The text of *SUBSTRUCTURE MATRIX OUTPUT; CalculiX (per freedom) names a point for each freedom."""
-    freedoms = FREEDOMS[:18]
-    points = [p for p, _ in freedoms] if per_freedom else list(POINTS.values())
-    lines = ["**", "** GENERATION OF SUBSTRUCTURE", f"*USER ELEMENT,NODES= {len(points):10d},LINEAR"]
-    lines += ["** ELEMENT NODES"]
-    lines += ["**" + "".join(f"{p:10d}," for p in points[k : k + 11]) for k in range(0, len(points), 11)]
-    lines += [f"{freedoms[0][1]:10d}"] if per_freedom else ["1, 2, 3, 4, 5, 6"]
-    lines += [f"{i:10d},{c:10d}" for i, (_, c) in enumerate(freedoms, 1) if i > 1 and per_freedom]
-    for kind, name in (("STIFFNESS", "stiffness"), ("MASS", "mass")):
-        values = foreign(part, getattr(part, name))
-        lines.append(f"*MATRIX,TYPE={kind}")
-        for j in range(18):
-            column = [f"{v:20.13e}" for v in values[: j + 1, j]]
-            lines += [",".join(column[k : k + 4]) + "," for k in range(0, j + 1, 4)]
-    return "\n".join(lines) + "\n"
-
-
 @pytest.mark.parametrize("per_freedom", [False, True])
 def test_user_elements_of_abaqus_and_calculix(tmp_path, per_freedom):
     part = frame_part(n_modes=0)
@@ -475,18 +402,11 @@ def test_a_user_element_cut_short_is_refused(tmp_path):
         accept(tmp_path, part, tmp_path / "sub.mtx")
 
 
-def matrix_input(values, freedoms, separator=", "):
-    rows = ((i, j) for i in range(len(values)) for j in range(i + 1))
-    return "\n".join(
-        separator.join(map(str, (*freedoms[i], *freedoms[j], f"{values[i, j]:.12e}"))) for i, j in rows
-    )
-
-
 @pytest.mark.parametrize("separator", [", ", "  "])
 def test_matrix_input_of_abaqus_and_calculix(tmp_path, separator):
     part = frame_part(n_modes=0)
     for name in ("stiffness", "mass"):
-        text = matrix_input(foreign(part, getattr(part, name)), FREEDOMS[:18], separator)
+        text = matrix_input(part, getattr(part, name), separator)
         (tmp_path / f"{name}.mtx").write_text(text)
     found = accept(tmp_path, part, tmp_path / "stiffness.mtx", tmp_path / "mass.mtx")
     assert same(found, part)
@@ -494,14 +414,7 @@ def test_matrix_input_of_abaqus_and_calculix(tmp_path, separator):
 
 def test_stored_matrices_of_calculix_tied_to_interfaces(tmp_path):
     """A cube of springs with three freedoms a corner: its faces, tied, make two interfaces."""
-    cube = np.array([[x, y, z] for x in (0, 100.0) for y in (0, 100.0) for z in (0, 100.0)])
-    K, m = trussed(cube), 2.7e-9 * 1e6 / 8
-    freedoms = [(i + 1, c) for i in range(8) for c in (1, 2, 3)]
-    write_storage(tmp_path / "cube.sti", K)
-    write_storage(tmp_path / "cube.mas", m * np.eye(24))
-    (tmp_path / "cube.dof").write_text("".join(f"{p}.{c}\n" for p, c in freedoms))
-    nodes = "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(cube, 1))
-    (tmp_path / "cube.inp").write_text(f"*HEADING\ncube\n*NODE, NSET=ALL\n{nodes}*ELEMENT\n1,1,2\n")
+    K = write_cube(tmp_path)
     ends = {"left": [1, 2, 3, 4], "right": [5, 6, 7, 8]}
     part = accept_matrices(
         tmp_path / "cube.sti", grids=tmp_path / "cube.inp", unit="mm", interfaces=ends, mass=2.7
@@ -509,7 +422,7 @@ def test_stored_matrices_of_calculix_tied_to_interfaces(tmp_path):
     assert part.positions == approx(np.array([[0, 0.05, 0.05], [0.1, 0.05, 0.05]]))
     assert part.centre == approx([0.05, 0.05, 0.05])
     along = np.diag([1.0, 0, 0])
-    stretch = cube @ along / 100  # the right face moves 1 mm along x
+    stretch = CUBE @ along / 100  # the right face moves 1 mm along x
     assert part.stiffness[6, 6] == approx(1e3 * stretch.ravel() @ K @ stretch.ravel())
     with pytest.raises(
         InvalidFile, match=r"point 8 has the components 1, 2, 3 only, an interface needs all six"
@@ -517,22 +430,6 @@ def test_stored_matrices_of_calculix_tied_to_interfaces(tmp_path):
         accept_matrices(
             tmp_path / "cube.sti", grids=tmp_path / "cube.inp", unit="mm", interfaces={"l": range(1, 8)}
         )
-
-
-def trussed(points):
-    """Springs of 1000 N/mm between all pairs of points: rigid motion strains none."""
-    K = np.zeros((3 * len(points), 3 * len(points)))
-    for i in range(len(points)):
-        for j in range(i):
-            n = (points[i] - points[j]) / np.linalg.norm(points[i] - points[j])
-            at = np.concatenate([3 * i + np.arange(3), 3 * j + np.arange(3)])
-            K[np.ix_(at, at)] += 1e3 * np.outer([*n, *-n], [*n, *-n])
-    return K
-
-
-def write_storage(path, matrix):
-    rows = ((i, j) for j in range(len(matrix)) for i in range(j + 1) if matrix[i, j] != 0)
-    path.write_text("".join(f"{i + 1} {j + 1} {matrix[i, j]:20.13e}\n" for i, j in rows))
 
 
 # Points and their axes

@@ -10,6 +10,7 @@ import typer
 from flexarm.cli.check import check
 from flexarm.cli.compare import compare
 from flexarm.cli.modes import modes
+from flexarm.cli.reduce import reduce
 from flexarm.cli.reproduce import reproduce
 from flexarm.cli.simulate import simulate
 from flexarm.cli.static import static
@@ -25,6 +26,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm modes arm.toml                          how does it vibrate
     flexarm simulate arm.toml --drive swing.csv --out run
     flexarm compare arm.toml measured               how far is the model off
+    flexarm reduce hub.inp --interface ...          a solid part as a link
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence).
 """
@@ -61,5 +63,5 @@ def _help(text: str) -> str:
 
 
 app.callback(help=_help(HELP))(_common)
-for command in (check, static, modes, simulate, compare, reproduce):
+for command in (check, static, modes, simulate, compare, reduce, reproduce):
     app.command(help=_help(command.__doc__ or ""))(command)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from flexarm.cli.options import Json, print_json, warn
+from flexarm.cli.reduce import describe
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -17,20 +19,23 @@ if TYPE_CHECKING:
 
 
 def check(
-    path: Annotated[Path, typer.Argument(metavar="PATH", help="A model (TOML) or a record (directory).")],
+    path: Annotated[
+        Path, typer.Argument(metavar="PATH", help="A model (TOML), a record (directory) or a super-element.")
+    ],
     json: Json = False,
 ) -> None:
     """Say what a file is and what is wrong with it.
 
     For a model: joints, links, effects, and a weight statement at q = 0: mass [kg], centre [m] and inertia
     [kg m2] of each link and of the whole, in the base's frame. For a record: its signals with rates [Hz],
-    drop-outs and clocks.
+    drop-outs and clocks. For a super-element: mass, interfaces, modes, and whether rigid motion strains it.
 
         flexarm check arm.toml
         flexarm check measured --json
+        flexarm check hub.nc
     """
     try:
-        told, lines, warnings = _record(path) if _is_record(path) else _model(path)
+        told, lines, warnings = _reader(path)(path)
     except InvalidFile as error:
         if json:
             print_json({"path": str(path), "problems": [_plain(problem) for problem in error.problems]})
@@ -42,8 +47,10 @@ def check(
     warn(path, warnings)
 
 
-def _is_record(path: Path) -> bool:
-    return path.is_dir() or path.name == "record.toml"
+def _reader(path: Path) -> Callable[[Path], tuple[dict[str, Any], list[str], list[Problem]]]:
+    if path.is_dir() or path.name == "record.toml":
+        return _record
+    return describe if path.suffix == ".nc" else _model
 
 
 def _plain(problem: Problem) -> dict[str, Any]:

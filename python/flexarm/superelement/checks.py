@@ -2,8 +2,8 @@
 
 A matrix of another program comes without coordinates, order of freedoms or unit; each of them stated wrongly
 makes a part that swings and is wrong. K and M must therefore be positive semidefinite, K must annihilate the
-rigid motions and nothing else (`stiffness_checks`), M must be the inertia of a body of a likely density
-(`mass_checks`). Source: R. R. Craig and A. J. Kurdila, Fundamentals of Structural Dynamics, 2006, chapter 17.
+rigid motions and nothing else (`stiffness_checks`), M must be the inertia of a body (`mass_checks`). Source:
+R. R. Craig and A. J. Kurdila, Fundamentals of Structural Dynamics, 2006, chapter 17.
 """
 
 from __future__ import annotations
@@ -39,7 +39,6 @@ def refusals(element: SuperElement, mass: float | None, tolerance: float) -> lis
         *_not_definite(element, tolerance),
         *mechanisms(element, tolerance),
         *no_body(element, tolerance),
-        *unlikely_density(element),
         *other_mass(element, mass),
     ]
 
@@ -48,6 +47,7 @@ def doubts(element: SuperElement) -> list[Problem]:
     """What is allowed and yet looks wrong."""
     return [
         *outside(element),
+        *unlikely_density(element),
         *_other_frequencies(element),
         *_other_load(element),
         *_damped_rigid_motion(element),

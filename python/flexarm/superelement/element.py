@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,9 @@ from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, rigid_inertia
 from flexarm.superelement.shape import problems_of_shape
+
+if TYPE_CHECKING:
+    from flexarm.solids import SolidMesh
 
 _ARRAYS = (
     "positions",
@@ -244,6 +247,33 @@ class SuperElement:
                 where=f"super-element {self.name!r}",
             )
         return np.asarray((self.recovery @ q).reshape(-1, 3))
+
+    def von_mises(self, mesh: SolidMesh, coordinates: ArrayLike) -> Floats:
+        """Von Mises stress at all points of the mesh it was reduced from [Pa], averaged over their cells.
+
+        Parameters
+        ----------
+        mesh : SolidMesh
+            The part.
+        coordinates : array, shape (dof,)
+            As for :meth:`recover`, measured from a frame that moves with the part: large rotations are no
+            deformation.
+        """
+        from flexarm.reduction.stress import von_mises
+
+        return von_mises(self, mesh, coordinates)
+
+    def summary(self) -> str:
+        """Mass, interfaces, modes, quality and origin in lines."""
+        from flexarm.superelement.summary import summary
+
+        return summary(self)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The same for programs."""
+        from flexarm.superelement.summary import to_json_dict
+
+        return to_json_dict(self)
 
     def save(self, path: str | Path, force: bool = False) -> None:
         """Writes the super-element as NetCDF; the file appears when it is whole.

@@ -8,7 +8,8 @@ the principal moments satisfy the triangle inequality. Freedoms in a wrong order
 A wrong unit leaves (1) as it is, and makes a density that nothing has. Mass over the cube of the radius of
 gyration is 17 times the density of a solid ball and 2e-5 times that of a rod 1000 times as long as thick, so
 for anything between foam and tungsten it lies within `DENSITY`. Millimetres and tonnes read as metres and
-kilograms change it by 10^12.
+kilograms change it by 10^12. Where a unit was stated, such a density is refused; elsewhere, as for masses
+lumped in a point, it is a doubt.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ wrote it: classic or HDF5, single or double precision, names as strings or chara
 from __future__ import annotations
 
 import json
+import math
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,6 +21,7 @@ from flexarm.arrays import Floats
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.superelement.element import SuperElement, inertia_load
+from flexarm.superelement.variables import Variables, read_variables, texts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,14 +57,14 @@ def save(element: SuperElement, path: str | Path, force: bool = False) -> None:
     InvalidFile
         If the file exists and `force` is not set, or cannot be written.
     """
-    from flexarm import result
+    from flexarm.result import save as write
 
     if Path(path).is_dir():
         raise InvalidFile(path, "output", "is a directory, a file is needed")
     if Path(path).exists() and not force:
         raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
     with _repeated_dimensions():
-        result.save(dataset(element), path)
+        write(dataset(element), path)
 
 
 def dataset(element: SuperElement) -> xr.Dataset:
@@ -107,12 +109,14 @@ def _provenance() -> dict[str, str]:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays as lists, so that JSON takes them."""
+    """Arrays as lists and infinity as null, so that JSON takes them."""
     if isinstance(value, dict) or hasattr(value, "items"):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def load(path: str | Path) -> SuperElement:
@@ -123,9 +127,9 @@ def load(path: str | Path) -> SuperElement:
     InvalidFile
         If the file is no super-element, or one that no elastic part could have.
     """
-    data = _opened(path)
-    if data.attrs.get("format") != FORMAT:
-        found = data.attrs.get("format", "none")
+    data = read_variables(path)
+    if data.attributes.get("format") != FORMAT:
+        found = data.attributes.get("format", "none")
         raise InvalidFile(path, "format", f"the attribute must be {FORMAT!r}, got {found!r}")
     try:
         element = _element(data, path)
@@ -138,80 +142,61 @@ def load(path: str | Path) -> SuperElement:
     return element
 
 
-def _opened(path: str | Path) -> xr.Dataset:
-    import xarray as xr
-
-    try:
-        with Path(path).open("rb") as file:
-            classic = file.read(3) == b"CDF"
-        engine = "scipy" if classic else "h5netcdf"
-        with _repeated_dimensions(), xr.open_dataset(path, engine=engine) as opened:
-            return opened.load()
-    except FileNotFoundError:
-        raise InvalidFile(path, "file", "does not exist") from None
-    except IsADirectoryError:
-        raise InvalidFile(path, "file", "is a directory, a super-element file is needed") from None
-    except Exception as error:  # a damaged file fails in whatever the reader happens to meet
-        raise InvalidFile(path, "file", f"cannot be read as NetCDF: {' '.join(str(error).split())}") from None
-
-
-def _element(data: xr.Dataset, path: str | Path) -> SuperElement:
+def _element(data: Variables, path: str | Path) -> SuperElement:
     """The data class; a variable that is missing or holds no numbers is reported with its name."""
-    n = data["interface_name"].size if "interface_name" in data else 0
-    optional = {"inertia_load"} | ({"frequency_hz"} if _shape(data, "stiffness") == (6 * n, 6 * n) else set())
-    missing = [name for name in ("interface_name", *DIMENSIONS) if name not in data and name not in optional]
+    n = (*_shape(data, "interface_name"), 0)[0]
+    left_out = ["inertia_load"] + ["frequency_hz"] * (_shape(data, "stiffness") == (6 * n, 6 * n))
+    needed = [name for name in ("interface_name", *DIMENSIONS) if name not in left_out]
+    missing = [name for name in needed if name not in data.arrays]
     if missing:
         what = f"is missing; a super-element file holds interface_name, {', '.join(DIMENSIONS)}"
         raise InvalidFile(path, missing[0], what, problems=tuple(Problem(name, what) for name in missing))
     mass = _numbers(data, "mass", path)
+    there = [name for name in ("frequency_hz", "inertia_load", "recovery") if name in data.arrays]
+    optional = {name: _numbers(data, name, path) for name in there}
     return SuperElement(
-        name=str(data.attrs.get("name") or Path(path).stem),
+        name=str(data.attributes.get("name") or Path(path).stem),
         interfaces=_interface_names(data, path),
         positions=_numbers(data, "interface_position", path),
         rotations=_numbers(data, "interface_rotation", path),
         stiffness=_numbers(data, "stiffness", path),
         mass=mass,
         damping=_numbers(data, "damping", path),
-        frequency_hz=_numbers(data, "frequency_hz", path) if "frequency_hz" in data else np.zeros(0),
-        inertia_load=_numbers(data, "inertia_load", path)
-        if "inertia_load" in data
-        else inertia_load(mass, n),
-        recovery=_numbers(data, "recovery", path) if "recovery" in data else None,
+        frequency_hz=optional["frequency_hz"] if "frequency_hz" in optional else np.zeros(0),
+        inertia_load=optional["inertia_load"] if "inertia_load" in optional else inertia_load(mass, n),
+        recovery=optional.get("recovery"),
         quality=_quality(data),
-        provenance={str(k): str(v) for k, v in data.attrs.items() if k not in _OWN_ATTRIBUTES},
+        provenance={str(k): str(v) for k, v in data.attributes.items() if k not in _OWN_ATTRIBUTES},
     )
 
 
 _OWN_ATTRIBUTES = ("format", "name", "units", "quality")
 
 
-def _shape(data: xr.Dataset, name: str) -> tuple[int, ...]:
-    return tuple(data[name].shape) if name in data else ()
+def _shape(data: Variables, name: str) -> tuple[int, ...]:
+    return tuple(data.arrays[name].shape) if name in data.arrays else ()
 
 
-def _numbers(data: xr.Dataset, name: str, path: str | Path) -> Floats:
-    values = data[name].values
+def _numbers(data: Variables, name: str, path: str | Path) -> Floats:
+    values = data.arrays[name]
     if values.dtype.kind not in "fiu":
         raise InvalidFile(path, name, f"must hold real numbers, got values of type {values.dtype}")
     return np.asarray(values, dtype=float)
 
 
-def _interface_names(data: xr.Dataset, path: str | Path) -> tuple[str, ...]:
-    values = data["interface_name"].values
-    if values.ndim != 1 or values.dtype.kind not in "OUST":
+def _interface_names(data: Variables, path: str | Path) -> tuple[str, ...]:
+    values = data.arrays["interface_name"]
+    names = texts(values)
+    if names is None:
         what = f"must be a list of names, got shape {values.shape} of type {values.dtype}"
         raise InvalidFile(path, "interface_name", what)
-    return tuple(_text(value).strip("\0 ") for value in values)
+    return tuple(names)
 
 
-def _text(value: Any) -> str:
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-
-
-def _quality(data: xr.Dataset) -> dict[str, Any]:
+def _quality(data: Variables) -> dict[str, Any]:
     """What `save` stored; another program's attribute of that name is left alone."""
     try:
-        told = json.loads(data.attrs.get("quality", "{}"))
+        told = json.loads(data.attributes.get("quality", "{}"))
     except (TypeError, ValueError):
         return {}
     return told if isinstance(told, dict) else {}

@@ -23,6 +23,9 @@ SYMMETRY = 1e-6
 ORTHONORMAL = 1e-6
 """How far R^T R may be from 1: frames printed with seven digits pass."""
 
+HUGE = 1e100
+"""No entry is as large; products of such numbers would overflow."""
+
 VARIABLES = {
     "interfaces": "interface_name",
     "positions": "interface_position",
@@ -86,11 +89,13 @@ def _not_finite(element: SuperElement) -> Iterator[Problem]:
         values: Any = getattr(element, field)
         if field == "interfaces" or values is None:
             continue
-        bad = np.argwhere(~np.isfinite(values))
+        bad = np.argwhere(~(np.abs(values) < HUGE))
         if len(bad):
             at = tuple(int(i) for i in bad[0])
             count = f" and {len(bad) - 1} more" if len(bad) > 1 else ""
-            yield Problem(variable, f"must be finite, got {values[at]} at {list(at)}{count}")
+            yield Problem(
+                variable, f"must be finite and below {HUGE:g}, got {values[at]} at {list(at)}{count}"
+            )
 
 
 def _frames(element: SuperElement) -> Iterator[Problem]:

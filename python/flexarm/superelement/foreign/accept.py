@@ -19,7 +19,9 @@ from flexarm.superelement.foreign.labelled import Freedom, Labelled, ordered, un
 from flexarm.superelement.foreign.order import read_order
 from flexarm.superelement.foreign.read import choose
 from flexarm.superelement.foreign.unit import in_si, system
+from flexarm.superelement.mass_checks import unlikely_density
 from flexarm.superelement.rigid_motion import PER_INTERFACE
+from flexarm.superelement.shape import HUGE
 
 
 def accept_matrices(
@@ -98,7 +100,15 @@ def accept_matrices(
             },
         )
         element.check(mass=mass, tolerance=tolerance)
+        if mass is None:
+            _refuse_unlikely(element)
     return element
+
+
+def _refuse_unlikely(element: SuperElement) -> None:
+    """Without a stated mass the density alone shows a wrong unit."""
+    for problem in unlikely_density(element):
+        raise InvalidParameter(problem.what, where=problem.where)
 
 
 def from_matrices(
@@ -201,8 +211,8 @@ def _aligned(
 
 def _refuse_asymmetric(source: str | Path, role: str, matrix: Floats, freedoms: Sequence[Freedom]) -> None:
     """Before anything is done to it: half of a matrix, or a damaged one."""
-    if not np.isfinite(matrix).all():
-        raise InvalidFile(source, role, "holds numbers that are not finite")
+    if not (np.abs(matrix) < HUGE).all():
+        raise InvalidFile(source, role, f"holds numbers that are not finite and below {HUGE:g}")
     scale = np.sqrt(np.abs(np.diag(matrix)))
     off = np.abs(matrix - matrix.T) - 1e-6 * np.maximum(
         np.outer(scale, scale), 1e-4 * np.abs(matrix).max(initial=0)

@@ -1,18 +1,28 @@
 """Matrix Market files (.mtx): real matrices, symmetric or general, without names of freedoms.
 
-Source: R. F. Boisvert, R. Pozo, K. A. Remington, The Matrix Market exchange formats, NISTIR 5935, 1996.
+    %%MatrixMarket matrix coordinate|array real|integer general|symmetric
+    % comments
+    rows columns [entries]
+    row column value          coordinate: only what is not zero; symmetric: one triangle
+    value                     array: column after column; symmetric: each from its diagonal down
+
+Read here line by line, since SciPy's reader does not survive damaged files. Source: [Boisvert1996].
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.superelement.foreign.labelled import Labelled, MatrixFile
 
 BANNER = "%%MatrixMarket"
+LARGEST = 10_000
+"""Rows that a dense matrix may have: 800 MB."""
 
 
 def read_matrix_market(path: Path) -> MatrixFile:
@@ -23,14 +33,66 @@ def read_matrix_market(path: Path) -> MatrixFile:
     InvalidFile
         If the file is damaged, or its matrix not real and square.
     """
-    from scipy.io import mmread
-    from scipy.sparse import issparse
+    lines = _lines(path)
+    first, banner = next(lines, (1, ""))
+    words = banner.lower().split()
+    if len(words) != 5 or words[0] != BANNER.lower() or words[1] != "matrix":
+        raise InvalidFile(path, "banner", f"must begin with {BANNER} matrix, got {banner!r}", line=first)
+    layout, field, symmetry = words[2:]
+    if layout not in ("coordinate", "array") or field not in ("real", "integer", "double"):
+        raise InvalidFile(path, "banner", f"must be real, coordinate or array, got {banner!r}", line=first)
+    if symmetry not in ("general", "symmetric"):
+        raise InvalidFile(path, "banner", f"must be general or symmetric, got {symmetry!r}", line=first)
+    content = ((number, line) for number, line in lines if not line.startswith("%"))
+    n, count = _sizes(path, content, layout)
+    rows, columns, values = _entries(path, content, layout, symmetry, n)
+    expected = count if layout == "coordinate" else len(rows)
+    if len(values) != expected:
+        raise InvalidFile(path, "matrix", f"must hold {expected} entries as it says, got {len(values)}")
+    matrix = np.zeros((n, n))
+    np.add.at(matrix, (rows, columns), values)
+    if symmetry == "symmetric":
+        matrix = matrix + matrix.T - np.diag(np.diag(matrix))
+    return MatrixFile({"": Labelled(matrix, None)})
 
-    try:
-        matrix = mmread(path)
-    except (ValueError, OverflowError, OSError) as error:
-        raise InvalidFile(path, "file", f"cannot be read as Matrix Market: {error}") from None
-    dense = matrix.toarray() if issparse(matrix) else np.asarray(matrix)
-    if dense.dtype.kind not in "fiu" or dense.ndim != 2 or dense.shape[0] != dense.shape[1]:
-        raise InvalidFile(path, "matrix", f"must be real and square, got {dense.dtype} {dense.shape}")
-    return MatrixFile({"": Labelled(dense.astype(float), None)})
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    text = path.read_text(encoding="utf-8", errors="replace")
+    return ((i, line.strip()) for i, line in enumerate(text.splitlines(), 1) if line.strip())
+
+
+def _sizes(path: Path, content: Iterator[tuple[int, str]], layout: str) -> tuple[int, int]:
+    number, line = next(content, (1, ""))
+    words = line.split()
+    if len(words) != (3 if layout == "coordinate" else 2) or not all(word.isdecimal() for word in words):
+        raise InvalidFile(path, "size", f"must hold rows, columns and entries, got {line!r}", line=number)
+    sizes = [int(word) for word in words]
+    if sizes[0] != sizes[1] or not 0 < sizes[0] <= LARGEST:
+        what = f"must be square with at most {LARGEST} rows, got {sizes[0]} x {sizes[1]}"
+        raise InvalidFile(path, "size", what, line=number)
+    return sizes[0], sizes[-1]
+
+
+def _entries(
+    path: Path, content: Iterator[tuple[int, str]], layout: str, symmetry: str, n: int
+) -> tuple[list[int], list[int], Floats]:
+    """Row, column and value of every entry, counted from 0."""
+    table = [(number, line, line.split()) for number, line in content]
+    width = 3 if layout == "coordinate" else 1
+    rows, columns, values = [], [], []
+    for number, line, words in table:
+        try:
+            place = [int(word) for word in words[:-1]]
+            values.append(float(words[-1]))
+        except ValueError:
+            place = []
+        if len(words) != width or len(place) != width - 1 or not all(1 <= i <= n for i in place):
+            wanted = f"row, column (1 to {n}) and value" if width == 3 else "one value"
+            raise InvalidFile(path, "matrix", f"must hold {wanted}, got {line!r}", line=number)
+        rows += [place[0] - 1] if place else []
+        columns += [place[1] - 1] if place else []
+    if layout == "array":
+        lower, all_ = np.triu_indices(n), np.indices((n, n)).reshape(2, -1)
+        down, across = (lower[1], lower[0]) if symmetry == "symmetric" else (all_[1], all_[0])
+        rows, columns = down.tolist(), across.tolist()
+    return rows, columns, np.array(values)

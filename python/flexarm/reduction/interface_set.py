@@ -1,0 +1,89 @@
+"""Interfaces as a user states them: a set of points, how it is tied, and where its frame stands.
+
+A *rigid* interface is a frame that all points of its set follow: a flange bolted to something much stiffer.
+An *average* one follows the points, in the least-squares sense, and leaves them free to deform: a flange
+bolted to something much softer. The truth lies between the two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from flexarm.solids import SolidMesh
+
+Kind = Literal["rigid", "average"]
+KINDS: tuple[str, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceSet:
+    """Where a part is joined.
+
+    Parameters
+    ----------
+    points : str or array of int
+        Name of a point set of the mesh, or indices of points.
+    kind : {"rigid", "average"}
+        Whether the points follow the frame or the frame follows the points.
+    position : (3,), optional
+        Where the frame stands in the part's frame [m]; the mean of the points if left out, each counting
+        alike, whatever area it stands for.
+    rotation : (3, 3), optional
+        Its axes as columns; the part's if left out.
+    """
+
+    points: str | ArrayLike
+    kind: Kind = "rigid"
+    position: ArrayLike | None = None
+    rotation: ArrayLike | None = None
+
+    @classmethod
+    def from_text(cls, text: str) -> InterfaceSet:
+        """`SET`, `SET:rigid` or `SET:average`.
+
+        >>> InterfaceSet.from_text("flange:average").kind
+        'average'
+        """
+        name, colon, kind = text.rpartition(":")
+        if colon and kind in KINDS:
+            return cls(name, kind)  # type: ignore[arg-type]
+        return cls(text)
+
+    def core(self, name: str, mesh: SolidMesh) -> Any:
+        """The interface as the solver takes it.
+
+        Raises
+        ------
+        InvalidParameter
+            If the kind is unknown, or the set does not exist or is empty.
+        """
+        from flexarm import _core
+
+        core: Any = _core
+        if self.kind not in KINDS:
+            what = f"must be one of {', '.join(KINDS)}, got {self.kind!r}"
+            raise InvalidParameter(what, where=f"interface {name!r}")
+        points = mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points)
+        position = self.at(mesh)
+        rotation = np.eye(3) if self.rotation is None else np.asarray(self.rotation, dtype=float)
+        kind = getattr(core.InterfaceKind, self.kind)
+        return core.Interface(name, position, rotation, np.asarray(points, dtype=np.int32), kind)
+
+    def at(self, mesh: SolidMesh) -> Floats:
+        """Where the frame stands [m]."""
+        if self.position is not None:
+            return np.asarray(self.position, dtype=float)
+        points = mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points)
+        return np.asarray(mesh.points[points].mean(axis=0))
+
+    def size(self, mesh: SolidMesh) -> int:
+        """Number of its points."""
+        return len(mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points))

@@ -1,0 +1,147 @@
+"""A picture of a part and its interfaces, from two sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arrays import Floats, Ints
+from flexarm.errors import InvalidFile
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from flexarm.solids import SolidMesh
+
+COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
+"""Okabe and Ito's, told apart by everyone."""
+BODY = "#c8ccd0"
+AXES = ("#c00000", "#007000", "#0000c0")
+VIEWS = ((25.0, -60.0), (-25.0, 120.0))
+"""Elevation and azimuth [deg]: from above, and from below on the other side."""
+
+
+def picture(
+    mesh: SolidMesh, sets: Mapping[str, Ints], frames: Mapping[str, tuple[Floats, Floats]], title: str = ""
+) -> Figure:
+    """Part and interfaces in 3-D.
+
+    Parameters
+    ----------
+    mesh : SolidMesh
+        The part.
+    sets : mapping
+        Points of each interface; faces between them are coloured, other points drawn as dots.
+    frames : mapping
+        Rotation and position of each interface; x is drawn red, y green, z blue.
+    title : str
+        Above the picture.
+    """
+    from matplotlib.figure import Figure as Canvas
+    from matplotlib.lines import Line2D
+
+    from flexarm.solids.shape import surface
+
+    faces = surface(mesh)
+    figure = Canvas(figsize=(10.5, 5.2), layout="constrained")
+    of_face, loose = _colours(faces, sets, mesh.n_points)
+    for k, (elevation, azimuth) in enumerate(VIEWS, 1):
+        axes: Any = figure.add_subplot(1, 2, k, projection="3d", computed_zorder=False)
+        _faces(axes, mesh, faces, of_face)
+        for name, colour in zip(sets, _cycle(len(sets)), strict=True):
+            points = mesh.points[loose[name]]
+            if len(points):
+                axes.scatter(*points.T, color=colour, s=10, depthshade=False, zorder=2)
+        _triads(axes, frames, _cycle(len(sets)), float(np.linalg.norm(mesh.box[1] - mesh.box[0])))
+        _box(axes, mesh.box)
+        axes.view_init(elevation, azimuth)
+    handles = [
+        Line2D([], [], color=colour, marker="s", linestyle="none", label=f"{name} ({len(sets[name])} points)")
+        for name, colour in zip(sets, _cycle(len(sets)), strict=True)
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
+    figure.suptitle(title or f"{mesh.n_cells} cells, {mesh.n_points} points")
+    return figure
+
+
+def save_picture(figure: Figure, path: str | Path, force: bool = False) -> None:
+    """Writes the picture; its kind follows the name's ending.
+
+    Raises
+    ------
+    InvalidFile
+        If the file exists and `force` is not set, or cannot be written.
+    """
+    target = Path(path)
+    if target.exists() and not force:
+        raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
+    partial = target.with_name(f".{target.stem}.partial{target.suffix}")
+    try:
+        figure.savefig(partial, dpi=150)
+        partial.replace(target)
+    except ValueError as error:  # an ending that matplotlib does not know
+        raise InvalidFile(path, "output", f"cannot be written: {error}") from None
+    except OSError as error:
+        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _cycle(n: int) -> list[str]:
+    return [COLOURS[i % len(COLOURS)] for i in range(n)]
+
+
+def _colours(
+    faces: Sequence[tuple[int, ...]], sets: Mapping[str, Ints], n_points: int
+) -> tuple[list[str], dict[str, Ints]]:
+    """Colour of each face, and the points of each set that no coloured face shows."""
+    colours = [BODY] * len(faces)
+    loose: dict[str, Ints] = {}
+    for (name, points), colour in zip(sets.items(), _cycle(len(sets)), strict=True):
+        inside = np.zeros(n_points, dtype=bool)
+        inside[points] = True
+        hidden = inside.copy()
+        for i, face in enumerate(faces):
+            if all(inside[p] for p in face):
+                colours[i] = colour
+                hidden[list(face)] = False
+        full = np.flatnonzero(hidden)
+        loose[name] = full if len(full) == len(points) else full[:0]  # middle nodes lie on coloured faces
+    return colours, loose
+
+
+def _faces(axes: Any, mesh: SolidMesh, faces: Sequence[tuple[int, ...]], colours: list[str]) -> None:
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+
+    polygons = [mesh.points[list(face)] for face in faces]
+    edges = "#00000040" if len(faces) < 20_000 else "none"
+    axes.add_collection3d(
+        Poly3DCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=0.2, shade=True, zorder=1)
+    )
+
+
+def _triads(axes: Any, frames: Mapping[str, tuple[Floats, Floats]], colours: list[str], size: float) -> None:
+    """Frames are drawn over the part, wherever they stand."""
+    for (rotation, position), dot in zip(frames.values(), colours, strict=True):
+        for k, colour in enumerate(AXES):
+            end = position + 0.1 * size * rotation[:, k]
+            axes.plot(*np.array([position, end]).T, color=colour, linewidth=1.6, zorder=3)
+        axes.scatter(
+            *position, color=dot, edgecolors="black", linewidths=0.6, s=28, depthshade=False, zorder=4
+        )
+
+
+def _box(axes: Any, box: Floats) -> None:
+    lengths = np.maximum(box[1] - box[0], 1e-3 * (box[1] - box[0]).max())
+    for set_limits, low, length in zip(
+        (axes.set_xlim, axes.set_ylim, axes.set_zlim), box[0], lengths, strict=True
+    ):
+        set_limits(low, low + length)
+    axes.set_box_aspect(lengths)
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    for axis, length in zip("xyz", lengths, strict=True):
+        axes.locator_params(axis=axis, nbins=max(1, round(5 * length / lengths.max())))
+    axes.tick_params(labelsize=7)
