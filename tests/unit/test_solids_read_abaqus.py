@@ -3,74 +3,14 @@
 import meshlane
 import numpy as np
 import pytest
+from mesh_files import ABAQUS_ASSEMBLY as ASSEMBLY
+from mesh_files import ABAQUS_BAR as BAR
 from solid_volume import volume
 
 from flexarm import InvalidFile, read_mesh
 from flexarm.solids import Material, ring
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
-
-BAR = """*HEADING
-two cubes of 10 mm, one of 20 nodes' worth of trouble
-** a comment
-*Node, nset=Nall
- 1, 0., 0., 0.
- 2, 10., 0., 0.
-** another comment, within the data
- 3, 10., 10., 0.
- 4, 0., 10.
- 15, 0., 0., 10.
- 16, 10., 0., 10.
- 17, 10., 10., 1.D1
- 18, 0., 10., 10.
- 25, 0., 0., 20.
- 26, 10., 0., 20.
- 27, 10., 10., 20.
- 28, 0., 10., 20.
- 99, 5., 5., 50.
-*ELEMENT, TYPE=C3D8R, ELSET=lower
- 7, 1, 2, 3, 4, 15, 16,
- 17, 18
-*element, type=C3D8I,
- elset=upper
- 9, 15, 16, 17, 18, 25, 26, 27, 28
-*ELEMENT, TYPE=S4, ELSET=skin
- 12, 25, 26, 27, 28
-*ELEMENT, TYPE=SPRINGA, ELSET=spring
- 13, 99, 28
-*NSET, NSET=foot
- 1, 2, 3
-*NSET, NSET="Foot"
- 4,
-*NSET, NSET=middle, GENERATE
- 15, 18, 1
-*NSET, NSET=ends
- FOOT, 25, 26
-*NSET, NSET=of_upper, ELSET=UPPER
-*NSET, NSET=reference
- 99
-*ELSET, ELSET=both
- lower, 9
-*SURFACE, NAME=top, TYPE=ELEMENT
- upper, S2
-*SURFACE, NAME=side
- 7, S3
- upper, s3
-*SURFACE, NAME=nodes, TYPE=NODE
- middle
-*MATERIAL, NAME=Steel
-*DENSITY
-7.85E-9
-*ELASTIC
- 210000., 0.3, 0.
- 200000., 0.3, 100.
-*SOLID SECTION, ELSET=BOTH, MATERIAL=STEEL
-*STEP
-*STATIC
-*NODE PRINT, NSET=Nall
-U
-*END STEP
-"""
 
 
 @pytest.fixture
@@ -199,44 +139,6 @@ def test_included_files_are_read(bar):
     assert volume(read_mesh(bar, unit="mm").check()) == pytest.approx(2e-6)
 
 
-ASSEMBLY = """*Heading
-*Part, name=lever
-*Node
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 0., 1., 0.
-4, 0., 0., 1.
-*Element, type=C3D4
-1, 1, 2, 3, 4
-*Nset, nset=base
-1, 2, 3
-*Elset, elset=all
-1,
-*Solid Section, elset=all, material=steel
-,
-*End Part
-*Assembly, name=whole
-*Instance, name=lever-1, part=lever
-*End Instance
-*Instance, name=lever-2, part=lever
-5., 0., 0.
-5., 0., 0., 5., 0., 1., 90.
-*End Instance
-*Nset, nset=tip, instance=lever-2
-4
-*Nset, nset=feet, instance=lever-2
-base
-*Nset, nset=feet
-lever-1.1
-*End Assembly
-*Material, name=steel
-*Density
-7850.
-*Elastic
-2.1e11, 0.3
-"""
-
-
 def test_instances_are_placed_and_their_sets_kept_apart(tmp_path):
     """lever-2 stands at x = 5, turned by 90 degrees about z: (1, 0, 0) of the part goes to (5, 1, 0)."""
     path = tmp_path / "levers.inp"
@@ -258,6 +160,25 @@ def test_one_instance_keeps_the_names_of_its_part(tmp_path):
     mesh = read_mesh(path).check()
     assert list(mesh.cell_groups) == list(mesh.materials) == ["all"]
     assert list(mesh.point_set("base")) == [0, 1, 2]
+
+
+def test_a_range_far_beyond_the_nodes_means_those_there_are(bar):
+    bar.write_text(BAR.replace(" 15, 18, 1", " 15, 99999999"))
+    assert _numbers(read_mesh(bar, unit="mm"), "middle") == [15, 16, 17, 18, 25, 26, 27, 28]
+
+
+def test_a_comma_at_the_end_of_the_file_ends_it(bar):
+    bar.write_text(BAR + "*NSET, NSET=more,")
+    assert read_mesh(bar, unit="mm").n_cells == 2
+
+
+def test_the_placing_of_an_instance_must_be_whole(tmp_path):
+    path = tmp_path / "levers.inp"
+    path.write_text(ASSEMBLY.replace("5., 0., 0., 5., 0., 1., 90.", "5., 0., 0., 5., 0., 0., 90."))
+    with pytest.raises(
+        InvalidFile, match=r"\*INSTANCE: must be two points of the axis that differ, and an angle"
+    ):
+        read_mesh(path)
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -3,38 +3,14 @@
 import meshlane
 import numpy as np
 import pytest
+from mesh_files import GMSH_4
+from mesh_files import GMSH_TETRAHEDRA as TWO_TETRAHEDRA
 from solid_volume import volume
 
 from flexarm import InvalidFile, InvalidParameter, read_mesh
 from flexarm.solids import Material, ring
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
-
-TWO_TETRAHEDRA = """$MeshFormat
-2.2 0 8
-$EndMeshFormat
-$PhysicalNames
-2
-2 7 "foot"
-3 1 "body"
-$EndPhysicalNames
-$Nodes
-6
-1 0 0 0
-2 1 0 0
-3 0 1 0
-5 0 0 1
-8 1 1 1
-9 7 7 7
-$EndNodes
-$Elements
-4
-3 15 2 4 1 5
-10 2 2 7 1 1 3 2
-20 4 2 1 1 1 2 3 5
-31 4 2 1 1 2 8 3 5
-$EndElements
-"""
 
 
 def test_physical_volumes_are_groups_and_all_else_sets(tmp_path):
@@ -47,6 +23,25 @@ def test_physical_volumes_are_groups_and_all_else_sets(tmp_path):
         "foot": [0, 1, 2],
         "point-4": [3],
     }
+
+
+def test_version_4_gives_the_same_part(tmp_path):
+    path = tmp_path / "two.msh"
+    path.write_text(GMSH_4)
+    mesh = read_mesh(path)
+    assert list(mesh.cells["tet4"].ravel()) == [0, 1, 2, 3, 1, 4, 2, 3]
+    assert list(mesh.cell_numbers["tet4"]) == [20, 31]
+    assert list(mesh.cell_groups["body"]["tet4"]) == [0, 1]
+    assert list(mesh.point_set("foot")) == [0, 1, 2]
+
+
+@pytest.mark.parametrize("text", [TWO_TETRAHEDRA, GMSH_4], ids=["2.2", "4.1"])
+def test_a_cell_that_names_a_missing_node_is_refused(tmp_path, text):
+    """The reader alone would take the last node for it, without a word."""
+    path = tmp_path / "two.msh"
+    path.write_text(text.replace("2 8 3 5", "2 7 3 5"))
+    with pytest.raises(InvalidFile, match=r"cells: cell 31 names a node that is not in the file"):
+        read_mesh(path)
 
 
 def test_messages_use_the_numbers_of_the_file(tmp_path):

@@ -3,50 +3,13 @@
 import meshlane
 import numpy as np
 import pytest
+from mesh_files import NASTRAN_BAR as BAR
 from solid_volume import volume
 
 from flexarm import InvalidFile, read_mesh
 from flexarm.solids import Material, ring
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
-
-# Small, large and free fields, continuations with and without names, reals without an exponent's letter.
-BAR = """SOL 103
-CEND
-SET 5 = 1, 3 THRU 4,
-        16
-BEGIN BULK
-$ two cubes of 10 mm
-GRID           1              0.      0.      0.
-GRID           2             10.      0.      0.
-GRID*                  3                           1.0+1            10.0
-*                    0.0
-GRID,4,,0.,10.,0.
-GRID          15              0.      0.     10.
-GRID          16             10.      0.     10.
-GRID          17             10.     10.     10.
-GRID          18              0.     10.     10.
-GRID          25              0.      0.    2.+1
-GRID          26             10.      0.     20.
-GRID          27             10.     10.     20.
-GRID          28              0.     10.     20.
-GRID          99              5.      5.     20.
-CHEXA          7       1       1       2       3       4      15      16+A
-+A            17      18
-CHEXA,9,2,15,16,17,18,25,26,+
-+,27,28
-PSOLID         1       5
-PSOLID,2,5
-MAT1           5 210000.              .3 7.85-9
-SPC1,11,123,1,THRU,4
-SPC           12      25       3      0.      26       3      0.
-RBE2          31      99  123456      25      26      27      28
-RBE3,32,,99,123456,1.0,123,15,16,
-,17,18
-CELAS2,40,1.,1,1
-ENDDATA
-GRID        1000              0.      0.      0.
-"""
 
 
 @pytest.fixture
@@ -83,6 +46,12 @@ def test_constraints_rigid_elements_and_sets_name_points(bar):
         "rbe3-32": [15, 16, 17, 18],
     }
     assert "cells: 1 cards CELAS2 are not read" in [str(note) for note in mesh.notes]
+
+
+def test_open_ranges_mean_the_grids_there_are(bar):
+    bar.write_text(BAR.replace("SPC1,11,123,1,THRU,4", "SPC1,11,123,17,THRU,99999999"))
+    mesh = read_mesh(bar, unit="mm")
+    assert list(mesh.point_numbers[mesh.point_set("spc-11")]) == [17, 18, 25, 26, 27, 28]
 
 
 def test_shear_modulus_stands_for_what_is_left_out(bar):

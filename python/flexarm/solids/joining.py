@@ -23,6 +23,8 @@ def merge_points(mesh: SolidMesh, tolerance: float) -> SolidMesh:
 
     if not tolerance > 0:
         raise InvalidParameter(f"must be positive, got {tolerance:g} m", where="merge")
+    if not np.isfinite(mesh.points).all():
+        return mesh  # the check says so
     pairs = coincident(mesh.points, tolerance)
     if not len(pairs):
         return mesh

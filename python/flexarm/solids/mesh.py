@@ -77,11 +77,11 @@ class SolidMesh:
             },
             "materials": dict(self.materials),
             "cell_numbers": {
-                name: _frozen(self.cell_numbers.get(name, np.arange(1, n + 1)), np.int32)
+                name: _frozen(self.cell_numbers.get(name, np.arange(1, n + 1)), np.int64)
                 for name, n in sizes.items()
             },
             "point_numbers": _frozen(
-                np.arange(1, len(points) + 1) if self.point_numbers is None else self.point_numbers, np.int32
+                np.arange(1, len(points) + 1) if self.point_numbers is None else self.point_numbers, np.int64
             ),
         }
         for name, value in values.items():

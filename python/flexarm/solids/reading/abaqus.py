@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 from flexarm.errors import Problem
 from flexarm.solids.cell_types import BY_MESHIO_NAME
 from flexarm.solids.reading.abaqus_cells import kind_of, rows_of
 from flexarm.solids.reading.abaqus_flat import Flat
-from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope, Section
+from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope, Section, placement
 from flexarm.solids.reading.content import Content
 from flexarm.solids.reading.keywords import Keyword, keywords
 
@@ -112,14 +113,17 @@ class _Reader:
         _extend(self.scope.cell_sets, keyword.parameters.get("ELSET", ""), keys)
 
     def _node_set(self, keyword: Keyword) -> None:
-        found = self.scope.members(keyword, self.scope.node_sets, keyword.parameters.get("INSTANCE", ""))
+        found = self._members(keyword, self.scope.node_sets, self.scope.nodes)
         cells = keyword.parameters.get("ELSET")
         if cells:
             found += [node for key in self._cell_keys(cells, keyword) for node in self.scope.cells[key][1]]
         _extend(self.scope.node_sets, keyword.needed("NSET"), found)
 
+    def _members(self, keyword: Keyword, known: Names[list[Key]], there: Mapping[Key, object]) -> list[Key]:
+        return self.scope.members(keyword, known, there, keyword.parameters.get("INSTANCE", ""))
+
     def _cell_set(self, keyword: Keyword) -> None:
-        found = self.scope.members(keyword, self.scope.cell_sets, keyword.parameters.get("INSTANCE", ""))
+        found = self._members(keyword, self.scope.cell_sets, self.scope.cells)
         _extend(self.scope.cell_sets, keyword.needed("ELSET"), found)
 
     def _cell_keys(self, name: str, keyword: Keyword) -> list[Key]:
@@ -130,15 +134,14 @@ class _Reader:
 
     def _surface(self, keyword: Keyword) -> None:
         name, nodes = keyword.needed("NAME"), []
-        instance = keyword.parameters.get("INSTANCE", "")
         by_node = keyword.parameters.get("TYPE", "ELEMENT").upper() == "NODE"
         for line, (what, *face) in keyword.rows:
-            row = Keyword(keyword.name, {}, keyword.file, keyword.line, [(line, [what])])
+            row = replace(keyword, rows=[(line, [what])])
             if by_node:
-                nodes += self.scope.members(row, self.scope.node_sets, instance)
+                nodes += self._members(row, self.scope.node_sets, self.scope.nodes)
                 continue
             label = face[0].upper() if face else ""
-            for key in self.scope.members(row, self.scope.cell_sets, instance):
+            for key in self._members(row, self.scope.cell_sets, self.scope.cells):
                 if key in self.scope.cells:
                     nodes += self._face(keyword, line, key, label)
         _extend(self.scope.surfaces, name, nodes)
@@ -196,7 +199,7 @@ class _Reader:
         if self.instance is None:
             raise keyword.error("there is no *INSTANCE before")
         name = self.instance.needed("NAME")
-        rows = [self.instance.floats(*row) for row in self.instance.rows]
+        rows = placement(self.instance)
         self.scope.copied(name, rows, self.assembly)
         self.instances.append(name)
         self.instance, self.scope = None, self.assembly

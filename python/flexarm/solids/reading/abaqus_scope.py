@@ -6,7 +6,7 @@ parts, and within a part, the instance is empty.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -16,6 +16,8 @@ from flexarm.arrays import Floats
 from flexarm.solids.reading.keywords import Keyword
 
 Key = tuple[str, int]
+#: A range of more numbers than this is looked up among the nodes or cells that there are.
+MANY = 1_000_000
 Value = TypeVar("Value")
 
 
@@ -92,13 +94,23 @@ class Scope:
                 its.set(f"{instance}.{name}", own(keys))
         into.sections += [Section(f"{instance}.{s.cells}", s.material, s.where) for s in self.sections]
 
-    def members(self, keyword: Keyword, known: Names[list[Key]], instance: str) -> list[Key]:
-        """What the rows of `*NSET` or `*ELSET` name: numbers, ranges, other sets."""
+    def members(
+        self, keyword: Keyword, known: Names[list[Key]], there: Mapping[Key, object], instance: str
+    ) -> list[Key]:
+        """What the rows of `*NSET` or `*ELSET` name: numbers, ranges, other sets.
+
+        A range longer than any list of nodes, as in `1, 99999999`, means those `there` that it spans.
+        """
         found: list[Key] = []
         for line, values in keyword.rows:
             if "GENERATE" in keyword.parameters:
-                first, last, *step = keyword.numbers(line, values)
-                found += [(instance.upper(), n) for n in range(first, last + 1, *(step or [1]))]
+                span = keyword.span(line, values)
+                numbers = (
+                    span
+                    if len(span) < MANY
+                    else [n for owner, n in there if owner == instance.upper() and n in span]
+                )
+                found += [(instance.upper(), n) for n in numbers]
                 continue
             for value in filter(None, values):
                 found += self._named(value, keyword, line, known, instance)
@@ -107,16 +119,26 @@ class Scope:
     def _named(
         self, value: str, keyword: Keyword, line: int, known: Names[list[Key]], instance: str
     ) -> list[Key]:
-        if value.lstrip("+-").isdigit():
-            return [(instance.upper(), int(value))]
+        if value.isdecimal():
+            return [(instance.upper(), *keyword.numbers(line, [value]))]  # type: ignore[list-item]
         owner, _, number = value.rpartition(".")
-        if owner and number.isdigit() and value not in known:
-            return [(owner.upper(), int(number))]
+        if owner and number.isdecimal() and value not in known:
+            return [(owner.upper(), *keyword.numbers(line, [number]))]  # type: ignore[list-item]
         of_instance = known.get(f"{instance}.{value}") if instance else None
         named = of_instance if of_instance is not None else known.get(value)
         if named is None:
             raise keyword.error(f"there is no set {value!r} before this line", line)
         return named
+
+
+def placement(keyword: Keyword) -> list[list[float]]:
+    """The rows of `*INSTANCE`: none, a translation, or a translation and two points with an angle."""
+    rows = [(line, keyword.floats(line, values)) for line, values in keyword.rows]
+    for (line, row), length in zip(rows, (3, 7), strict=False):
+        if len(row) < length or (length == 7 and row[:3] == row[3:6]):
+            what = "three numbers" if length == 3 else "two points of the axis that differ, and an angle"
+            raise keyword.error(f"must be {what}, got {', '.join(f'{x:g}' for x in row)}", line)
+    return [row for _, row in rows]
 
 
 def _placed(points: Floats, rows: list[list[float]]) -> Floats:
@@ -125,7 +147,7 @@ def _placed(points: Floats, rows: list[list[float]]) -> Floats:
     The second row is two points a, b and an angle [deg] about the line from a to b (Rodrigues' formula).
     """
     if rows:
-        points = points + np.array((rows[0] + [0.0] * 3)[:3])
+        points = points + np.array(rows[0][:3])
     if len(rows) > 1:
         a, b, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), np.radians(rows[1][6])
         axis, arm = (b - a) / np.linalg.norm(b - a), points - a

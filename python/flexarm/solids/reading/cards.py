@@ -14,6 +14,8 @@ from pathlib import Path
 
 from flexarm.errors import InvalidFile
 
+#: Largest number of a grid or cell that Nastran allows.
+MOST = 999_999_999
 _MOST_INCLUDES = 20
 
 
@@ -50,9 +52,12 @@ class Card:
         if not text and otherwise is not None:
             return otherwise
         try:
-            return int(text)
+            number = int(text)
         except ValueError:
             raise self.error(f"field {index + 2} must be a whole number, got {text!r}") from None
+        if abs(number) > MOST:
+            raise self.error(f"field {index + 2} goes up to {MOST}, got {text}")
+        return number
 
     def number(self, index: int) -> float:
         """A real number, 0 for an empty field; `7.-3` is 0.007."""

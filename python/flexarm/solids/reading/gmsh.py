@@ -31,10 +31,14 @@ _DIMENSION = ("point", "curve", "surface", "volume")
 
 def content(path: Path) -> Content:
     """What a Gmsh file holds."""
+    return read_by(_content, path, "Gmsh mesh", _REMEDIES)
+
+
+def _content(path: Path) -> Content:
     import meshlane
 
     _refuse_shared_names(path)
-    mesh = read_by(meshlane.gmsh.read, path, "Gmsh mesh", _REMEDIES)
+    mesh = meshlane.gmsh.read(str(path))
     blocks = blocks_of(mesh)
     numbers = cell_numbers(path)
     if numbers is not None and len(numbers) == sum(len(block.nodes) for block in blocks):

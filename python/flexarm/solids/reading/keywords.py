@@ -15,6 +15,8 @@ from pathlib import Path
 
 from flexarm.errors import InvalidFile
 
+#: Largest number of a node or cell that the programs allow.
+MOST = 999_999_999
 _MOST_INCLUDES = 20
 
 
@@ -54,9 +56,19 @@ class Keyword:
     def numbers(self, line: int, values: list[str]) -> list[int]:
         """Whole numbers of a row; empty values are left out."""
         try:
-            return [int(value) for value in values if value]
+            numbers = [int(value) for value in values if value]
         except ValueError:
             raise self.error(f"must be whole numbers, got {', '.join(values)}", line) from None
+        if any(abs(number) > MOST for number in numbers):
+            raise self.error(f"numbers go up to {MOST}, got {', '.join(values)}", line)
+        return numbers
+
+    def span(self, line: int, values: list[str]) -> range:
+        """First, last and step of `GENERATE`; the step is 1 if left out."""
+        first, last, step = (*self.numbers(line, values), 1, 1)[:3] if values[1:] else (0, 0, 0)
+        if step < 1:
+            raise self.error(f"must be first, last and a positive step, got {', '.join(values)}", line)
+        return range(first, last + 1, step)
 
     def floats(self, line: int, values: list[str]) -> list[float]:
         """Numbers of a row; empty values are zero, as both programs take them."""
@@ -81,7 +93,7 @@ def keywords(path: Path, depth: int = 0) -> Iterator[Keyword]:
         if current is not None:
             yield from _followed(current, depth)
         while text.endswith(","):
-            text += next(lines, (0, ""))[1].strip()
+            text += next(lines, (0, "*"))[1].strip()  # at the end of the file the comma is not the last
         current = _keyword(text, path, number)
     if current is not None:
         yield from _followed(current, depth)

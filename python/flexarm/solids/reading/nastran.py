@@ -9,6 +9,7 @@ property). Grids in coordinate systems other than the basic one need CORD2R, COR
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,7 @@ class _Reader:
         self.cells: dict[str, list[tuple[int, int, list[int], Card]]] = {}
         self.properties: dict[int, Card] = {}
         self.materials: dict[int, Card] = {}
-        self.sets: dict[str, list[int]] = {}
+        self.sets: dict[str, list[range]] = {}
         self.left: dict[str, int] = {}
         self.steps: Mapping[str, Callable[[Card], None]] = {
             "GRID": self._grid,
@@ -61,8 +62,8 @@ class _Reader:
             self._solid(card)
         elif card.name in _SHELLS:
             count = _SHELLS[card.name]
-            nodes = [int(text) for text in card.fields[2 : 2 + count] if text.isdigit()]
-            self._extend(f"shell-{card.integer(1, card.integer(0))}", nodes)
+            nodes = replace(card, fields=card.fields[2 : 2 + count])
+            self._extend(f"shell-{card.integer(1, card.integer(0))}", _range(nodes, 0))
         elif card.name in _OTHER_SOLIDS:
             row = (card.integer(0), 0, [card.integer(2)], card)
             self.cells.setdefault(_OTHER_SOLIDS[card.name], []).append(row)
@@ -70,7 +71,7 @@ class _Reader:
             frame_of(card, self.frames)
         elif card.name in self.steps:
             self.steps[card.name](card)
-        elif card.name.startswith(("C", "RB", "MPC")) and card.text(0).isdigit():
+        elif card.name.startswith(("C", "RB", "MPC")) and card.text(0).isdecimal():
             self.left[card.name] = self.left.get(card.name, 0) + 1
 
     def _grid(self, card: Card) -> None:
@@ -79,7 +80,7 @@ class _Reader:
     def _solid(self, card: Card) -> None:
         few, many, kind = _SOLIDS[card.name]
         texts = [text for text in card.fields[2:] if not text.startswith("+")]
-        nodes = [int(text) for text in texts if text.isdigit()]
+        nodes = [_whole(card, text) for text in texts if text.isdecimal()]
         if len(nodes) not in (few, many) or len([t for t in texts[: len(nodes)] if t]) != len(nodes):
             raise card.error(
                 f"cell {card.integer(0)} has {len(nodes)} nodes; allowed are {few}, or {many} without gaps"
@@ -99,8 +100,8 @@ class _Reader:
 
     def _spc(self, card: Card) -> None:
         """Set, then grid, components, displacement, twice."""
-        grids = [card.integer(i) for i in (1, 4) if card.text(i)]
-        self._extend(f"spc-{card.integer(0)}", grids)
+        for i in (1, 4):
+            self._extend(f"spc-{card.integer(0)}", _range(replace(card, fields=card.fields[i : i + 1]), 0))
 
     def _spc1(self, card: Card) -> None:
         self._extend(f"spc-{card.integer(0)}", _range(card, 2))
@@ -114,19 +115,20 @@ class _Reader:
 
     def _rbe3(self, card: Card) -> None:
         """Number, blank, reference grid, components, then weight, components, grids, again and again."""
-        grids, i = [], 4
-        while i < len(card.fields) and card.text(i).upper() not in ("UM", "ALPHA"):
-            if "." in card.text(i):
-                i += 2  # a weight and the components it is for
-                continue
-            grids += [int(card.text(i))] if card.text(i).isdigit() else []
-            i += 1
-        self._extend(f"rbe3-{card.integer(0)}", grids)
+        grids, rest = [], iter(card.fields[4:])
+        for text in rest:
+            if text.upper() in ("UM", "ALPHA"):
+                break
+            if "." in text:
+                next(rest, "")  # a weight and the components it is for
+            else:
+                grids.append(text)
+        self._extend(f"rbe3-{card.integer(0)}", _range(replace(card, fields=grids), 0))
 
     def _set(self, card: Card) -> None:
         self._extend(f"set-{card.text(0)}", _range(card, 1))
 
-    def _extend(self, name: str, grids: Iterable[int]) -> None:
+    def _extend(self, name: str, grids: Iterable[range]) -> None:
         self.sets.setdefault(name, []).extend(grids)
 
     def finished(self, path: Path) -> Content:
@@ -142,8 +144,8 @@ class _Reader:
             owners = np.array([owner for _, owner, _, _ in rows])
             for owner in np.unique(owners):
                 found.groups.setdefault(f"psolid-{owner}", {})[i] = np.flatnonzero(owners == owner)
-        for name, grids in self.sets.items():
-            there = np.array([index[grid] for grid in grids if grid in index], int)
+        for name, spans in self.sets.items():
+            there = np.array([index[grid] for span in spans for grid in _common(span, index)], int)
             if len(there):  # a set of the case control may also number cells
                 found.point_sets[name] = np.unique(there)
         found.materials = self._elastic()
@@ -171,6 +173,15 @@ class _Reader:
         return found
 
 
+def _common(span: range, grids: Mapping[int, int]) -> Iterable[int]:
+    """The grids of a range that there are; ranges such as `1 THRU 99999999` are common."""
+    return [n for n in span if n in grids] if len(span) < len(grids) else [n for n in grids if n in span]
+
+
+def _whole(card: Card, text: str) -> int:
+    return Card(card.name, [text], card.file, card.line).integer(0)
+
+
 def _mat1(card: Card) -> Elastic:
     """Number, E, G, nu, rho; of E, G, nu one may be left out: E = 2 G (1 + nu)."""
     modulus, shear, ratio = (card.number(i) if card.text(i) else None for i in (1, 2, 3))
@@ -182,20 +193,23 @@ def _mat1(card: Card) -> Elastic:
     return Elastic(modulus, ratio, density, f"line {card.line}, MAT1 {card.text(0)}")
 
 
-def _range(card: Card, first: int) -> list[int]:
+def _range(card: Card, first: int) -> list[range]:
     """Grids from a field on: numbers, and `a THRU b` [`BY` step]."""
     texts = [text.upper() for text in card.fields[first:] if text and not text.startswith("+")]
-    found: list[int] = []
-    i = 0
-    while i < len(texts):
-        if texts[i] == "THRU" and found and i + 1 < len(texts) and texts[i + 1].isdigit():
-            step = int(texts[i + 3]) if texts[i + 2 : i + 3] == ["BY"] else 1
-            found += range(found[-1] + step, int(texts[i + 1]) + 1, step)
-            i += 4 if step > 1 else 2
-            continue
-        if texts[i].isdigit():
-            found.append(int(texts[i]))
-        elif texts[i] not in ("ALL", "EXCEPT") and "." not in texts[i]:
-            raise card.error(f"must be grids or THRU, got {texts[i]!r}")
-        i += 1
+    found: list[range] = []
+    rest = iter(texts)
+    for text in rest:
+        if text == "THRU" and found:
+            last = _whole(card, next(rest, ""))
+            found.append(range(found.pop().start, last + 1))
+        elif text == "BY" and found:
+            step = _whole(card, next(rest, ""))
+            if step < 1:
+                raise card.error(f"BY needs a positive step, got {step}")
+            found.append(range(found[-1].start, found.pop().stop, step))
+        elif text.isdecimal():
+            number = _whole(card, text)
+            found.append(range(number, number + 1))
+        elif text not in ("ALL", "EXCEPT") and "." not in text:
+            raise card.error(f"must be grids or THRU, got {text!r}")
     return found

@@ -44,6 +44,7 @@ def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Mate
         Group -> material, SI; they take the place of those in the file.
     """
     _refuse_other_solids(content, file)
+    _refuse_missing_points(content, file)
     kinds = [BY_MESHIO_NAME[_lesser(b.kind)].name if _is_solid(b.kind) else "" for b in content.blocks]
     cells, numbers, offset = _cells(content, kinds)
     if not cells:
@@ -89,6 +90,15 @@ def _refuse_other_solids(content: Content, file: str) -> None:
         raise InvalidFile(
             file, "cells", f"cells that flexarm has no element for: {shown}; allowed are {ALLOWED}; {remedy}"
         )
+
+
+def _refuse_missing_points(content: Content, file: str) -> None:
+    """A negative index would mean a point at the end of the list, silently."""
+    for block in content.blocks:
+        wrong = ((block.nodes < 0) | (block.nodes >= len(content.points))).any(axis=1)
+        if wrong.any():
+            number = block.numbers[np.flatnonzero(wrong)[0]]
+            raise InvalidFile(file, "cells", f"cell {number} names a node that is not in the file")
 
 
 def _no_solids(content: Content) -> str:

@@ -68,7 +68,7 @@ def read_mesh(
     check_unit(unit)
     file = Path(path)
     if not file.is_file():
-        raise InvalidFile(file, "", "there is no such file")
+        raise InvalidFile(file, "path", "there is no such file")
     given = materials if isinstance(materials, Mapping) else {}
     mesh = part_in(_reader(file)(file), str(path), unit, given)
     if isinstance(materials, Material):
@@ -81,7 +81,7 @@ def _reader(file: Path) -> Callable[[Path], Content]:
     if known is None:
         raise InvalidFile(
             file,
-            "",
+            "path",
             f"files ending in {file.suffix!r} are not read; allowed are {', '.join(FORMATS)} "
             "(`meshlane convert` writes .vtu from many others)",
         )

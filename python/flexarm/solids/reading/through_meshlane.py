@@ -7,37 +7,42 @@ from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 
 from flexarm.errors import InvalidFile
-from flexarm.solids.reading.content import Block
+from flexarm.solids.reading.content import Block, Content
 
 
 def read_by(
-    reader: Callable[[str], Any], path: Path, what: str, remedies: Mapping[str, str] | None = None
-) -> Any:
-    """The mesh that a reader of meshlane makes of a file.
+    reader: Callable[[Path], Content], path: Path, what: str, remedies: Mapping[str, str] | None = None
+) -> Content:
+    """What a reader that uses meshlane makes of a file.
 
     Parameters
     ----------
     reader : callable
-        Such as `meshlane.gmsh.read`; `meshlane.read` would leave the program where it fails.
+        It may call the readers of meshlane's formats; `meshlane.read` would leave the program where it fails.
     path : path
         The file.
     what : str
         What it should be.
     remedies : mapping, optional
-        Part of a message of the reader -> what the user can do.
+        Part of a message of meshlane -> what the user can do.
     """
-    said = StringIO()
     try:
-        with redirect_stderr(said):
-            return reader(str(path))
+        with redirect_stderr(StringIO()), catch_warnings():
+            filterwarnings(
+                "error", message="string or file could not be read"
+            )  # numpy, in the middle of text
+            return reader(path)
+    except InvalidFile:
+        raise
     except Exception as error:  # a reader fails in any way on a file that is cut off or of another kind
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         remedy = next((f"; {told}" for part, told in (remedies or {}).items() if part in reason), "")
-        raise InvalidFile(path, "", f"cannot be read as a {what} ({reason}){remedy}") from error
+        raise InvalidFile(path, "mesh", f"cannot be read as a {what} ({reason}){remedy}") from error
 
 
 def blocks_of(mesh: Any) -> list[Block]:

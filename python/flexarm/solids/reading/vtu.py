@@ -24,9 +24,13 @@ _NOT_GROUPS = re.compile(r"vtkOriginal|GlobalNodeId|GlobalElementId|GlobalCellId
 
 def content(path: Path) -> Content:
     """What a VTU file holds."""
+    return read_by(_content, path, "VTK unstructured grid")
+
+
+def _content(path: Path) -> Content:
     import meshlane
 
-    mesh = read_by(meshlane.vtu.read, path, "VTK unstructured grid")
+    mesh = meshlane.vtu.read(str(path))
     blocks = blocks_of(mesh)
     _refuse_losses(path, sum(len(block.data) for block in mesh.cells))
     found = Content(np.asarray(mesh.points, float), np.arange(1, len(mesh.points) + 1), blocks)
