@@ -1,6 +1,8 @@
-# flexarm_suitesparse: KLU with AMD, COLAMD and BTF (all LGPL-2.1+), where SuiteSparse is present and wanted.
-#   FLEXARM_HAS_KLU      KLU factorises the matrix of a step
-#   FLEXARM_HAS_CHOLMOD  CHOLMOD is there; it is only reported, since its supernodal part is GPL
+# flexarm_suitesparse: KLU with AMD, COLAMD and BTF, and CHOLMOD, where SuiteSparse is present and wanted.
+#   FLEXARM_HAS_KLU      KLU (LGPL) factorises the matrix of a step
+#   FLEXARM_HAS_CHOLMOD  CHOLMOD factorises solid parts. Its supernodal part is GPL, so is then a build that links
+#                        it; FLEXARM_SUITESPARSE=OFF keeps a build free of both
+# CHOLMOD is as fast as the BLAS that the system gives it (libopenblas-dev); nothing here links a BLAS.
 # SuiteSparse 7 brings CMake packages, SuiteSparse 5 (Debian 12) only headers and libraries.
 add_library(flexarm_suitesparse INTERFACE)
 set(FLEXARM_HAS_KLU OFF)
@@ -60,16 +62,13 @@ if(NOT FLEXARM_SUITESPARSE STREQUAL OFF)
   endif()
   if(CHOLMOD_target)
     set(FLEXARM_HAS_CHOLMOD ON)
+    target_link_libraries(flexarm_suitesparse INTERFACE ${CHOLMOD_target} ${CMAKE_DL_LIBS})
     target_compile_definitions(flexarm_suitesparse INTERFACE FLEXARM_HAS_CHOLMOD=1)
   endif()
   read_suitesparse_version()
 endif()
 
-if(FLEXARM_SUITESPARSE STREQUAL SYSTEM AND NOT FLEXARM_HAS_KLU)
-  message(FATAL_ERROR "FLEXARM_SUITESPARSE=SYSTEM, but KLU is missing: apt-get install libsuitesparse-dev")
+if(FLEXARM_SUITESPARSE STREQUAL SYSTEM AND NOT (FLEXARM_HAS_KLU AND FLEXARM_HAS_CHOLMOD))
+  message(FATAL_ERROR "FLEXARM_SUITESPARSE=SYSTEM, but KLU or CHOLMOD is missing: apt-get install libsuitesparse-dev")
 endif()
-if(FLEXARM_HAS_KLU)
-  message(STATUS "SuiteSparse ${SUITESPARSE_VERSION}: KLU on, CHOLMOD present: ${FLEXARM_HAS_CHOLMOD}")
-else()
-  message(STATUS "SuiteSparse: not used, Eigen's SparseLU stands in")
-endif()
+message(STATUS "SuiteSparse ${SUITESPARSE_VERSION}: KLU ${FLEXARM_HAS_KLU}, CHOLMOD ${FLEXARM_HAS_CHOLMOD} (Eigen stands in)")

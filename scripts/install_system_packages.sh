@@ -7,7 +7,7 @@ python="${1:-python3}"
 is_there() { # kind, what
   case "$1" in
     command) command -v "$2" > /dev/null ;;
-    file) [[ -e "$2" ]] ;;
+    file) compgen -G "$2" > /dev/null ;;
     header) "$python" -c "import sysconfig, pathlib, sys; sys.exit(not pathlib.Path(sysconfig.get_path('include'), '$2').exists())" ;;
     module) "$python" -c "import $2" 2> /dev/null ;;
   esac

@@ -39,8 +39,8 @@ void bind_build_info(py::module_& m) {
       .def_readonly("solver", &BuildInfo::solver)
       .def_readonly("ordering", &BuildInfo::ordering)
       .def_readonly("blas", &BuildInfo::blas)
-      .def_readonly("licence", &BuildInfo::licence)
-      .def_readonly("cholmod_found", &BuildInfo::cholmod_found);
+      .def_readonly("cholmod", &BuildInfo::cholmod)
+      .def_readonly("licence", &BuildInfo::licence);
   m.def("build_info", &flexarm::build_info, "What this build of the core is made of.");
 }
 
@@ -56,4 +56,5 @@ PYBIND11_MODULE(_core, m) {
   bind_assembly(m);
   bind_simulation(m);
   bind_solids(m);
+  bind_reduction(m);
 }

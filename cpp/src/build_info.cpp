@@ -1,8 +1,42 @@
 #include "flexarm/build_info.hpp"
 
 #include "flexarm/build_config.hpp"
+#include "flexarm/solvers/blas_info.hpp"
+#include "flexarm/solvers/cholesky_factor.hpp"
 
 namespace flexarm {
+namespace {
+
+using solvers::CholeskyFactor;
+
+std::string cholmod_parts() {
+#ifdef FLEXARM_HAS_CHOLMOD
+  return std::string(CholeskyFactor::has_supernodal() ? "supernodal" : "simplicial") +
+         (CholeskyFactor::has_metis() ? ", METIS or AMD" : ", AMD");
+#else
+  return "not used, Eigen's simplicial Cholesky stands in";
+#endif
+}
+
+/// KLU, BTF and CHOLMOD's simplicial part are LGPL, its supernodal part GPL-2.0+; METIS is under Apache-2.0,
+/// which goes together with version 3 of the GPL only.
+std::string licence() {
+  const std::string parts = "BSD-3-Clause flexarm, MPL-2.0 Eigen";
+  std::string lgpl;
+#ifdef FLEXARM_HAS_KLU
+  lgpl += "KLU/BTF";
+#endif
+#ifdef FLEXARM_HAS_CHOLMOD
+  lgpl += lgpl.empty() ? "CHOLMOD" : "/CHOLMOD";
+#endif
+  if (lgpl.empty()) return "BSD-3-Clause with MPL-2.0 Eigen";
+  const std::string all = parts + ", LGPL-2.1+ " + lgpl;
+  if (!CholeskyFactor::has_supernodal()) return all;
+  return (CholeskyFactor::has_metis() ? "GPL-3.0+" : "GPL-2.0+") + std::string(" as a whole: ") + all +
+         ", GPL-2.0+ supernodal CHOLMOD" + (CholeskyFactor::has_metis() ? ", Apache-2.0 METIS" : "");
+}
+
+}  // namespace
 
 BuildInfo build_info() {
   BuildInfo info;
@@ -12,19 +46,16 @@ BuildInfo build_info() {
   info.build_type = FLEXARM_BUILD_TYPE;
   info.eigen = FLEXARM_EIGEN_VERSION;
   info.suitesparse = FLEXARM_SUITESPARSE_VERSION;
-  info.blas = "none, Eigen's own kernels";
 #ifdef FLEXARM_HAS_KLU
   info.solver = "KLU";
   info.ordering = "BTF, AMD on its blocks";
-  info.licence = "BSD-3-Clause, with LGPL-2.1+ KLU/AMD/COLAMD/BTF";
 #else
   info.solver = "Eigen SparseLU";
   info.ordering = "COLAMD of Eigen";
-  info.licence = "BSD-3-Clause with MPL-2.0 Eigen";
 #endif
-#ifdef FLEXARM_HAS_CHOLMOD
-  info.cholmod_found = true;
-#endif
+  info.cholmod = cholmod_parts();
+  info.blas = solvers::loaded_blas();
+  info.licence = licence();
   return info;
 }
 

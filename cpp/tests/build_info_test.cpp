@@ -2,10 +2,32 @@
 
 #include <doctest/doctest.h>
 
-TEST_CASE("The licence of the build names LGPL exactly where KLU is linked") {
+#include "flexarm/solvers/cholesky_factor.hpp"
+
+namespace {
+
+bool names(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("The licence of the build names LGPL exactly where SuiteSparse is linked") {
   const flexarm::BuildInfo info = flexarm::build_info();
-  const bool klu = info.solver == "KLU";
-  CHECK((info.licence.find("LGPL") != std::string::npos) == klu);
-  CHECK(info.suitesparse.empty() == !klu);
-  CHECK(info.licence.find("GPL-3") == std::string::npos);
+  const bool klu = info.solver == "KLU", cholmod = !names(info.cholmod, "not used");
+  CHECK(names(info.licence, "LGPL") == (klu || cholmod));
+  CHECK(names(info.licence, "CHOLMOD") == cholmod);
+  CHECK(info.suitesparse.empty() == !(klu || cholmod));
+}
+
+TEST_CASE("The build is GPL as a whole exactly where CHOLMOD brings its supernodal part") {
+  using flexarm::solvers::CholeskyFactor;
+  const flexarm::BuildInfo info = flexarm::build_info();
+  CHECK((info.licence.rfind("GPL-", 0) == 0) == CholeskyFactor::has_supernodal());
+  CHECK(names(info.cholmod, "supernodal") == CholeskyFactor::has_supernodal());
+  CHECK(names(info.cholmod, "METIS") == CholeskyFactor::has_metis());
+}
+
+TEST_CASE("The BLAS is the one that CHOLMOD calls") {
+  const flexarm::BuildInfo info = flexarm::build_info();
+  CHECK(names(info.blas, "none") == names(info.cholmod, "not used"));
+  CHECK(!info.blas.empty());
 }

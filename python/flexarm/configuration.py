@@ -32,7 +32,7 @@ def config() -> dict[str, str]:
         "NumPy": np.__version__,
         "Eigen": core.eigen,
         "SuiteSparse": core.suitesparse or "not used",
-        "CHOLMOD": "found, not linked" if core.cholmod_found else "not found",
+        "CHOLMOD": core.cholmod,
         "step factorisation": core.solver,
         "ordering": core.ordering,
         "BLAS": core.blas,

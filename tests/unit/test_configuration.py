@@ -29,6 +29,16 @@ def test_licence_of_the_build_follows_its_solver():
     assert ("LGPL" in config["licence of this build"]) == (config["step factorisation"] == "KLU")
 
 
+def test_build_is_gpl_as_a_whole_where_cholmod_is_supernodal():
+    config = flexarm.config()
+    assert config["licence of this build"].startswith("GPL-") == ("supernodal" in config["CHOLMOD"])
+
+
+def test_blas_is_told_exactly_where_cholmod_calls_one():
+    config = flexarm.config()
+    assert config["BLAS"].startswith("none") == ("not used" in config["CHOLMOD"])
+
+
 def test_import_of_flexarm_leaves_heavy_libraries_alone():
     heavy = ["numpy", "scipy", "xarray", "matplotlib", "pydantic"]
     code = f"import flexarm, sys; print(*[name for name in {heavy} if name in sys.modules])"

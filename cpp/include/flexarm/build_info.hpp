@@ -10,9 +10,9 @@ struct BuildInfo {
   std::string compiler, build_type;
   std::string eigen, suitesparse;  // versions; suitesparse is empty where it is not used
   std::string solver, ordering;    // of the matrix of a step
-  std::string blas;                // of the core; NumPy has its own
+  std::string cholmod;             // which parts of it factorise solid parts; what stands in for it
+  std::string blas;                // as loaded now; NumPy has its own
   std::string licence;             // of the core with the libraries it links
-  bool cholmod_found = false;      // present on the build machine, not linked
 };
 
 BuildInfo build_info();
