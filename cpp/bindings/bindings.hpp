@@ -10,3 +10,4 @@ void bind_model(pybind11::module_& m);
 void bind_assembly(pybind11::module_& m);
 void bind_simulation(pybind11::module_& m);
 void bind_solids(pybind11::module_& m);
+void bind_reduction(pybind11::module_& m);

@@ -1,0 +1,52 @@
+/// @file
+/// What a reduction is good for. With fixed-interface modes φ_k (unit modal mass, K φ = λ M φ) and the rigid
+/// motions R about the centre of mass:
+///
+///     m_k = (φ_kᵀ M R)²                                effective modal mass, six directions           (1)
+///     Σ m_k = Rᵀ M M_ii⁻¹ M R over all modes           what can move against held interfaces          (2)
+///
+/// For free modes u_j = T y_j of the reduced part, K̂ y = λ̂ M̂ y with unit modal mass, the residuals
+/// r_j = K u_j − λ̂_j M u_j have no part along the modes kept and drive those left out only, each by
+/// (φ_kᵀ r)²/(λ_k − λ̂) <= (φ_kᵀ r)²/λ_k /(1 − λ̂/λ_left). Condensing them to second order,
+///
+///     λ ≈ spectrum of diag(λ̂) − S E S,   E_ij = r_iᵀ G r_j,   S = diag(1 − λ̂/λ_left)^−½               (3)
+///
+/// with the flexibility G of the part with held interfaces and λ_left the first mode left out. The matrix,
+/// not its diagonal alone, because close frequencies mix. What (3) leaves of λ̂ is the error stated to the
+/// user, and
+///
+///     f_trust = the smaller of f_left/1.5 and the first free frequency in error by more than one percent (4)
+///
+/// Source: [Craig2006] for (1) and the 1.5; (3) is the estimate of [Kim2014] with the factor at hand instead
+/// of the residual flexibility alone.
+#pragma once
+
+#include "flexarm/reduction/fixed_interface.hpp"
+#include "flexarm/solvers/block_lanczos.hpp"
+
+namespace flexarm::reduction {
+
+struct Quality {
+  double left_out_frequency_hz = 0;      ///< of the first mode left out; infinite if none is
+  double trusted_frequency_hz = 0;       ///< eq. (3)
+  double mass = 0;                       ///< of the part [kg]
+  Eigen::Vector3d centre;                ///< of mass [m]
+  Eigen::Matrix3d inertia;               ///< about it [kg m²]
+  Eigen::MatrixXd effective_mass;        ///< (mode, 6) eq. (1): x, y, z [kg], about x, y, z [kg m²]
+  Eigen::VectorXd movable_mass;          ///< (6) eq. (2)
+  Eigen::VectorXd mode_residual;         ///< bound on the relative error of λ_k
+  Eigen::VectorXd free_frequency_hz;     ///< of the reduced part without supports, below f_left
+  Eigen::VectorXd free_frequency_error;  ///< how much each lies above the full part's, relative, from (3)
+  double rigid_body_correction = 0;      ///< of the interface stiffness, relative
+};
+
+/// Mass, centre and inertia; effective masses (1) and (2).
+void weigh(const solvers::LowerTriangle& M, const Coordinates& coordinates, const InterfaceMaps& maps,
+           const Support& support, const Eigen::MatrixXd& shapes, Quality& quality);
+
+/// Free frequencies of the reduced part, their errors (3) and what may be trusted (4).
+void estimate_errors(const solvers::LowerTriangle& K, const solvers::LowerTriangle& M,
+                     const FixedInterface& part, const Eigen::MatrixXd& T, const Eigen::MatrixXd& stiffness,
+                     const Eigen::MatrixXd& mass, double left_out_lambda, Quality& quality);
+
+}  // namespace flexarm::reduction
