@@ -19,6 +19,7 @@ __all__: list[str] = [
     "BuildInfo",
     "CellBlock",
     "CellType",
+    "CholeskyReport",
     "CubicSpring",
     "DahlFriction",
     "DriveKind",
@@ -27,6 +28,8 @@ __all__: list[str] = [
     "Frame",
     "Gear",
     "HhtStatistics",
+    "Interface",
+    "InterfaceKind",
     "Joint",
     "JointType",
     "LinearSpring",
@@ -37,6 +40,9 @@ __all__: list[str] = [
     "PiecewisePolynomial",
     "Point",
     "PointLoad",
+    "ReducedPart",
+    "ReductionQuality",
+    "ReductionStatistics",
     "RigidLink",
     "SampledRun",
     "Section",
@@ -60,6 +66,7 @@ __all__: list[str] = [
     "modes",
     "motor_torques",
     "rectangle_section",
+    "reduce_part",
     "released",
     "round_section",
     "section_forces",
@@ -80,7 +87,7 @@ class BuildInfo:
     @property
     def build_type(self) -> str: ...
     @property
-    def cholmod_found(self) -> bool: ...
+    def cholmod(self) -> str: ...
     @property
     def compiler(self) -> str: ...
     @property
@@ -659,6 +666,157 @@ class SolidMesh:
     @property
     def n_points(self) -> int: ...
 
+class InterfaceKind(enum.Enum):
+    average = ...
+    rigid = ...
+
+class Interface:
+    """
+    Points of a part tied to a frame of six freedoms.
+    """
+    def __init__(
+        self,
+        name: str,
+        position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        rotation: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"],
+        points: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        kind: InterfaceKind,
+        weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...,
+    ) -> None: ...
+    @property
+    def kind(self) -> InterfaceKind: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def points(self) -> list[int]: ...
+    @property
+    def position(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def rotation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]: ...
+    @property
+    def weights(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        Empty: equal.
+        """
+
+class CholeskyReport:
+    """
+    How the factor of a part came about.
+    """
+    @property
+    def backend(self) -> str: ...
+    @property
+    def blas(self) -> str: ...
+    @property
+    def entries(self) -> float: ...
+    @property
+    def entries_amd(self) -> float: ...
+    @property
+    def entries_metis(self) -> float:
+        """
+        0 where there is no METIS.
+        """
+    @property
+    def operations(self) -> float: ...
+    @property
+    def ordering(self) -> str: ...
+    @property
+    def seconds_factor(self) -> float: ...
+    @property
+    def seconds_ordering(self) -> float: ...
+
+class ReductionStatistics:
+    """
+    Sizes, backends and seconds of a reduction.
+    """
+    @property
+    def factor(self) -> CholeskyReport: ...
+    @property
+    def lanczos_block(self) -> int: ...
+    @property
+    def lanczos_steps(self) -> int: ...
+    @property
+    def n_freedoms(self) -> int: ...
+    @property
+    def n_inner(self) -> int: ...
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def seconds_check(self) -> float: ...
+    @property
+    def seconds_factor(self) -> float: ...
+    @property
+    def seconds_interfaces(self) -> float: ...
+    @property
+    def seconds_matrices(self) -> float: ...
+    @property
+    def seconds_modes(self) -> float: ...
+    @property
+    def seconds_quality(self) -> float: ...
+    @property
+    def unused_points(self) -> int: ...
+
+class ReductionQuality:
+    """
+    What a reduction is good for.
+    """
+    @property
+    def centre(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def effective_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (mode, 6) [kg, kg m2]
+        """
+    @property
+    def free_frequency_error(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def free_frequency_hz(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def inertia(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        """
+        About the centre of mass.
+        """
+    @property
+    def left_out_frequency_hz(self) -> float: ...
+    @property
+    def mass(self) -> float: ...
+    @property
+    def mode_residual(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def movable_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (6) of all modes together.
+        """
+    @property
+    def rigid_body_correction(self) -> float: ...
+    @property
+    def trusted_frequency_hz(self) -> float: ...
+
+class ReducedPart:
+    """
+    A part reduced to interfaces and inner modes.
+    """
+    @property
+    def frequency_hz(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def inertia_load(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (dof, 3)
+        """
+    @property
+    def mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def quality(self) -> ReductionQuality: ...
+    @property
+    def recovery(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (3 n_points, dof)
+        """
+    @property
+    def statistics(self) -> ReductionStatistics: ...
+    @property
+    def stiffness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+
 def assemble_solids(
     mesh: SolidMesh, lumped: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0
 ) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]:
@@ -730,6 +888,19 @@ def rectangle_section(
 ) -> Section:
     """
     Rectangular section.
+    """
+
+def reduce_part(
+    stiffness: typing.Any,
+    mass: typing.Any,
+    coordinates: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"],
+    interfaces: collections.abc.Sequence[Interface],
+    modes: typing.SupportsInt | typing.SupportsIndex = 0,
+    max_frequency: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    progress: typing.Any = None,
+) -> ReducedPart:
+    """
+    Craig-Bampton (modes) or Guyan (none) reduction of a free part.
     """
 
 def released(held: System, equilibrium: Equilibrium, system: System) -> Equilibrium:
