@@ -14,7 +14,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class Process:
     memory: float  # MB, largest resident set
 
 
-def run(python, script, order):
-    """Run `python script order` to its end.
+def run(python, script, order, threads=1):
+    """Run `python script order` to its end, its libraries limited to that many threads.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def run(python, script, order):
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=err,
-            env=os.environ | ONE_THREAD,
+            env=os.environ | dict.fromkeys(THREAD_LIMITS, str(threads)),
         )
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
@@ -108,13 +108,14 @@ def exudyn_python(given):
     """An interpreter that has EXUDYN: the given one, else benchmarks/.venv, made on first use."""
     if given:
         return given
-    folder = HERE / ".venv"
-    python = folder / "bin" / "python"
+    folder, wanted = HERE / ".venv", HERE / "requirements.txt"
+    python, installed = folder / "bin" / "python", folder / "installed.txt"
     if not python.exists():
-        print(f"installing EXUDYN into {folder}", file=sys.stderr)
         venv.create(folder, with_pip=True)
-        install = [str(python), "-m", "pip", "install", "--quiet", "-r", str(HERE / "requirements.txt")]
-        subprocess.run(install, check=True)
+    if not installed.exists() or installed.read_text() != wanted.read_text():
+        print(f"installing EXUDYN into {folder}", file=sys.stderr)
+        subprocess.run([str(python), "-m", "pip", "install", "--quiet", "-r", str(wanted)], check=True)
+        installed.write_text(wanted.read_text())
     return str(python)
 
 

@@ -20,7 +20,7 @@ def _section():
     }
 
 
-def _beam(name, length, elements, theory="timoshenko"):
+def beam(name, length, elements, theory="timoshenko"):
     return {
         "name": name,
         "type": "beam",
@@ -51,7 +51,7 @@ def swinging_arm(elements, theory="timoshenko"):
             "name": "swing",
             "gravity": [0, 0, -problem.GRAVITY],
             "joints": [_hinge("hinge", "base", "rod")],
-            "links": [_beam("rod", problem.LENGTH, elements, theory)],
+            "links": [beam("rod", problem.LENGTH, elements, theory)],
             "payloads": [{"name": "load", "link": "rod", "position": tip, "mass": problem.PAYLOAD}],
             "points": [{"name": "tip", "link": "rod", "position": tip}],
             "effects": [{"name": "joint_compliance", "at": "hinge", "stiffness": problem.SPRING}],
@@ -69,7 +69,7 @@ def chain(joints, elements, length=0.3):
             "name": "chain",
             "gravity": [0, 0, -problem.GRAVITY],
             "joints": [_hinge(hinges[k], links[k - 1] if k else "base", links[k]) for k in range(joints)],
-            "links": [_beam(link, length, elements) for link in links],
+            "links": [beam(link, length, elements) for link in links],
             "points": [{"name": "tip", "link": links[-1], "position": [0, 0, -length]}],
             "effects": [{"name": "joint_compliance", "at": h, "stiffness": problem.SPRING} for h in hinges],
         }
