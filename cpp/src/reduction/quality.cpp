@@ -19,7 +19,7 @@ using std::numbers::pi;
 // The sums (2) are quadratic in this residual.
 constexpr double mass_tolerance = 1e-7;
 constexpr int mass_turns = 300;
-// Between the first mode left out and the highest frequency to be trusted [Craig2006].
+// Between the first mode left out and the highest frequency to be trusted, by custom.
 constexpr double safety = 1.5;
 constexpr double trusted_error = 0.01;
 
