@@ -1,0 +1,185 @@
+"""Arms on the solid hinge.
+
+In both, the tube begins at the hub's arm flange, and the load stays at 3 m from the hinge axis, where it is
+without a solid hinge: the rigid tip is (3 sin q, 0, 3 cos q).
+
+`solid_arm` is the finite-element model: all three groups are super-elements, and a gear ties the hinge to the
+motor's shaft, which turns in the housing. `bench_arm` has the reducer as a spring in the hinge's drive train,
+with the torsional stiffness of the reduced part, so that friction of the bearing can act between housing and
+hub, in parallel with the reducer. (A tree of links has no place for a bearing beside a solid reducer: it
+would close a loop.) There the cross-roller ring carries everything but the torque.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.link import Beam
+from flexarm.effects import JointCompliance
+from flexarm.mockup.hinge import SolidHinge
+from flexarm.mockup.models import model
+
+Tables = dict[str, Any]
+
+AXIS = [0.0, 1.0, 0.0]
+
+
+def solid_arm(hinge: SolidHinge, like: Arm | None = None) -> Arm:
+    """The finite-element model: the solid hinge with tube, load and points of another model.
+
+    Parameters
+    ----------
+    hinge : SolidHinge
+        The reduced hinge.
+    like : Arm, optional
+        A model with links `tube`, payload and points on it; default `model()`. Its `joint_compliance` and
+        whatever else acts at its hinge are left out: the parts take their place.
+    """
+    base = like or model()
+    tables = hinge_tables(hinge, base.joint("hinge").gear_ratio)
+    return Arm.from_dict(_with_tube(tables, base, hinge, f"{base.name}, solid hinge"))
+
+
+def bench_arm(hinge: SolidHinge, like: Arm) -> Arm:
+    """The same with the reducer as a spring and damper, and all that acts in the drive of another model.
+
+    Parameters
+    ----------
+    hinge : SolidHinge
+        The reduced hinge.
+    like : Arm
+        A model with drive train, sensors and controllers, such as `mock_up()`.
+    """
+    housing, hub = hinge.parts["housing"], hinge.parts["hub"]
+    drive = like.joint("hinge").to_plain()
+    span = hub.interface("input")[1] - housing.interface("seat")[1]
+    tables: Tables = {
+        "joints": [
+            _mount(hinge),
+            {**drive, "parent": "housing:seat", "child": "hub:input", "origin": {"xyz": span.tolist()}},
+            _weld(),
+        ],
+        "links": [_part(hinge, "housing"), _part(hinge, "hub")],
+        "payloads": [*_rigid_bodies(hinge), _reducer_mass(hinge)],
+        "sensors": [sensor.to_plain() for sensor in like.sensors],
+        "controllers": [controller.to_plain() for controller in like.controllers],
+    }
+    arm = Arm.from_dict(_with_tube(tables, like, hinge, f"{like.name}, reducer as a spring"))
+    stiffness = shaft_stiffness(hinge)
+    spring = JointCompliance(
+        at="hinge", stiffness=stiffness, damping=hinge.design.damping_time.reducer * stiffness
+    )
+    for effect in like.effects:
+        arm = arm if effect.name == "joint_compliance" else arm.with_effect(effect)
+    return arm.with_effect(spring)
+
+
+def shaft_stiffness(hinge: SolidHinge) -> float:
+    """Torsional stiffness of the reducer between its interfaces, all else free [N m/rad]."""
+    part = hinge.parts["reducer"]
+    about_axis = 6 + 4  # rotation about y of the second interface, the first one held
+    held = part.stiffness[6:12, 6:12]
+    return float(1 / np.linalg.inv(held)[about_axis - 6, about_axis - 6])
+
+
+def hinge_tables(hinge: SolidHinge, ratio: float = 120.0) -> Tables:
+    """Joints, gear, links and rigid bodies of the hinge alone."""
+    rigid = hinge.design.rigid
+    return {
+        "joints": [
+            _mount(hinge),
+            {
+                "name": "motor_shaft",
+                "type": "revolute",
+                "parent": "housing:motor",
+                "child": "rotor",
+                "axis": AXIS,
+            },
+            {"name": "seat", "type": "fixed", "parent": "housing:seat", "child": "reducer:input"},
+            {
+                "name": "hinge",
+                "type": "revolute",
+                "parent": "reducer:output",
+                "child": "hub:input",
+                "axis": AXIS,
+            },
+        ],
+        "gears": [{"name": "reduction", "input": "motor_shaft", "output": "hinge", "ratio": ratio}],
+        "links": [
+            *(_part(hinge, name) for name in hinge.parts),
+            {
+                "name": "rotor",
+                "type": "rigid",
+                "mass": rigid.rotor_mass,
+                # a body of revolution about y; across it a shaft as long as it is thick
+                "inertia": [rigid.rotor_inertia, rigid.rotor_inertia, rigid.rotor_inertia],
+            },
+        ],
+        "payloads": _rigid_bodies(hinge),
+    }
+
+
+def _with_tube(tables: Tables, like: Arm, hinge: SolidHinge, name: str) -> Tables:
+    """The tables with the tube, its load and the points of another model, all as far from the hinge axis."""
+    tube = like.link("tube")
+    assert isinstance(tube, Beam)
+    start = hinge.design.hub.flange_radius
+    shorter = tube.replace(end=_from(tube.end, start))
+    loads = [{**load.to_plain(), "position": _from(load.position, start)} for load in like.payloads]
+    points = [{**point.to_plain(), "position": _from(point.position, start)} for point in like.points]
+    joints = [*tables["joints"], *([] if _weld() in tables["joints"] else [_weld()])]
+    return {
+        "format": "flexarm-arm/1",
+        "gravity": list(like.gravity),
+        **tables,
+        "name": name,
+        "joints": joints,
+        "links": [*tables["links"], shorter.to_plain()],
+        "payloads": [*tables["payloads"], *loads],
+        "points": points,
+    }
+
+
+def _from(position: tuple[float, float, float], start: float) -> list[float]:
+    """A place on the tube, counted from where it begins."""
+    x, y, z = position
+    return [x, y, round(z - start, 12)]
+
+
+def _mount(hinge: SolidHinge) -> Tables:
+    place = hinge.parts["housing"].interface("base")[1].tolist()
+    return {
+        "name": "mount",
+        "type": "fixed",
+        "parent": "base",
+        "child": "housing:base",
+        "origin": {"xyz": place},
+    }
+
+
+def _weld() -> Tables:
+    return {"name": "weld", "type": "fixed", "parent": "hub:output", "child": "tube"}
+
+
+def _part(hinge: SolidHinge, name: str) -> Tables:
+    return {"name": name, "type": "superelement", "file": str(hinge.file(name))}
+
+
+def _rigid_bodies(hinge: SolidHinge) -> list[Tables]:
+    """Motor and the halves of the cross-roller ring, lumped at the interfaces that carry them."""
+    rigid = hinge.design.rigid
+    polar = rigid.ring_mass * rigid.ring_radius**2
+    ring = {"mass": rigid.ring_mass, "inertia": [polar / 2, polar, polar / 2], "position": [0.0, 0.0, 0.0]}
+    return [
+        {"name": "motor", "link": "housing:motor", "position": [0.0, 0.0, 0.0], "mass": rigid.motor_mass},
+        {"name": "ring-fixed", "link": "housing:seat", **ring},
+        {"name": "ring-turning", "link": "hub:input", **ring},
+    ]
+
+
+def _reducer_mass(hinge: SolidHinge) -> Tables:
+    mass = hinge.parts["reducer"].mass_total
+    return {"name": "reducer", "link": "housing:seat", "position": [0.0, 0.0, 0.0], "mass": mass}

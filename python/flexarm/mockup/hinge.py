@@ -1,0 +1,154 @@
+"""The solid hinge: three groups, each meshed, reduced to a super-element and written to its file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from time import perf_counter
+
+from flexarm.errors import InvalidParameter
+from flexarm.mockup.design import PARTS, HingeDesign
+from flexarm.mockup.meshes import MESHERS
+from flexarm.reduction import InterfaceSet, reduce_mesh
+from flexarm.solids import SolidMesh
+from flexarm.superelement import SuperElement
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class SolidHinge:
+    """The reduced hinge.
+
+    Attributes
+    ----------
+    design : HingeDesign
+        Its dimensions.
+    folder : Path
+        Where the files `housing.nc`, `reducer.nc` and `hub.nc` are.
+    parts : dict of str to SuperElement
+        The three groups, each in the arm's axes at q = 0 with the origin on the hinge axis.
+    meshes : dict of str to SolidMesh
+        What they were reduced from.
+    seconds : dict of str to float
+        What each part took, from mesh to file [s].
+    """
+
+    design: HingeDesign
+    folder: Path
+    parts: Mapping[str, SuperElement]
+    meshes: Mapping[str, SolidMesh]
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    def file(self, part: str) -> Path:
+        """Where the super-element of a part is."""
+        return self.folder / f"{part}.nc"
+
+    def with_compliance(self, factors: Mapping[str, float], folder: Path) -> SolidHinge:
+        """The hinge with parts whose compliance is multiplied; damping goes with the stiffness.
+
+        Parameters
+        ----------
+        factors : mapping
+            Part -> factor on its compliance. A thousandth makes it as good as rigid.
+        folder : Path
+            Where the files of all three parts go.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such part, or a factor is not positive.
+        """
+        for name, factor in factors.items():
+            if name not in self.parts:
+                raise InvalidParameter(
+                    f"must be one of {', '.join(self.parts)}, got {name!r}", where="factors"
+                )
+            if not factor > 0:
+                raise InvalidParameter(f"must be positive, got {factor:g}", where=f"factor of {name}")
+        folder.mkdir(parents=True, exist_ok=True)
+        parts = {name: _scaled(part, 1 / factors.get(name, 1.0)) for name, part in self.parts.items()}
+        for name, part in parts.items():
+            part.save(folder / f"{name}.nc", force=True)
+        return replace(self, folder=folder, parts=parts)
+
+    @cached_property
+    def stiffness(self) -> float:
+        """Equivalent torsional stiffness about the hinge axis [N m/rad], the motor's shaft held.
+
+        A torque on the tube's seat over the turn of that seat relative to the base, in equilibrium.
+        """
+        from flexarm.mockup.stiffness import torsional_stiffness
+
+        return torsional_stiffness(self)
+
+
+def build_hinge(
+    folder: str | Path,
+    design: HingeDesign | None = None,
+    *,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> SolidHinge:
+    """Meshes the hinge, reduces its three groups and writes their super-elements.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Where the files go.
+    design : HingeDesign, optional
+        Default: the one that ships with flexarm.
+    force : bool
+        Overwrite files.
+    progress : callable, optional
+        Hears the name of the part at work.
+
+    Raises
+    ------
+    InvalidFile
+        If a file exists or cannot be written.
+
+    Examples
+    --------
+    >>> hinge = build_hinge("hinge")  # doctest: +SKIP
+    >>> hinge.stiffness, hinge.seconds  # doctest: +SKIP
+    """
+    chosen = design or HingeDesign.from_toml()
+    into = Path(folder)
+    into.mkdir(parents=True, exist_ok=True)
+    parts: dict[str, SuperElement] = {}
+    meshes: dict[str, SolidMesh] = {}
+    seconds: dict[str, float] = {}
+    for name in PARTS:
+        if progress:
+            progress(name)
+        began = perf_counter()
+        meshes[name], parts[name] = reduced_part(name, chosen)
+        parts[name].save(into / f"{name}.nc", force)
+        seconds[name] = perf_counter() - began
+    return SolidHinge(chosen, into, parts, meshes, seconds)
+
+
+def reduced_part(name: str, design: HingeDesign) -> tuple[SolidMesh, SuperElement]:
+    """Mesh and super-element of one group."""
+    meshed = MESHERS[name](design)
+    element = reduce_mesh(
+        meshed.mesh,
+        {key: InterfaceSet(key, position=place) for key, place in meshed.interfaces.items()},
+        modes=getattr(design.modes, name),
+        recovery=True,
+        name=name,
+    )
+    damping = getattr(design.damping_time, name) * element.stiffness
+    return meshed.mesh, element.replace(damping=damping)
+
+
+def _scaled(part: SuperElement, factor: float) -> SuperElement:
+    """Stiffness times a factor: the fixed-interface modes keep their shapes."""
+    return part.replace(
+        stiffness=factor * part.stiffness,
+        damping=factor * part.damping,
+        frequency_hz=factor**0.5 * part.frequency_hz,
+    )
