@@ -119,7 +119,7 @@ def _trust(element: SuperElement) -> Iterator[str]:
     quality = element.quality
     trusted = quality.get("trusted_frequency_hz")
     if isinstance(trusted, int | float) and np.isfinite(trusted):
-        yield f"  trustworthy up to {trusted:.5g} Hz: the first mode left out is 1.5 times as high"
+        yield f"  trustworthy up to {trusted:.5g} Hz: {_why_trusted(quality, trusted)}"
     free = np.asarray(quality.get("free_frequency_hz") or [], dtype=float)
     errors = np.asarray(quality.get("free_frequency_error") or [], dtype=float)
     if len(free) and len(free) == len(errors):
@@ -129,6 +129,13 @@ def _trust(element: SuperElement) -> Iterator[str]:
             f"{len(free)} is {free[worst]:.6g} Hz, {errors[worst]:.1e} too high"
         )
     yield f"  rigid motion strains it by {rigid_body_error(element).max():.1e} of its stiffness"
+
+
+def _why_trusted(quality: Mapping[str, Any], trusted: float) -> str:
+    left_out = quality.get("left_out_frequency_hz")
+    if isinstance(left_out, int | float) and trusted < 0.999 * left_out / 1.5:
+        return "the first free frequency in error by more than one percent"
+    return "the first mode left out is 1.5 times as high"
 
 
 def _making(element: SuperElement) -> Iterator[str]:

@@ -17,8 +17,8 @@
 ///
 ///     f_trust = the smaller of f_left/1.5 and the first free frequency in error by more than one percent (4)
 ///
-/// (the 1.5 is custom). Source: [Girard2008] for (1); (3) is the estimate of [Kim2014] with the factor at hand
-/// instead of the residual flexibility alone.
+/// (the 1.5 is custom). Source: [Girard2008] for (1); (3) is the estimate of [Kim2014] with the factor at
+/// hand instead of the residual flexibility alone.
 #pragma once
 
 #include "flexarm/reduction/fixed_interface.hpp"
