@@ -92,8 +92,12 @@ def test_at_interpolates_between_steps(run):
 def test_at_names_an_unknown_point(run):
     with pytest.raises(InvalidParameter, match="no point 'elbow'; there are tip"):
         run.at([0.1], "elbow")
-    with pytest.raises(InvalidParameter, match=r"times: must lie within the run"):
-        run.at([0.1, run.time[-1] + 1e-3], "tip")
+
+
+def test_after_its_end_a_run_knows_nothing_and_before_its_start_it_rests(run):
+    found = run.at([run.time[0] - 1, run.time[-1] + 1e-3], "tip")
+    assert np.array_equal(found[0], run.position[0, 0])
+    assert np.isnan(found[1]).all()
 
 
 def test_specific_force_at_rest_is_g_upward(run):

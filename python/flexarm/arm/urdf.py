@@ -52,7 +52,7 @@ def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         for entry in entries:
             other = named.pop(entry["name"], None)
             joined.append({**entry, **other} if kind == "joints" and other else other or entry)
-        merged[kind] = joined + [entry for entry in own if entry["name"] in named] + _doubles(own)
+        merged[kind] = joined + [entry for entry in own if entry["name"] in named] + _doubles(list(own))
     return {key: value for key, value in merged.items() if key in _NOT_TABLES or value}
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arrays import Floats
+from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -34,8 +34,8 @@ class InterfaceSet:
     kind : {"rigid", "average"}
         Whether the points follow the frame or the frame follows the points.
     position : (3,), optional
-        Where the frame stands in the part's frame [m]; the mean of the points if left out, each counting
-        alike, whatever area it stands for.
+        Where the frame stands in the part's frame [m]; if left out, the centre of the faces that the points
+        span, or the mean of the points where they span none.
     rotation : (3, 3), optional
         Its axes as columns; the part's if left out.
     """
@@ -71,19 +71,27 @@ class InterfaceSet:
         if self.kind not in KINDS:
             what = f"must be one of {', '.join(KINDS)}, got {self.kind!r}"
             raise InvalidParameter(what, where=f"interface {name!r}")
-        points = mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points)
-        position = self.at(mesh)
+        points = np.asarray(self._indices(mesh), dtype=np.int32)
         rotation = np.eye(3) if self.rotation is None else np.asarray(self.rotation, dtype=float)
         kind = getattr(core.InterfaceKind, self.kind)
-        return core.Interface(name, position, rotation, np.asarray(points, dtype=np.int32), kind)
+        return core.Interface(name, self.at(mesh), rotation, points, kind, self._weights(mesh))
 
     def at(self, mesh: SolidMesh) -> Floats:
         """Where the frame stands [m]."""
         if self.position is not None:
             return np.asarray(self.position, dtype=float)
-        points = mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points)
-        return np.asarray(mesh.points[points].mean(axis=0))
+        return np.average(mesh.points[self._indices(mesh)], axis=0, weights=self._weights(mesh))
 
     def size(self, mesh: SolidMesh) -> int:
         """Number of its points."""
-        return len(mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points))
+        return len(self._indices(mesh))
+
+    def _indices(self, mesh: SolidMesh) -> Ints:
+        return mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points)
+
+    def _weights(self, mesh: SolidMesh) -> Floats:
+        """Areas of the faces that the points span, as an even pressure acts on them; else all alike."""
+        from flexarm.solids.point_areas import point_areas
+
+        areas = point_areas(mesh, self._indices(mesh))
+        return areas if areas.any() else np.ones(len(areas))
