@@ -87,8 +87,7 @@ class Sums {
         } else if (owned[a]) {
           add(nodes[b], nodes[a], block.transpose(), m(a, b));
         }
-        // A cell that uses a point twice (a wedge as a collapsed hexahedron): the block above the diagonal
-        // too.
+        // A cell that uses a point twice, as a collapsed hexahedron: the block above the diagonal too.
         if (a != b && nodes[a] == nodes[b] && owned[a]) add(nodes[b], nodes[a], block.transpose(), m(a, b));
       }
     }

@@ -1,5 +1,6 @@
 #include "flexarm/solids/parallel.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <string>
 #include <thread>
