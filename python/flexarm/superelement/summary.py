@@ -120,8 +120,8 @@ def _trust(element: SuperElement) -> Iterator[str]:
     trusted = quality.get("trusted_frequency_hz")
     if isinstance(trusted, int | float) and np.isfinite(trusted):
         yield f"  trustworthy up to {trusted:.5g} Hz: {_why_trusted(quality, trusted)}"
-    free = np.asarray(quality.get("free_frequency_hz") or [], dtype=float)
-    errors = np.asarray(quality.get("free_frequency_error") or [], dtype=float)
+    free = np.asarray(quality.get("free_frequency_hz", []), dtype=float)
+    errors = np.asarray(quality.get("free_frequency_error", []), dtype=float)
     if len(free) and len(free) == len(errors):
         worst = int(errors.argmax())
         yield (
