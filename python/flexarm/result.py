@@ -55,7 +55,7 @@ class Result(ABC):
 
 
 def provenance(arm: Arm) -> dict[str, str]:
-    """Attributes of every stored result: versions, backend, the model and its hash, and when."""
+    """Attributes of every stored result: versions, backend, the model, its hash and its parts', and when."""
     from flexarm.tables import toml_text
 
     model = toml_text(arm.to_dict())
@@ -68,6 +68,11 @@ def provenance(arm: Arm) -> dict[str, str]:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "model": model,
         "model_sha256": hashlib.sha256(model.encode()).hexdigest(),
+        **{
+            f"{link.name}_sha256": hashlib.sha256(Path(link.file).read_bytes()).hexdigest()
+            for link in arm.links
+            if link.type == "superelement" and Path(link.file).is_file()
+        },
     }
 
 

@@ -71,6 +71,7 @@ def test_the_shape_of_a_part_moves_its_end_to_the_tip(of_parts: flexarm.Arm, tmp
     assert end == approx(found.position[0], abs=1e-6)  # displacements to first order
     found.save(tmp_path / "static.nc")
     again = flexarm.Statics.load(tmp_path / "static.nc").parts["s3"]
+    assert len(found.dataset.attrs["s3_sha256"]) == 64  # of the file that the part came from
     assert np.array_equal(again.freedoms, last.freedoms)
     assert np.array_equal(again.rotation, last.rotation)
 
