@@ -95,7 +95,9 @@ void estimate_errors(const LowerTriangle& K, const LowerTriangle& M, const Fixed
   quality.trusted_frequency_hz = quality.left_out_frequency_hz / safety;
   if (Eigen::LLT<MatrixXd>(mass).info() != Eigen::Success) return;  // interfaces without mass: no free modes
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> free(stiffness, mass);
-  const Index last = (free.eigenvalues().array() < left_out_lambda).count(), n = std::max<Index>(last - 6, 0);
+  // Of modes near the first left out S bounds nothing, and their rows of (3) would spoil the whole spectrum.
+  const double highest = left_out_lambda / (safety * safety);
+  const Index last = (free.eigenvalues().array() < highest).count(), n = std::max<Index>(last - 6, 0);
   if (n == 0) return;
   const VectorXd lambda = free.eigenvalues().segment(6, n);
   const MatrixXd U = T * free.eigenvectors().middleCols(6, n);

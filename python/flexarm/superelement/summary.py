@@ -125,8 +125,8 @@ def _trust(element: SuperElement) -> Iterator[str]:
     if len(free) and len(free) == len(errors):
         worst = int(errors.argmax())
         yield (
-            f"  free part: {free[0]:.6g} Hz first, at most {errors[0]:.1e} too high; worst of the first "
-            f"{len(free)} is {free[worst]:.6g} Hz, {errors[worst]:.1e} too high"
+            f"  free part: {free[0]:.6g} Hz first, {100 * errors[0]:.2g} % too high; worst of the first "
+            f"{len(free)} is {free[worst]:.6g} Hz, {100 * errors[worst]:.2g} % too high"
         )
     yield f"  rigid motion strains it by {rigid_body_error(element).max():.1e} of its stiffness"
 

@@ -11,9 +11,9 @@
 ///
 ///     λ ≈ spectrum of diag(λ̂) − S E S,   E_ij = r_iᵀ G r_j,   S = diag(1 − λ̂/λ_left)^−½               (3)
 ///
-/// with the flexibility G of the part with held interfaces and λ_left the first mode left out. The matrix,
-/// not its diagonal alone, because close frequencies mix. What (3) leaves of λ̂ is the error stated to the
-/// user, and
+/// with the flexibility G of the part with held interfaces and λ_left the first mode left out, for modes
+/// below f_left/1.5 only: S grows without bound towards f_left. The matrix, not its diagonal alone, because
+/// close frequencies mix. What (3) leaves of λ̂ is the error stated to the user, and
 ///
 ///     f_trust = the smaller of f_left/1.5 and the first free frequency in error by more than one percent (4)
 ///
@@ -28,14 +28,14 @@ namespace flexarm::reduction {
 
 struct Quality {
   double left_out_frequency_hz = 0;      ///< of the first mode left out; infinite if none is
-  double trusted_frequency_hz = 0;       ///< eq. (3)
+  double trusted_frequency_hz = 0;       ///< eq. (4)
   double mass = 0;                       ///< of the part [kg]
   Eigen::Vector3d centre;                ///< of mass [m]
   Eigen::Matrix3d inertia;               ///< about it [kg m²]
   Eigen::MatrixXd effective_mass;        ///< (mode, 6) eq. (1): x, y, z [kg], about x, y, z [kg m²]
   Eigen::VectorXd movable_mass;          ///< (6) eq. (2)
   Eigen::VectorXd mode_residual;         ///< bound on the relative error of λ_k
-  Eigen::VectorXd free_frequency_hz;     ///< of the reduced part without supports, below f_left
+  Eigen::VectorXd free_frequency_hz;     ///< of the reduced part without supports, below f_left/1.5
   Eigen::VectorXd free_frequency_error;  ///< how much each lies above the full part's, relative, from (3)
   double rigid_body_correction = 0;      ///< of the interface stiffness, relative
 };
