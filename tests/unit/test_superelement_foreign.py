@@ -388,6 +388,14 @@ def test_user_elements_of_abaqus_and_calculix(tmp_path, per_freedom):
     assert same(found, part)
 
 
+def test_tables_after_the_matrices_are_left_alone(tmp_path):
+    part = frame_part(n_modes=0)
+    (tmp_path / "sub.mtx").write_text(
+        user_element(part) + "** SUBSTRUCTURE RECOVERY VECTORS\n1.0, 2.0, 3.0,\n"
+    )
+    assert same(accept(tmp_path, part, tmp_path / "sub.mtx"), part)
+
+
 def test_a_user_element_without_mass_asks_for_it(tmp_path):
     part = frame_part(n_modes=0)
     (tmp_path / "sub.mtx").write_text(user_element(part).split("*MATRIX,TYPE=MASS")[0])

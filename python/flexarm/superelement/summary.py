@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arrays import Floats
 from flexarm.superelement.stiffness_checks import rigid_body_error
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def _plain(value: Any) -> Any:
 
 
 def _body(element: SuperElement) -> Iterator[str]:
-    x, y, z = element.centre
+    x, y, z = _rounded(element.centre)
     J = element.inertia
     six = (J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2])
     size = np.abs(J).max()
@@ -89,17 +90,21 @@ def _interfaces(element: SuperElement) -> Iterator[str]:
     ties = dict(
         entry.split("=", 1) for entry in element.provenance.get("interfaces", "").split("; ") if "=" in entry
     )
-    for name, (x, y, z) in zip(element.interfaces, element.positions, strict=True):
+    for name, (x, y, z) in zip(element.interfaces, map(_rounded, element.positions), strict=True):
         tied = f", {ties[name]}" if name in ties else ""
         yield f"  interface {name} at ({x:.5g}, {y:.5g}, {z:.5g}) m{tied}"
+
+
+def _rounded(position: Floats) -> Floats:
+    """Without the rounding errors of zeros."""
+    return np.where(np.abs(position) < 1e-9 * np.abs(position).max(), 0.0, position)
 
 
 def _modes(element: SuperElement) -> Iterator[str]:
     if not element.n_modes:
         yield "  no internal modes: static shapes only (Guyan)"
         return
-    masses = np.asarray(element.quality.get("effective_mass", []), dtype=float)
-    residuals = np.asarray(element.quality.get("mode_residual", []), dtype=float)
+    masses, residuals = _array(element, "effective_mass"), _array(element, "mode_residual")
     told = masses.ndim == 2 and len(masses) == len(residuals) == element.n_modes
     heading = f"  {'mode':>4} {'frequency [Hz]':>15}"
     if told:
@@ -120,8 +125,7 @@ def _trust(element: SuperElement) -> Iterator[str]:
     trusted = quality.get("trusted_frequency_hz")
     if isinstance(trusted, int | float) and np.isfinite(trusted):
         yield f"  trustworthy up to {trusted:.5g} Hz: {_why_trusted(quality, trusted)}"
-    free = np.asarray(quality.get("free_frequency_hz", []), dtype=float)
-    errors = np.asarray(quality.get("free_frequency_error", []), dtype=float)
+    free, errors = _array(element, "free_frequency_hz"), _array(element, "free_frequency_error")
     if len(free) and len(free) == len(errors):
         worst = int(errors.argmax())
         yield (
@@ -136,6 +140,12 @@ def _why_trusted(quality: Mapping[str, Any], trusted: float) -> str:
     if isinstance(left_out, int | float) and trusted < 0.999 * left_out / 1.5:
         return "the first free frequency in error by more than one percent"
     return "the first mode left out is 1.5 times as high"
+
+
+def _array(element: SuperElement, name: str) -> Floats:
+    """A quality number as an array, empty if it is not there."""
+    value = element.quality.get(name)
+    return np.asarray([] if value is None else value, dtype=float)
 
 
 def _making(element: SuperElement) -> Iterator[str]:

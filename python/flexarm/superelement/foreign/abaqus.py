@@ -63,6 +63,10 @@ def _user_element(path: Path, text: str) -> MatrixFile:
                 place = "points"
             elif place == "points" and (found := _integers(bare[2:])) is not None:
                 points += found
+            elif place in entries and bare.strip(
+                "* "
+            ):  # another table, such as recovery, under its own title
+                place = ""
         elif bare.startswith("*"):
             place = _section(bare, entries, ignored)
         elif bare and place == "points":
