@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from flexarm import Arm, InvalidFile, Record, compare
+from flexarm import Arm, InvalidFile, Record, SuperElement, compare, static
 from flexarm.report import reproduce
 
 FIGURES = ("04", "06", "07", "08", "09", "10")
@@ -139,11 +139,39 @@ def test_split_is_open_by_the_data_and_adds_up_in_the_model(summary: dict[str, A
     """Compliances in series: the two shares are the whole, but for their interaction under gravity."""
     split = summary["claims"][4]["numbers"]
     assert split["hinge_share"] + split["tube_share"] == approx(1, abs=0.01)
-    # 3 rad on 1e5 N m/rad: M g sin(1.2 rad) L/k with M g = 14.1 kg and half the rod's weight times 9.81.
-    assert split["hinge_max_m"] == approx(3 * 616.6 * np.sin(1.2) / 1e5, rel=0.02)
+    # 3 rad on k: M g sin(1.2 rad) L/k with M g = 14.1 kg and half the rod's weight times 9.81.
+    stiffness = split["hinge_stiffness_Nm_per_rad"]
+    assert split["hinge_max_m"] == approx(3 * 616.6 * np.sin(1.2) / stiffness, rel=0.02)
     assert split["correlation"] > 0.9999
     assert split["hinge_share_std"] > 0.3
     assert split["only_hinge_rms_m"] < 2 * split["both_rms_m"]
+
+
+def test_parts_made_rigid_one_at_a_time_share_the_error(summary: dict[str, Any]) -> None:
+    """Housing, reducer and hub together are the hinge, with the tube the whole; the reducer leads."""
+    split = summary["claims"][4]["numbers"]
+    of_hinge = [split[f"{part}_part"] for part in ("housing", "reducer", "hub")]
+    assert sum(of_hinge) == approx(split["hinge_share"], abs=0.01)
+    assert sum(of_hinge) + split["tube_part"] == approx(1, abs=0.01)
+    assert 0 < of_hinge[0] < of_hinge[2] < of_hinge[1]
+
+
+def test_hinge_is_made_from_mesh_to_file_and_as_stiff_as_said(out: Path, summary: dict[str, Any]) -> None:
+    """The model beside the figures holds the three super-elements; its tip is where the CSV has it."""
+    arm = Arm.from_toml(out / "model.toml")
+    parts = summary["parameters"]["hinge_parts"]
+    for name in ("housing", "reducer", "hub"):
+        part = SuperElement.load(out / "hinge" / f"{name}.nc")
+        assert part.mass_total == approx(parts[name]["mass_kg"])
+        assert part.n_modes == parts[name]["modes"] == 6
+    assert 0.9e5 < summary["parameters"]["hinge_stiffness_Nm_per_rad"] < 1.1e5
+    bench = summary["parameters"]["bench_hinge_stiffness_Nm_per_rad"]
+    assert bench == approx(summary["parameters"]["hinge_stiffness_Nm_per_rad"], rel=0.02)
+    assert arm.gears[0].ratio == 120
+    shape = columns(out, "06")
+    angle = np.arctan2(shape["rigid_x_m"][-1], shape["rigid_z_m"][-1])
+    resting = static(arm, joints={"hinge": float(angle)}).position[-1]
+    assert [shape["model_x_m"][-1], shape["model_z_m"][-1]] == approx(resting[[0, 2]], abs=5e-3)
 
 
 def test_misprint_is_told_with_numbers_of_its_own(out: Path, summary: dict[str, Any]) -> None:

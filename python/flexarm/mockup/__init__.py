@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexarm.mockup.arms import bench_arm as bench_arm
     from flexarm.mockup.arms import solid_arm as solid_arm
     from flexarm.mockup.design import HingeDesign as HingeDesign
+    from flexarm.mockup.design import bench_design as bench_design
     from flexarm.mockup.hinge import SolidHinge as SolidHinge
     from flexarm.mockup.hinge import build_hinge as build_hinge
 
@@ -24,6 +25,7 @@ _SOLID = {
     "HingeDesign": "design",
     "SolidHinge": "hinge",
     "bench_arm": "arms",
+    "bench_design": "design",
     "build_hinge": "hinge",
     "solid_arm": "arms",
 }

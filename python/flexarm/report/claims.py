@@ -188,12 +188,12 @@ def hinge(study: Study) -> Claim:
         5,
         "The elasticity of hinge and reducer is one of the major contributors",
         "their share of the tip error in the finite-element model, the tube made rigid; it rests on the "
-        "assumed stiffness, which this record alone does not determine",
+        "assumed dimensions, and this record alone does not determine it",
         parts.hinge_share,
         "-",
         0.25,
         "major: at least half of an equal part of two contributors",
-        numbers=parts.to_dict(),
+        numbers={**parts.to_dict(), "hinge_stiffness_Nm_per_rad": study.models.hinge.stiffness},
     )
 
 

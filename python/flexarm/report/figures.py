@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.report.scene import Surface
 from flexarm.report.tables import Table
 
 if TYPE_CHECKING:
@@ -51,9 +52,11 @@ THIN: dict[str, Any] = {"linewidth": 0.6, "zorder": 3}
 """A model's line over the dots of a whole run; dots left out would alias the oscillations."""
 
 
-def draw(number: str, table: Table) -> Figure:
-    """The figure of that number."""
-    figure: Figure = _DRAWERS[number](table)
+def draw(number: str, table: Table, surfaces: Sequence[Surface] = ()) -> Figure:
+    """The figure of that number; Figure 6 shows the surfaces of the mock-up."""
+    from flexarm.report.deformed_figure import deformed
+
+    figure: Figure = deformed(table, surfaces) if number == "06" else _DRAWERS[number](table)
     return figure
 
 
@@ -91,45 +94,6 @@ def input_shaft(table: Table) -> Figure:
     ax.set(xlabel="time [s]", ylabel="input shaft angle [rad]", yticks=np.arange(-144, 145, 48))
     ax.set_xlim(0, table["time_s"].values[-1])
     return figure
-
-
-def deformed(table: Table) -> Figure:
-    """Figure 6: the whole arm, and its tip enlarged."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 3.1))
-    FigureCanvasAgg(figure)
-    whole, near = figure.subplots(1, 2, width_ratios=(1.75, 1))
-    for ax in (whole, near):
-        ax.plot(*_xz(table, "rigid"), "--", color=RIGID, label="rigid arm at the encoder's angle")
-        ax.plot(*_xz(table, "model"), color=MODEL, label="finite-element model, true scale")
-        for name, marker, colour, size in (("rigid", "s", RIGID, 5), ("model", "o", MODEL, 8)):
-            x, z = _xz(table, name)
-            ax.plot(x[-1:], z[-1:], marker, color=colour, markersize=size, markerfacecolor="none")
-        x, z = _xz(table, "measured")
-        ax.plot(x[-1:], z[-1:], "+", color=MEASURED, ms=9, mew=1.6, label="tip, virtual measurement")
-        ax.set_aspect("equal")
-        ax.set(xlabel="x [m]", ylabel="z [m]")
-    _frame_whole_arm(whole, table)
-    tips = {name: np.array(_xz(table, name))[:, -1] for name in ("rigid", "model", "measured")}
-    middle = (tips["rigid"] + tips["measured"]) / 2
-    near.set(xlim=(middle[0] - 0.036, middle[0] + 0.036), ylim=(middle[1] - 0.042, middle[1] + 0.042))
-    near.locator_params("x", nbins=4)
-    gaps = [1e3 * np.linalg.norm(tips["measured"] - tips[name]) for name in ("rigid", "model")]
-    near.set_title(f"measured tip: {gaps[0]:.1f} mm\nfrom rigid, {gaps[1]:.2f} mm from model")
-    figure.legend(*whole.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return figure
-
-
-def _frame_whole_arm(ax: Axes, table: Table) -> None:
-    x, z = _xz(table, "model")
-    ax.plot(0, 0, "o", color="#555555", markersize=9)
-    ax.annotate("hinge", (0, 0), (9, -3), textcoords="offset points")
-    ax.annotate("load", (x[-1], z[-1]), (-8, -22), textcoords="offset points")
-    ax.set(
-        xlim=(min(0, x[-1]) - 0.25, max(0, x[-1]) + 0.25), ylim=(min(0, z[-1]) - 0.25, max(0, z[-1]) + 0.25)
-    )
 
 
 def positions(table: Table) -> Figure:
@@ -235,13 +199,8 @@ def _legend(ax: Axes) -> None:
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
 
 
-def _xz(table: Table, name: str) -> tuple[Floats, Floats]:
-    return table[f"{name}_x_m"].values, table[f"{name}_z_m"].values
-
-
 _DRAWERS = {
     "04": input_shaft,
-    "06": deformed,
     "07": positions,
     "08": zoom,
     "09": error,

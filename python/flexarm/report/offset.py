@@ -61,12 +61,12 @@ class StaticOffset:
     offset: Floats
 
     @classmethod
-    def of(cls, arm: Arm, middle: float, largest: float) -> StaticOffset:
-        """Equilibria of a model at angles middle - largest to middle + largest [rad]."""
+    def of(cls, arm: Arm, length: float, middle: float, largest: float) -> StaticOffset:
+        """Equilibria of a model at angles middle - largest to middle + largest [rad], its tip at `length`."""
         angles = middle + np.linspace(-largest, largest, POSES)
         found = [static(arm, joints={"hinge": angle}) for angle in angles]
         tips = np.array([statics.position[-1, [0, 2]] for statics in found])
-        return cls(angles, Plane(arm.points[-1].position[2]).tangential(tips, angles))
+        return cls(angles, Plane(length).tangential(tips, angles))
 
     def __call__(self, angle: Floats) -> Floats:
         """Offset at drive angles [m]."""

@@ -7,14 +7,16 @@ from typing import Any
 from markupsafe import Markup
 
 from flexarm.configuration import config
+from flexarm.report.deformed_figure import ARM_SCALE, HINGE_SCALE
 from flexarm.report.oscillation import start_time
 from flexarm.report.study import Study
 from flexarm.report.tables import deformed_instant, zoom_window
 
 CAPTIONS = {
     "04": "Angle of the reducer's input shaft: the sine of ±1.2 rad times the ratio 120.",
-    "06": "Deformed mock-up at t = {instant:.1f} s, the instant of the greatest measured offset, and the "
-    "three tip positions; right: the tip enlarged.",
+    "06": "Deformed mock-up at t = {instant:.1f} s, the instant of the greatest measured offset: the solid "
+    "parts and the tube in colours of displacement, drawn {arm:g} times as large (hinge: {hinge:g} times); "
+    "equilibrium at the encoder's angle. Right: the three tip positions, true scale, as they move.",
     "07": "Vertical and horizontal tip position: rigid arm at the encoder's angle, finite-element model "
     "driven by the encoder, virtual measurement.",
     "08": "The vertical position enlarged, {first:.1f} to {last:.1f} s. Model and measurement vibrate "
@@ -47,6 +49,8 @@ def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> st
         "first": first,
         "last": last,
         "turn": study.experiment.period / 4,
+        "arm": ARM_SCALE,
+        "hinge": HINGE_SCALE,
     }
     versions = config()
     return environment.get_template("page.html.j2").render(

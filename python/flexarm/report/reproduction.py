@@ -6,24 +6,29 @@ import json
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import perf_counter
 
-from flexarm.mockup.models import FOLDER
+import numpy as np
+
+from flexarm.mockup import solid_arm
 from flexarm.output import output_directory
 from flexarm.report.study import Report
 
 SEED = 2008
 """Of the virtual measurement, unless another one is asked for."""
-RECORD = "virtual-measurement"
-"""Directory of the record beside the figures."""
+RECORD, HINGE = "virtual-measurement", "hinge"
+"""Directories of the record and of the super-elements beside the figures."""
 
 
 def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed: int = SEED) -> None:
     """The paper's figures and claims, made again.
 
     Writes figure-04, 06, 07, 08, 09 and 10 as .png, .pdf and .csv, summary.json, index.html, and beside them
-    the record of the virtual measurement and the model, for commands such as `flexarm compare`.
+    the record of the virtual measurement, the hinge's super-elements and the model, for commands such as
+    `flexarm compare`.
 
     Parameters
     ----------
@@ -41,33 +46,40 @@ def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed
     InvalidFile
         If the directory holds files, or cannot be written.
     """
-    with output_directory(out, force) as directory, _bar(progress) as report:
-        _write(directory, report, seed)
+    with (
+        output_directory(out, force) as directory,
+        TemporaryDirectory() as scratch,
+        _bar(progress) as report,
+    ):
+        _write(directory, Path(scratch), report, seed)
 
 
-def _write(directory: Path, report: Report, seed: int) -> None:
+def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
     from flexarm.record.save import write
     from flexarm.report import figures
     from flexarm.report.claims import claims
     from flexarm.report.page import page
+    from flexarm.report.scene import scene
     from flexarm.report.study import study
     from flexarm.report.summary import summary
-    from flexarm.report.tables import tables, write_csv
+    from flexarm.report.tables import deformed_instant, tables, write_csv
 
     began = perf_counter()
-    found = study(seed=seed, report=lambda done, what: report(0.7 * done, what))
+    found = study(scratch, seed=seed, report=lambda done, what: report(0.7 * done, what))
     report(0.7, "claims")
     content = tables(found)
     numbers = summary(found, content, claims(found), seed)
+    surfaces = scene(found.models, float(found.angle(np.array([deformed_instant(found)]))[0]))
     with figures.style():
         for i, (number, table) in enumerate(content.items()):
             report(0.75 + 0.04 * i, f"figure {int(number)}")
             write_csv(table, directory / f"figure-{number}.csv")
-            figures.save(figures.draw(number, table), directory / f"figure-{number}")
+            figures.save(figures.draw(number, table, surfaces), directory / f"figure-{number}")
     report(0.97, "page")
     (directory / RECORD).mkdir()
     write(found.record, directory / RECORD)
-    shutil.copyfile(FOLDER / "model.toml", directory / "model.toml")
+    shutil.copytree(found.models.hinge.folder, directory / HINGE)
+    solid_arm(replace(found.models.hinge, folder=directory / HINGE)).to_toml(directory / "model.toml")
     (directory / "summary.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
     seconds = {**found.seconds, "all": perf_counter() - began}
     (directory / "index.html").write_text(page(found, numbers, seconds), encoding="utf-8")

@@ -23,9 +23,9 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.drive import Drive
-from flexarm.effects import JointCompliance
 from flexarm.report.oscillation import length_rms, rms
-from flexarm.report.study import LATE, STIFF, Study, tube_of, with_modulus
+from flexarm.report.study import LATE, Study, tip_of
+from flexarm.report.variants import CONTRIBUTORS, HINGE, RIGID, tube_of
 from flexarm.simulation import simulate
 
 
@@ -38,6 +38,8 @@ class Split:
     hinge_share, tube_share : float
         Of the greatest quasi-static tip error, with the other part rigid; both are shares of the error with
         both parts elastic, and add up to 1 but for their interaction.
+    housing_part, reducer_part, hub_part, tube_part : float
+        Share of the greatest error that goes when that part alone is made rigid.
     hinge_max_m, tube_max_m, both_max_m : float
         These errors [m].
     correlation : float
@@ -53,6 +55,10 @@ class Split:
 
     hinge_share: float
     tube_share: float
+    housing_part: float
+    reducer_part: float
+    hub_part: float
+    tube_part: float
     hinge_max_m: float
     tube_max_m: float
     both_max_m: float
@@ -82,11 +88,14 @@ def split(study: Study) -> Split:
     a_std = s / np.sqrt(e_h @ e_h * (1 - rho**2))  # eq. (2)
     share = e_h[largest] / e_both[largest]
 
-    hinge_only, stiffness = _only_hinge(study.model, float(e @ e_h / (e_h @ e_h)))
-    tube_only, modulus = _only_tube(study.model, float(e @ e_t / (e_t @ e_t)))
+    of_hinge, of_tube = float(e @ e_h / (e_h @ e_h)), float(e @ e_t / (e_t @ e_t))
+    models = study.models
+    hinge_only = models.scaled({**dict.fromkeys(HINGE, of_hinge), "tube": RIGID})
+    tube_only = models.scaled({**dict.fromkeys(HINGE, RIGID), "tube": of_tube})
     return Split(
         hinge_share=float(share),
         tube_share=float(e_t[largest] / e_both[largest]),
+        **{f"{part}_part": _part(study, part, angle[largest]) for part in CONTRIBUTORS},
         hinge_max_m=float(np.abs(e_h).max()),
         tube_max_m=float(np.abs(e_t).max()),
         both_max_m=float(np.abs(e_both).max()),
@@ -95,27 +104,19 @@ def split(study: Study) -> Split:
         only_hinge_rms_m=_gap(study, hinge_only),
         only_tube_rms_m=_gap(study, tube_only),
         both_rms_m=length_rms(study.measured - study.tip("fe", study.stamps)),
-        only_hinge_stiffness=stiffness,
-        only_tube_modulus=modulus,
+        only_hinge_stiffness=models.hinge.stiffness / of_hinge,
+        only_tube_modulus=tube_of(tube_only).material.youngs_modulus,
     )
 
 
-def _only_hinge(arm: Arm, factor: float) -> tuple[Arm, float]:
-    """The model with a rigid tube and the hinge's compliance times a factor; and its stiffness [N m/rad]."""
-    compliance = arm.effect("joint_compliance", "hinge")
-    assert isinstance(compliance, JointCompliance)
-    stiffness = compliance.stiffness / factor
-    softer = arm.with_effect(compliance.replace(stiffness=stiffness, damping=compliance.damping / factor))
-    return with_modulus(softer, STIFF), stiffness
-
-
-def _only_tube(arm: Arm, factor: float) -> tuple[Arm, float]:
-    """The model with a rigid hinge and the tube's compliance times a factor; and its modulus [Pa]."""
-    softer = with_modulus(arm.without_effect("joint_compliance", "hinge"), 1 / factor)
-    return softer, tube_of(softer).material.youngs_modulus
+def _part(study: Study, part: str, angle: float) -> float:
+    """Share of the quasi-static error at an angle that a part's elasticity makes."""
+    without, with_it = study.static[f"without {part}"], study.static["both"]
+    at = np.array([angle])
+    return 1 - float(without(at)[0] / with_it(at)[0])
 
 
 def _gap(study: Study, arm: Arm) -> float:
     """Rms distance of the measured tip from that of a model driven by the encoder [m]."""
     run = simulate(arm, Drive({"hinge": study.encoder}, end=study.experiment.end + LATE))
-    return length_rms(study.measured - run.at(study.stamps, "tip")[:, [0, 2]])
+    return length_rms(study.measured - tip_of(run, study.stamps))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -14,13 +15,12 @@ from numpy.typing import NDArray
 from flexarm.analytic import LinearModal, NonlinearModal, OneLinkArm, rigid_tip
 from flexarm.analytic import simulate as simulate_modal
 from flexarm.arm import Arm
-from flexarm.arm.link import Beam
 from flexarm.drive import Drive, JointDrive
-from flexarm.effects import CoulombFriction, ViscousFriction
-from flexarm.mockup import Experiment, mock_up, model, virtual_measurement
+from flexarm.mockup import Experiment, virtual_measurement
 from flexarm.modal import modes
 from flexarm.record import Record
 from flexarm.report.offset import Plane, StaticOffset
+from flexarm.report.variants import CONTRIBUTORS, HINGE, RUNS, Models
 from flexarm.simulation import Simulation, simulate
 
 Floats = NDArray[np.float64]
@@ -30,17 +30,6 @@ MODAL_STEP = 2e-2
 """Step of equations (1) and (2) [s]: within 0.15 mm of steps ten times as short."""
 LATE = 2e-2
 """Models run on for so long after the record's end [s]: stamps may be late."""
-STIFF = 1e4
-"""Factor on Young's modulus that makes the tube rigid: a ten-thousandth of its deflection is left."""
-RUNS = {
-    "fe": "finite elements, driven by the encoder",
-    "sine": "finite elements, driven by the pure sine",
-    "friction": "finite elements with the bearing's friction",
-    "printed": "finite elements, section area as printed",
-    "tube": "finite elements, hinge rigid",
-    "hinge": "finite elements, tube rigid",
-}
-"""Finite-element runs of a study and what they are."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +40,8 @@ class Study:
     ----------
     experiment : Experiment
         What the arm was asked to do.
-    model : Arm
-        The finite-element model.
+    models : Models
+        The finite-element model on its solid hinge, the bench, and their variants.
     record : Record
         The virtual measurement.
     encoder : JointDrive
@@ -62,15 +51,16 @@ class Study:
     modal : dict of str to ndarray, shape (n, 2)
         Tip x, z [m] of equations (1) and (2) at `modal_time`.
     static : dict of str to StaticOffset
-        Quasi-static tip offset of the model ("both"), and with its hinge or tube rigid ("tube", "hinge").
+        Quasi-static tip offset of the model ("both"), with only its tube or its hinge elastic ("tube",
+        "hinge"), and with one of its `CONTRIBUTORS` rigid ("without hub" and so on).
     frequency_hz, damping_ratio : dict of str to float
         First mode in the plane, upright, of the model ("fe") and with the printed area ("printed").
     seconds : dict of str to float
-        What each run took.
+        What each run took, and each solid part from mesh to file.
     """
 
     experiment: Experiment
-    model: Arm
+    models: Models
     record: Record
     encoder: JointDrive
     runs: dict[str, Simulation]
@@ -82,9 +72,14 @@ class Study:
     seconds: dict[str, float] = field(default_factory=dict)
 
     @property
+    def model(self) -> Arm:
+        """The finite-element model."""
+        return self.models.fe
+
+    @property
     def plane(self) -> Plane:
         """Geometry of the swing."""
-        return Plane(self.model.points[-1].position[2], self.experiment.vertical)
+        return Plane(self.models.lumped.point("tip").position[2], self.experiment.vertical)
 
     @property
     def stamps(self) -> Floats:
@@ -111,7 +106,7 @@ class Study:
 
             found: Floats = CubicSpline(self.modal_time, self.modal[run])(time)
             return found
-        return self.runs[run].at(time, "tip")[:, [0, 2]]
+        return tip_of(self.runs[run], time)
 
     def tangential(self, run: str, time: Floats) -> Floats:
         """Tangential offset of a run from the rigid arm at the angle that drives it [m]."""
@@ -124,11 +119,15 @@ class Study:
         return self.plane.tangential(self.measured, self.angle(self.stamps))
 
 
-def study(experiment: Experiment | None = None, seed: int = 2008, report: Report | None = None) -> Study:
-    """Runs the experiment and all models.
+def study(
+    folder: Path, experiment: Experiment | None = None, seed: int = 2008, report: Report | None = None
+) -> Study:
+    """Makes the hinge, runs the experiment and all models.
 
     Parameters
     ----------
+    folder : Path
+        Where the super-elements' files go; it must stay for as long as the study is used.
     experiment : Experiment, optional
         Default: the paper's.
     seed : int
@@ -147,40 +146,35 @@ def study(experiment: Experiment | None = None, seed: int = 2008, report: Report
         seconds[name] = perf_counter() - began
         return found
 
+    models = timed("parts", 0.0, "solid parts", lambda: Models.build(folder, partial(tell, 0.1)))
     record, _ = timed(
         "mock-up",
-        0.0,
+        0.2,
         "virtual mock-up",
         lambda: virtual_measurement(
-            asked, seed=seed, progress=lambda done: tell(0.35 * done, "virtual mock-up")
+            asked, models.bench, seed=seed, progress=lambda done: tell(0.2 + 0.3 * done, "virtual mock-up")
         ),
     )
-    arm = model()
-    drive = timed("smoothing", 0.35, "encoder", lambda: Drive.from_record(record, arm))
-    arms = variants(arm)
+    drive = timed("smoothing", 0.5, "encoder", lambda: Drive.from_record(record, models.fe))
     runs = {}
-    for i, (name, variant) in enumerate(arms.items()):
+    for i, (name, arm) in enumerate(models.runs().items()):
         moved = asked.pure_sine() if name == "sine" else drive
-        start = 0.42 + 0.04 * i
-        runs[name] = timed(name, start, RUNS[name], partial(simulate, variant, moved, end=asked.end + LATE))
+        start = 0.52 + 0.08 * i
+        runs[name] = timed(name, start, RUNS[name], partial(simulate, arm, moved, end=asked.end + LATE))
     time = np.arange(round((asked.end + LATE) / MODAL_STEP) + 1, dtype=float) * MODAL_STEP
     modal = timed(
-        "equations", 0.68, "equations (1) and (2)", lambda: equations(arm, drive.joints["hinge"], time)
+        "equations",
+        0.84,
+        "equations (1) and (2)",
+        lambda: equations(models.lumped, drive.joints["hinge"], time),
     )
-    largest = asked.amplitude * 1.05
-    static = timed(
-        "statics",
-        0.95,
-        "statics",
-        lambda: {
-            key: StaticOffset.of(arms[name], asked.vertical, largest)
-            for key, name in (("both", "fe"), ("tube", "tube"), ("hinge", "hinge"))
-        },
-    )
-    found = {key: modes(arms[key], joints={"hinge": asked.vertical}, count=2) for key in ("fe", "printed")}
+    static = timed("statics", 0.95, "statics", lambda: offsets(models, asked))
+    found = {
+        key: modes(runs[key].arm, joints={"hinge": asked.vertical}, count=2) for key in ("fe", "printed")
+    }
     return Study(
         asked,
-        arm,
+        models,
         record,
         drive.joints["hinge"],
         runs,
@@ -189,40 +183,23 @@ def study(experiment: Experiment | None = None, seed: int = 2008, report: Report
         static,
         {key: float(mode.frequency_hz[0]) for key, mode in found.items()},
         {key: float(mode.damping_ratio[0]) for key, mode in found.items()},
-        seconds,
+        {**seconds, **models.hinge.seconds},
     )
 
 
-def variants(arm: Arm) -> dict[str, Arm]:
-    """The model of each run in `RUNS`."""
-    friction = [
-        effect for effect in mock_up().effects if isinstance(effect, CoulombFriction | ViscousFriction)
-    ]
-    rubbing = arm
-    for effect in friction:
-        rubbing = rubbing.with_effect(effect)
+def tip_of(run: Simulation, time: Floats) -> Floats:
+    """Tip x, z [m] of a run; before its start, where a late stamp may lie, the arm rests."""
+    return run.at(np.maximum(time, run.time[0]), "tip")[:, [0, 2]]
+
+
+def offsets(models: Models, asked: Experiment) -> dict[str, StaticOffset]:
+    """Quasi-static offsets of the model and of those with parts made rigid."""
+    arms = {"both": models.fe, "tube": models.rigid(*HINGE), "hinge": models.rigid("tube")}
+    arms |= {f"without {part}": models.rigid(part) for part in CONTRIBUTORS}
+    length = models.lumped.point("tip").position[2]
     return {
-        "fe": arm,
-        "sine": arm,
-        "friction": rubbing,
-        "printed": model("printed"),
-        "tube": arm.without_effect("joint_compliance", "hinge"),
-        "hinge": with_modulus(arm, STIFF),
+        key: StaticOffset.of(arm, length, asked.vertical, 1.05 * asked.amplitude) for key, arm in arms.items()
     }
-
-
-def with_modulus(arm: Arm, scale: float) -> Arm:
-    """The model with Young's modulus of its tube times a factor."""
-    tube = tube_of(arm)
-    steel = tube.material.replace(youngs_modulus=scale * tube.material.youngs_modulus)
-    return arm.replace(links=(tube.replace(material=steel),))
-
-
-def tube_of(arm: Arm) -> Beam:
-    """The tube of the model."""
-    tube = arm.link("tube")
-    assert isinstance(tube, Beam)
-    return tube
 
 
 def equations(arm: Arm, encoder: JointDrive, time: Floats) -> dict[str, Floats]:

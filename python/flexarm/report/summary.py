@@ -10,8 +10,9 @@ from flexarm.arm import Arm
 from flexarm.mockup import PARAMETER_SETS, mock_up, model
 from flexarm.report.claims import Claim
 from flexarm.report.oscillation import length_rms
-from flexarm.report.study import RUNS, Study, tube_of
+from flexarm.report.study import Study
 from flexarm.report.tables import Table
+from flexarm.report.variants import RUNS, tube_of
 
 MODELS = {
     "rigid": "rigid arm at the encoder's angle",
@@ -44,15 +45,15 @@ def summary(study: Study, tables: dict[str, Table], found: list[Claim], seed: in
 def parameters(study: Study, seed: int) -> dict[str, Any]:
     """What the runs were made with, SI units."""
     asked, bench = study.experiment, mock_up()
-    compliance: Any = study.model.effect("joint_compliance", "hinge")
+    hinge = study.models.hinge
     tracker = study.record.signals["tip"]
-    ratio = study.model.joint("hinge").gear_ratio
+    ratio = study.model.gears[0].ratio
     encoder = next(sensor for sensor in bench.sensors if sensor.name == "encoder")
     controller: Any = bench.controllers[0]
     return {
         "parameter_set": "consistent",
         "parameter_sets": {name: _tube(model(name)) for name in PARAMETER_SETS},
-        "load_mass_kg": study.model.payloads[0].mass,
+        "load_mass_kg": next(load.mass for load in study.model.payloads if load.name == "load"),
         "gear_ratio": ratio,
         "amplitude_rad": asked.amplitude,
         "period_s": asked.period,
@@ -60,8 +61,18 @@ def parameters(study: Study, seed: int) -> dict[str, Any]:
         "rest_after_s": asked.rest,
         "posture": "hanging" if asked.hanging else "upright",
         "command_sample_time_s": asked.sample_time,
-        "hinge_stiffness_Nm_per_rad": compliance.stiffness,
-        "hinge_damping_Nms_per_rad": compliance.damping,
+        "hinge_stiffness_Nm_per_rad": hinge.stiffness,
+        "bench_hinge_stiffness_Nm_per_rad": study.models.bench_hinge.stiffness,
+        "hinge_damping_Nms_per_rad": hinge.stiffness * hinge.design.damping_time.reducer,
+        "hinge_parts": {
+            name: {
+                "points": study.models.hinge.meshes[name].n_points,
+                "interfaces": list(part.interfaces),
+                "modes": part.n_modes,
+                "mass_kg": part.mass_total,
+            }
+            for name, part in hinge.parts.items()
+        },
         "first_mode_hz": study.frequency_hz["fe"],
         "first_mode_damping_ratio": study.damping_ratio["fe"],
         "encoder_steps_a_motor_turn": round(2 * np.pi / (encoder.step * ratio)),
@@ -92,7 +103,7 @@ def misprint(study: Study) -> dict[str, float]:
     return {
         "consistent_area_m2": tube_of(study.model).section.area,
         "printed_area_m2": tube_of(model("printed")).section.area,
-        "consistent_rod_kg": _mass(study.model),
+        "consistent_rod_kg": _mass(model()),
         "printed_rod_kg": _mass(model("printed")),
         "consistent_tip_error_max_m": error["consistent"],
         "printed_tip_error_max_m": error["printed"],

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from flexarm.drive import Drive
 from flexarm.report.oscillation import grid
 from flexarm.report.study import Study
+from flexarm.report.variants import tube_of
 from flexarm.simulation import simulate
 
 Floats = NDArray[np.float64]
@@ -50,12 +51,13 @@ def input_shaft(study: Study) -> Table:
     """Figure 4: the angle imposed on the reducer's input."""
     time = grid(study)
     time = time[time <= study.experiment.duration + 1e-9]
-    ratio = study.model.joint("hinge").gear_ratio
-    swing = study.experiment.angle(time) - study.experiment.vertical
+    run = study.runs["sine"]
+    shaft = run.joint_angle[:, run.joints.index("motor_shaft")]
     return {
         "time_s": Column(time, "time [s]"),
         "input_shaft_rad": Column(
-            ratio * swing, "angle of the reducer's input shaft from the vertical [rad]"
+            np.interp(time, run.time, shaft) - shaft[0],
+            "angle of the reducer's input shaft from the vertical [rad]",
         ),
     }
 
@@ -63,13 +65,16 @@ def input_shaft(study: Study) -> Table:
 def deformed_shape(study: Study) -> Table:
     """Figure 6: the tube's axis at the instant of the greatest measured offset, and the three tips."""
     time = deformed_instant(study)
-    places = np.linspace(0, study.plane.length, SHAPE_POINTS)
+    start = study.models.hinge.design.hub.flange_radius
+    places = np.linspace(start, study.plane.length, SHAPE_POINTS)
     point = study.model.point("tip")
     along = tuple(
-        point.replace(name=f"p{i}", position=(0.0, 0.0, float(place))) for i, place in enumerate(places)
+        point.replace(name=f"p{i}", position=(0.0, 0.0, float(place - start)))
+        for i, place in enumerate(places)
     )
-    tube = study.model.links[0].replace(elements=SHAPE_POINTS - 1)
-    arm = study.model.replace(points=along, links=(tube,))
+    finer = tube_of(study.model).replace(elements=SHAPE_POINTS - 1)
+    links = tuple(finer if link.name == "tube" else link for link in study.model.links)
+    arm = study.model.replace(points=along, links=links)
     run = simulate(arm, Drive({"hinge": study.encoder}, end=time + 0.01))
     shape = np.array([run.at([time], entry.name)[0, [0, 2]] for entry in along])
     tip = study.rigid(np.array([time]))[0]
@@ -77,7 +82,7 @@ def deformed_shape(study: Study) -> Table:
     measured[-1] = study.measured[int(np.searchsorted(study.stamps, time))]
     rigid = places[:, None] / study.plane.length * tip
     return {
-        "along_m": Column(places, "place along the tube [m]"),
+        "along_m": Column(places, "distance from the hinge axis along the tube [m]"),
         "rigid_x_m": Column(rigid[:, 0], "rigid arm at the encoder's angle, x [m]"),
         "rigid_z_m": Column(rigid[:, 1], "rigid arm at the encoder's angle, z [m]"),
         "model_x_m": Column(shape[:, 0], "finite-element model, x [m]"),
