@@ -211,7 +211,7 @@ def test_interruption_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyP
     def stop(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("flexarm.report.study.virtual_measurement", stop)
+    monkeypatch.setattr("flexarm.report.study.Models.build", stop)
     with pytest.raises(KeyboardInterrupt):
         reproduce(tmp_path / "results")
     assert list(tmp_path.iterdir()) == []
