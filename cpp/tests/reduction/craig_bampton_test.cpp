@@ -275,3 +275,15 @@ TEST_CASE("Progress hears every phase in order, and what it throws ends the work
                                                   {.modes = 6}, stop),
                   Stop);
 }
+
+TEST_CASE("A part without mass has its statics, no modes, and nothing left out") {
+  Part part;
+  const MatrixXd stiffness = part.reduce(part.ends(rigid, average), 0).stiffness;
+  part.M.setZero();
+  const ReducedPart reduced = part.reduce(part.ends(rigid, average), 5);
+  CHECK(error(reduced.stiffness, stiffness) == 0);
+  CHECK(reduced.frequency_hz.size() == 0);
+  CHECK(largest(reduced.mass) == 0);
+  CHECK(reduced.quality.left_out_frequency_hz == INFINITY);
+  CHECK(reduced.quality.free_frequency_hz.size() == 0);
+}
