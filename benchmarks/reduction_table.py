@@ -40,7 +40,7 @@ def phases(table):
             found = row["statistics"]
             seconds = ", ".join(f"{key} {value:.3g}" for key, value in found["seconds"].items())
             yield (
-                f"{size} {name}: assembly {row['seconds']['assembly']['cpu']:.3g} s; {seconds} s; "
+                f"{size} {name}: wall seconds: assembly {row['seconds']['assembly']['wall']:.3g}, {seconds}; "
                 f"{found['factor']}, {found['entries']['entries']:.3g} entries, {found['operations']:.3g} "
                 f"operations, {found['lanczos']['steps']} blocks of {found['lanczos']['block']}"
             )
