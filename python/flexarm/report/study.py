@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -204,15 +205,7 @@ def offsets(models: Models, asked: Experiment) -> dict[str, StaticOffset]:
 
 def equations(arm: Arm, encoder: JointDrive, time: Floats) -> dict[str, Floats]:
     """Tip x, z [m] of equations (1) and (2) at the times."""
-    from scipy.interpolate import PPoly
-
-    polynomial = PPoly(encoder.coefficients, encoder.breaks)
-    first, last = float(encoder.breaks[0]), float(encoder.breaks[-1])
-
-    def angle(t: float, nu: int = 0) -> float:
-        inside = first <= t <= last
-        return float(polynomial(min(max(t, first), last), nu)) if inside or nu == 0 else 0.0
-
+    angle = _scalar(encoder)
     one = OneLinkArm.of(arm)
     forms: dict[str, NonlinearModal | LinearModal] = {
         "equation 1": one.nonlinear(2),
@@ -222,3 +215,25 @@ def equations(arm: Arm, encoder: JointDrive, time: Floats) -> dict[str, Floats]:
         name: np.asarray(simulate_modal(form, one.drive(angle), time, step=MODAL_STEP).tip)
         for name, form in forms.items()
     }
+
+
+def _scalar(encoder: JointDrive) -> Callable[..., float]:
+    """The drive's angle (nu = 0) and its derivatives at one time: plain numbers, asked for 250 000 times."""
+    breaks = encoder.breaks.tolist()
+    rows = [encoder.coefficients]
+    for _ in range(len(encoder.coefficients) - 1):
+        powers = np.arange(len(rows[-1]) - 1, 0, -1)[:, None]
+        rows.append(powers * rows[-1][:-1])
+    pieces = [of.T.tolist() for of in rows]
+
+    def angle(t: float, nu: int = 0) -> float:
+        inside = min(max(t, breaks[0]), breaks[-1])
+        if (nu > 0 and t != inside) or nu >= len(pieces):
+            return 0.0
+        i = min(bisect_right(breaks, inside), len(breaks) - 1) - 1
+        value, since = 0.0, inside - breaks[i]
+        for coefficient in pieces[nu][i]:
+            value = value * since + coefficient
+        return float(value)
+
+    return angle
