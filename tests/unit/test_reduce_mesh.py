@@ -214,7 +214,7 @@ def test_the_file_tells_where_the_part_comes_from(part, tmp_path):
             "interface 'a': must be one of rigid, average",
         ),
         ({"interfaces": {"a": "top", "b": "top"}}, "'b'|'a'"),
-        ({"modes": -1}, "modes: must not be negative"),
+        ({"modes": -1}, "modes: must be a whole number"),
         ({"modes": 3, "max_frequency": 10.0}, "modes: give modes or max_frequency, not both"),
         ({"max_frequency": -1.0}, "max_frequency: must be positive"),
         ({"damping_ratio": 1.5}, "damping_ratio: must be in"),
@@ -278,7 +278,7 @@ def test_json_tells_modes_quality_and_seconds(file, capsys):
         ([*COMMAND], "error: command line: --interface: is needed, NAME=SET; the mesh has the sets inner"),
         ([*COMMAND, "--interface", "a=botom"], "error: ring.vtu: point set 'botom'"),
         ([*COMMAND[:4], *INTERFACES], "error: ring.vtu: "),
-        ([*COMMAND, *INTERFACES, "--modes", "-2"], "error: ring.vtu: modes: must not be negative"),
+        ([*COMMAND, *INTERFACES, "--modes", "-2"], "error: ring.vtu: modes: must be a whole number"),
         ([*COMMAND, *INTERFACES, "--mass", "1"], "error: ring.vtu: mass: R^T M R weighs"),
         (["reduce", "absent.inp", *INTERFACES], "error: absent.inp: "),
     ],
@@ -292,3 +292,14 @@ def test_mistakes_end_with_exit_code_2_and_no_file(file, tmp_path, capsys, argum
 def test_the_file_named_in_an_error_of_an_invalid_material(file, capsys):
     with pytest.raises(InvalidFile):
         reduce_mesh("ring.vtu", ENDS, unit="mm")
+
+
+@pytest.mark.parametrize("modes", [2.5, -1, 100_000])
+def test_an_impossible_number_of_modes_is_refused(mesh, modes):
+    with pytest.raises(InvalidParameter, match=r"modes: must be a whole number, 0 to 1000"):
+        reduce_mesh(mesh, ENDS, modes=modes)
+
+
+def test_an_unknown_tie_is_told_from_an_unknown_set(mesh):
+    with pytest.raises(InvalidParameter, match="must be SET, SET:rigid or SET:average, got 'top:avg'"):
+        reduce_mesh(mesh, {"end": "top:avg"}, modes=0)

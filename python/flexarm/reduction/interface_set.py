@@ -87,7 +87,13 @@ class InterfaceSet:
         return len(self._indices(mesh))
 
     def _indices(self, mesh: SolidMesh) -> Ints:
-        return mesh.point_set(self.points) if isinstance(self.points, str) else np.asarray(self.points)
+        if not isinstance(self.points, str):
+            return np.asarray(self.points)
+        name, colon, kind = self.points.rpartition(":")
+        if colon and self.points not in mesh.point_sets and name in mesh.point_sets:
+            what = f"must be SET, {' or '.join(f'SET:{known}' for known in KINDS)}, got {self.points!r}"
+            raise InvalidParameter(what, where=f"tie {kind!r} of point set {name!r}")
+        return mesh.point_set(self.points)
 
     def _weights(self, mesh: SolidMesh) -> Floats:
         """Areas of the faces that the points span, as an even pressure acts on them; else all alike."""

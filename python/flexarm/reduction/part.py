@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _core: Any = _typed_core
 
 DEFAULT_MODES = 20
+MOST_MODES = 1000  # time grows with their square, and an arm needs a few dozen
 
 Progress = Callable[[str, float], None]
 """Hears the phase that runs and the part of it that is done, 0 to 1."""
@@ -151,8 +152,8 @@ def _wanted(modes: int | None, max_frequency: float | None) -> tuple[int, float]
     """Number of modes and frequency limit, one of them zero."""
     if modes is not None and max_frequency is not None:
         raise InvalidParameter("give modes or max_frequency, not both", where="modes")
-    if modes is not None and modes < 0:
-        raise InvalidParameter(f"must not be negative, got {modes}", where="modes")
+    if modes is not None and not (isinstance(modes, int | np.integer) and 0 <= modes <= MOST_MODES):
+        raise InvalidParameter(f"must be a whole number, 0 to {MOST_MODES}, got {modes}", where="modes")
     if max_frequency is None:
         return (DEFAULT_MODES if modes is None else modes), 0.0
     if not 0 < max_frequency < math.inf:
