@@ -91,6 +91,13 @@ def test_check_prints_a_weight_statement(model_file: Path, capsys: pytest.Captur
     assert "whole                   29.8032" in out  # 13.7032 + 2 + 14.1 kg
 
 
+def test_a_mesh_given_to_check_is_sent_to_reduce(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "beam.inp"
+    path.write_text("*NODE\n1, 0, 0, 0\n")
+    assert run(["check", str(path)]) == 2
+    assert "is a mesh, no model; `flexarm reduce`" in capsys.readouterr().err
+
+
 def test_check_json_is_one_object(model_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["check", str(model_file), "--json"]) == 0
     captured = capsys.readouterr()

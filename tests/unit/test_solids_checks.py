@@ -42,6 +42,16 @@ def test_inverted_cells_are_listed_by_their_numbers():
         wrong.check()
 
 
+def test_a_cell_that_is_there_twice_would_weigh_twice():
+    mesh = _ring()
+    turned = mesh.cells["hex8"][[3]][:, [1, 2, 3, 0, 5, 6, 7, 4]]  # the same cell from another corner
+    wrong = _changed(
+        mesh, cells={"hex8": np.vstack([mesh.cells["hex8"], turned])}, cell_groups={}, materials={}
+    )
+    with pytest.raises(InvalidParameter, match=r"cells.hex8: 1 of 97 cells have the nodes of another: 97 \("):
+        wrong.with_materials(STEEL).check()
+
+
 def test_a_mesh_in_another_order_of_nodes_is_told_so():
     mesh = _ring()
     wrong = _changed(mesh, cells={"hex8": mesh.cells["hex8"][:, [4, 5, 6, 7, 0, 1, 2, 3]]})

@@ -25,6 +25,23 @@ def test_physical_volumes_are_groups_and_all_else_sets(tmp_path):
     }
 
 
+def test_a_cell_in_two_groups_which_version_2_writes_twice_is_one(tmp_path):
+    text = TWO_TETRAHEDRA.replace('2\n2 7 "foot"', '3\n3 2 "half"\n2 7 "foot"')
+    text = text.replace("$Elements\n4\n", "$Elements\n5\n").replace(
+        "$EndElements", "32 4 2 2 1 2 8 3 5\n$EndElements"
+    )
+    path = tmp_path / "two.msh"
+    path.write_text(text)
+    mesh = read_mesh(path, materials=STEEL).check()
+    assert list(mesh.cells["tet4"].ravel()) == [0, 1, 2, 3, 1, 4, 2, 3]
+    assert list(mesh.cell_numbers["tet4"]) == [20, 31]
+    assert {name: list(group["tet4"]) for name, group in mesh.cell_groups.items()} == {
+        "all": [0, 1],
+        "body": [0, 1],
+        "half": [1],
+    }
+
+
 def test_version_4_gives_the_same_part(tmp_path):
     path = tmp_path / "two.msh"
     path.write_text(GMSH_4)

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from flexarm.arm.weight import Body, WeightStatement
     from flexarm.record import Record
 
+_MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
+
 
 def check(
     path: Annotated[
@@ -50,6 +52,10 @@ def check(
 def _reader(path: Path) -> Callable[[Path], tuple[dict[str, Any], list[str], list[Problem]]]:
     if path.is_dir() or path.name == "record.toml":
         return _record
+    if path.suffix in _MESHES:
+        raise InvalidFile(
+            path, "path", "is a mesh, no model; `flexarm reduce` checks it and makes it a super-element"
+        )
     return describe if path.suffix == ".nc" else _model
 
 

@@ -48,6 +48,7 @@ def problems(mesh: SolidMesh) -> Iterator[Problem]:
     yield from repeated
     if not repeated:
         yield from _inverted(mesh)
+    yield from _twice(mesh)
     yield from _duplicates(mesh)
     yield from _loose(mesh)
     yield from _unused(mesh)
@@ -80,6 +81,18 @@ def _repeated(mesh: SolidMesh) -> Iterator[Problem]:
                 f"cells.{kind}",
                 f"{len(bad)} of {len(nodes)} cells name a node twice (collapsed to a wedge or less): "
                 f"{_cells(mesh, kind, bad)}; mesh with {ALLOWED} that have all their nodes",
+            )
+
+
+def _twice(mesh: SolidMesh) -> Iterator[Problem]:
+    for kind, nodes in mesh.cells.items():
+        _, first = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
+        if len(first) < len(nodes):
+            again = np.setdiff1d(np.arange(len(nodes)), first)
+            yield Problem(
+                f"cells.{kind}",
+                f"{len(again)} of {len(nodes)} cells have the nodes of another: {_cells(mesh, kind, again)}; "
+                "their mass and stiffness would count twice: write each cell once",
             )
 
 

@@ -66,6 +66,8 @@ class Content:
         Name of a group -> its material.
     notes : list of Problem
         What was not read.
+    repeats : bool
+        The format writes a cell once for each of its groups.
     """
 
     points: Floats
@@ -75,3 +77,4 @@ class Content:
     point_sets: dict[str, Ints] = field(default_factory=dict)
     materials: Mapping[str, Elastic] = field(default_factory=dict)
     notes: list[Problem] = field(default_factory=list)
+    repeats: bool = False

@@ -2,6 +2,7 @@
 
 meshlane reads points, cells and physical groups. Two things it leaves out are read here: numbers of cells,
 so that messages name those of the file, and names that physical groups of two dimensions share.
+Version 2.2 writes a cell once for each physical group it is in; these are made one again.
 A physical volume is a group of cells; physical surfaces, curves and points are sets of their points. One
 without a name is called `volume-1`, `surface-7`, `curve-3`, `point-2`.
 """
@@ -44,7 +45,7 @@ def _content(path: Path) -> Content:
     if numbers is not None and len(numbers) == sum(len(block.nodes) for block in blocks):
         for block in blocks:
             block.numbers, numbers = numbers[: len(block.nodes)], numbers[len(block.nodes) :]
-    found = Content(np.asarray(mesh.points, float), np.arange(1, len(mesh.points) + 1), blocks)
+    found = Content(np.asarray(mesh.points, float), np.arange(1, len(mesh.points) + 1), blocks, repeats=True)
     found.groups = _groups(mesh)
     return found
 

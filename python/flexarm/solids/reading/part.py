@@ -54,6 +54,8 @@ def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Mate
         used[nodes.ravel()] = True
     new = np.cumsum(used) - 1
     groups, sets = _groups(content, kinds, offset)
+    if content.repeats:
+        cells, numbers, groups = _each_once(cells, numbers, groups)
     in_file = {name: m for name, m in content.materials.items() if name not in materials and name in groups}
     known, not_used = si_materials(in_file, unit)
     notes = [*content.notes, *_left_out(content, used), *not_used]
@@ -149,6 +151,25 @@ def _groups(
         if flat:
             sets[name if name not in sets else f"{name}-cells"] = np.unique(np.concatenate(flat))
     return groups, sets
+
+
+def _each_once(
+    cells: dict[str, Ints], numbers: dict[str, Ints], groups: dict[str, dict[str, Ints]]
+) -> tuple[dict[str, Ints], dict[str, Ints], dict[str, dict[str, Ints]]]:
+    """Cells that name the same nodes made one, which is in the groups of all."""
+    kept, new = {}, {}
+    for kind, nodes in cells.items():
+        _, first, same = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True)
+        kept[kind] = np.sort(first)
+        new[kind] = np.searchsorted(kept[kind], first[same.ravel()])
+    return (
+        {kind: nodes[kept[kind]] for kind, nodes in cells.items()},
+        {kind: values[kept[kind]] for kind, values in numbers.items()},
+        {
+            name: {kind: np.unique(new[kind][members]) for kind, members in group.items()}
+            for name, group in groups.items()
+        },
+    )
 
 
 def _left_out(content: Content, used: NDArray[np.bool_]) -> list[Problem]:
