@@ -146,3 +146,10 @@ def test_an_unknown_unit_or_ending_or_file_is_said(tmp_path):
     (tmp_path / "part.step").write_text("")
     with pytest.raises(InvalidFile, match=r"files ending in '.step' are not read; allowed are .*.msh"):
         read_mesh(tmp_path / "part.step")
+
+
+def test_another_format_called_msh_is_told_what_was_expected(tmp_path):
+    path = tmp_path / "beam.msh"
+    path.write_text("*NODE\n1, 0., 0., 0.\n")
+    with pytest.raises(InvalidFile, match=r"cannot be read as a Gmsh mesh .* begins with \$MeshFormat"):
+        read_mesh(path)

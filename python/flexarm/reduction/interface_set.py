@@ -7,7 +7,9 @@ bolted to something much softer. The truth lies between the two.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -101,3 +103,26 @@ class InterfaceSet:
 
         areas = point_areas(mesh, self._indices(mesh))
         return areas if areas.any() else np.ones(len(areas))
+
+
+def refuse_shared(sets: Mapping[str, InterfaceSet], mesh: SolidMesh) -> None:
+    """Points of two rigid interfaces, by their numbers in the file: they cannot follow both frames.
+
+    Raises
+    ------
+    InvalidParameter
+        If rigid interfaces share points.
+    """
+    rigid = {name: item._indices(mesh) for name, item in sets.items() if item.kind == "rigid"}
+    for (one, points), (other, others) in combinations(rigid.items(), 2):
+        shared = np.intersect1d(points, others)
+        if not len(shared):
+            continue
+        numbers = mesh.point_numbers
+        assert numbers is not None  # __post_init__ sets it
+        few = ", ".join(map(str, numbers[shared[:5]])) + (", .." if len(shared) > 5 else "")
+        what = (
+            f"shares {len(shared)} points with {one!r} (node {few}); a point may follow one rigid interface "
+            "only: take them out of one set"
+        )
+        raise mesh.error(f"interface {other!r}", what)

@@ -14,7 +14,7 @@ import numpy as np
 from flexarm import _core as _typed_core
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.damping import stiffness_proportional
-from flexarm.reduction.interface_set import InterfaceSet
+from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
 from flexarm.superelement import SuperElement
 
 if TYPE_CHECKING:
@@ -100,6 +100,7 @@ def reduce_mesh(
     if not sets:
         raise InvalidParameter("there must be at least one interface, got none", where="interfaces")
     count, limit = _wanted(modes, max_frequency)
+    refuse_shared(sets, solid)
     held = [item.core(key, solid) for key, item in sets.items()]
     tell("assembly", 0.0)
     meshed = perf_counter()

@@ -26,6 +26,7 @@ from flexarm.solids.reading.through_meshlane import blocks_of, read_by
 _REMEDIES = {
     "gmsh:physical": "some cells are in no physical group: save without 'Save all elements'",
     "parametric": "save without 'Save parametric coordinates'",
+    "ReadError": "such a file begins with $MeshFormat, version 2.2 or 4.1, and holds $Nodes and $Elements",
 }
 _DIMENSION = ("point", "curve", "surface", "volume")
 

@@ -121,7 +121,8 @@ def _refuse_incomplete(points: list[int], held: Mapping[int, set[int]], grids: M
         has = ", ".join(map(str, sorted(held[point])))
         raise InvalidParameter(
             f"point {point} has the components {has} only, an interface needs all six: leave it out of the "
-            "reduction, or tie it with others, not in a line, to one interface: NAME=POINT,POINT,POINT",
+            "reduction (matrices of a whole mesh are not reduced here; give that mesh), or tie it with "
+            "others, not in a line, to one interface: NAME=POINT,POINT,POINT",
             where="interfaces",
         )
 
