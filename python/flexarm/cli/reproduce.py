@@ -10,7 +10,8 @@ from flexarm.cli.options import Force, Out, show_progress
 def reproduce(out: Out = Path("results"), force: Force = False) -> None:
     """The paper's figures and claims, made again.
 
-    Writes figures 4, 6, 7, 8, 9 and 10 as figure-NN.png, .pdf and .csv, summary.json and index.html.
+    Meshes and reduces the hinge's solid parts, simulates, and writes figures 4, 6, 7, 8, 9 and 10 as
+    figure-NN.png, .pdf and .csv, summary.json and index.html; the model with its super-elements beside them.
     "Measured" curves are a virtual measurement: the authors' data are not public.
 
         flexarm reproduce --out results
