@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from flexarm import InterfaceSet, InvalidFile, InvalidParameter, SuperElement, _core, reduce_mesh
 from flexarm.cli.run import run
 from flexarm.solids import Material, SolidMesh, read_mesh, ring, tube
+from flexarm.superelement.mass_checks import outside
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 CORK = Material(youngs_modulus=1e9, poisson_ratio=0.0, density=500)
@@ -139,6 +140,18 @@ def test_a_long_tube_is_a_beam():
     assert K[6, 6] == approx(12 * E * Iyy / L**3 / (1 + shear), rel=1e-2)
     assert K[10, 10] == approx((4 + shear) / (1 + shear) * E * Iyy / L, rel=1e-2)
     assert K[11, 11] == approx(G * 2 * Iyy / L, rel=1e-2)
+
+
+def test_a_slender_part_held_at_one_end_raises_no_doubt():
+    """Its centre is sqrt(3) radii of gyration from the only interface."""
+    mesh = tube(0.05, 0.004, 1.0, size=(0.004, 0.1), around=8, order=1, material=STEEL)
+    finger = reduce_mesh(mesh, {"root": "bottom"}, modes=2)
+    assert finger.check() == []
+    mass = finger.mass.copy()
+    lever = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 0.0]])  # c x for a centre 1 m up
+    mass[:6, :6] = np.block([[np.eye(3), -lever], [lever, 0.01 * np.eye(3) - lever @ lever]])
+    (doubt,) = outside(replace(finger, mass=mass))
+    assert "z = 1 m, farther from the box of the interfaces than twice the radius of gyration" in doubt.what
 
 
 def test_stress_of_a_pulled_bar_is_uniform():

@@ -93,15 +93,19 @@ def other_mass(element: SuperElement, stated: float | None) -> Iterator[Problem]
 
 
 def outside(element: SuperElement) -> Iterator[Problem]:
-    """A centre far from all interfaces is possible, and unlikely."""
+    """A centre far from all interfaces is possible, and unlikely.
+
+    A uniform bar held at one end has its centre sqrt(3) radii of gyration away from there.
+    """
     if element.mass_total <= 0:
         yield Problem("mass", "the part weighs nothing")
         return
     gyration = radius_of_gyration(element)
-    low, high = element.positions.min(axis=0) - gyration, element.positions.max(axis=0) + gyration
+    far = 2 * gyration
+    low, high = element.positions.min(axis=0) - far, element.positions.max(axis=0) + far
     for k in np.flatnonzero((element.centre < low) | (element.centre > high)):
         yield Problem(
             "mass",
             f"the centre stands at {'xyz'[k]} = {element.centre[k]:.4g} m, farther from the box of the "
-            f"interfaces than the radius of gyration, {gyration:.3g} m; are they of one frame with M?",
+            f"interfaces than twice the radius of gyration, {gyration:.3g} m; are they of one frame with M?",
         )
