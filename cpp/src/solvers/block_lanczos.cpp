@@ -22,6 +22,8 @@ constexpr double dependent = 1e-9;
 constexpr double loose_tolerance = 1e-2;
 // Values within this part of one another may be copies of one.
 constexpr double cluster_width = 1e-3;
+// What A makes of a vector, and a θ, below this part of the largest θ is rounding: a motion held still.
+constexpr double nothing = 1e-13;
 // Blocks without a further converged mode before the search is given up.
 constexpr int patience = 60;
 
@@ -128,13 +130,14 @@ class Search {
   Ritz advance() {
     const Index k = basis_.size(), first = k - last_;
     Block block = apply(basis_.M_last());
-    const VectorXd shortest = dependent * block.lengths();
+    const VectorXd shortest = (dependent * block.lengths()).cwiseMax(nothing * largest_);
     const MatrixXd C = basis_.project_out(block, std::min(k, last_ + before_));
     grow(k);
     H_.block(0, first, k, last_) = C;
     H_.block(first, 0, last_, k) = C.transpose();
     const MatrixXd B = basis_.append(std::move(block), shortest);
     const Ritz ritz = solve(k, B);
+    if (ritz.theta.size() > 0) largest_ = ritz.theta[0];
     before_ = last_;
     last_ = B.rows();
     if (last_ == 0) restart();  // an invariant subspace
@@ -170,7 +173,10 @@ class Search {
 
   Ritz solve(Index k, const MatrixXd& B) const {
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (H_ + H_.transpose()));
-    Ritz ritz{eigen.eigenvalues().reverse(), VectorXd::Zero(k), eigen.eigenvectors().rowwise().reverse()};
+    const VectorXd& rising = eigen.eigenvalues();
+    const Index n = (rising.array() > nothing * rising[k - 1]).count();
+    Ritz ritz{rising.tail(n).reverse(), VectorXd::Zero(n),
+              eigen.eigenvectors().rightCols(n).rowwise().reverse()};
     if (B.rows() > 0) ritz.residual = (B * ritz.S.bottomRows(B.cols())).colwise().norm();  // eq. (3)
     return ritz;
   }
@@ -182,6 +188,7 @@ class Search {
   MatrixXd H_;
   std::mt19937 generator_;
   Index block_, last_ = 0, before_ = 0;
+  double largest_ = 0;  // θ so far
   int steps_ = 0;
 };
 

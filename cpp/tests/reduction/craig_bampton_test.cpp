@@ -218,6 +218,22 @@ TEST_CASE("Requests and parts that have no answer are refused") {
   CHECK(refusal(part, twins).find("interface 'a', 'b': frames on average do not move on their own") == 0);
 }
 
+TEST_CASE("All modes of a part are its freedoms less six an average interface, three a point held rigidly") {
+  // Held frames leave K⁻¹ motions that do not move; rounding must not count them as modes.
+  const Part part(3, 2, 2);
+  const auto n = part.K.rows();
+  const auto n_modes = [&](const std::vector<Interface>& interfaces) {
+    const flexarm::reduction::ReducedPart reduced = part.reduce(interfaces, 1000);
+    CHECK(reduced.frequency_hz.allFinite());
+    CHECK(std::isinf(reduced.quality.left_out_frequency_hz));
+    return reduced.frequency_hz.size();
+  };
+  CHECK(n_modes({part.plane(0, average, "base")}) == n - 6);
+  CHECK(n_modes(part.ends(average, average)) == n - 12);
+  CHECK(n_modes(part.ends(rigid, average)) == n - 3 * 9 - 6);
+  CHECK(n_modes(part.ends(rigid, rigid)) == n - 2 * 3 * 9);
+}
+
 TEST_CASE("A hinged piece is named by a point on it") {
   // Two blocks that share one edge of points: held at one end the other turns about that edge.
   const Part one(2, 1, 1);
