@@ -320,3 +320,22 @@ def test_an_impossible_number_of_modes_is_refused(mesh, modes):
 def test_an_unknown_tie_is_told_from_an_unknown_set(mesh):
     with pytest.raises(InvalidParameter, match="must be SET, SET:rigid or SET:average, got 'top:avg'"):
         reduce_mesh(mesh, {"end": "top:avg"}, modes=0)
+
+
+def test_points_may_be_indices_or_a_mask(mesh):
+    chosen = mesh.points[:, 2] == mesh.points[:, 2].min()
+    by_mask = reduce_mesh(mesh, {"a": InterfaceSet(chosen)}, modes=0)
+    by_index = reduce_mesh(mesh, {"a": np.flatnonzero(chosen)}, modes=0)
+    assert np.array_equal(by_mask.mass, by_index.mass)
+
+
+@pytest.mark.parametrize("points", [[10**6, 1, 2], [0.5, 1.0, 2.0], [], [[0, 1, 2]]])
+def test_points_that_are_none_are_refused(mesh, points):
+    with pytest.raises(InvalidParameter, match="must be the name of a set, indices 0 to"):
+        reduce_mesh(mesh, {"a": InterfaceSet(points)}, modes=0)
+
+
+@pytest.mark.parametrize("wrong", [{"position": [0, 0]}, {"rotation": np.eye(2)}])
+def test_frames_of_the_wrong_shape_are_refused(mesh, wrong):
+    with pytest.raises(InvalidParameter, match=r"interface 'a': \w+ must have the shape"):
+        reduce_mesh(mesh, {"a": InterfaceSet("bottom", **wrong)}, modes=0)

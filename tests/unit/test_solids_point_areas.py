@@ -46,6 +46,25 @@ def test_points_of_an_edge_have_none() -> None:
     assert not point_areas(mesh, edge).any()
 
 
+def test_points_of_an_edge_have_none_though_they_close_a_stray_face() -> None:
+    """All edges of the bottom: in a corner three of them belong to one tetrahedron's or hexahedron's face."""
+    mesh = box([1, 1, 1], (2, 2, 2), "hex8")
+    bottom = mesh.points[:, 2] == 0
+    rim = np.flatnonzero(bottom & (np.abs(mesh.points[:, :2]) == 0.5).any(axis=1))
+    inner = np.flatnonzero(bottom & (np.abs(mesh.points[:, :2]) < 0.5).all(axis=1))
+    assert not point_areas(mesh, rim).any()
+    whole = point_areas(mesh, np.concatenate([rim, inner]))  # with its inner point: the whole face
+    assert whole.sum() == approx(1)
+
+
+def test_inner_faces_do_not_count() -> None:
+    mesh = box([1, 2, 3], (2, 2, 2), "hex8")
+    outside = point_areas(
+        mesh, np.flatnonzero((np.abs(mesh.points - [0, 0, 1.5]) == [0.5, 1, 1.5]).any(axis=1))
+    )
+    assert outside.sum() == approx(2 * (2 + 3 + 6))
+
+
 @pytest.mark.parametrize("nodes", [3, 4, 6, 8])
 def test_derivatives_of_shape_functions_match_differences(nodes: int) -> None:
     h = 1e-6

@@ -13,7 +13,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidParameter
@@ -75,8 +75,14 @@ class InterfaceSet:
             raise InvalidParameter(what, where=f"interface {name!r}")
         points = np.asarray(self._indices(mesh), dtype=np.int32)
         rotation = np.eye(3) if self.rotation is None else np.asarray(self.rotation, dtype=float)
+        position = self.at(mesh)
+        for what, array, shape in (("position", position, (3,)), ("rotation", rotation, (3, 3))):
+            if array.shape != shape:
+                raise InvalidParameter(
+                    f"{what} must have the shape {shape}, got {array.shape}", where=f"interface {name!r}"
+                )
         kind = getattr(core.InterfaceKind, self.kind)
-        return core.Interface(name, self.at(mesh), rotation, points, kind, self._weights(mesh))
+        return core.Interface(name, position, rotation, points, kind, self._weights(mesh))
 
     def at(self, mesh: SolidMesh) -> Floats:
         """Where the frame stands [m]."""
@@ -90,7 +96,7 @@ class InterfaceSet:
 
     def _indices(self, mesh: SolidMesh) -> Ints:
         if not isinstance(self.points, str):
-            return np.asarray(self.points)
+            return _as_indices(np.asarray(self.points), mesh.n_points)
         name, colon, kind = self.points.rpartition(":")
         if colon and self.points not in mesh.point_sets and name in mesh.point_sets:
             what = f"must be SET, {' or '.join(f'SET:{known}' for known in KINDS)}, got {self.points!r}"
@@ -98,11 +104,32 @@ class InterfaceSet:
         return mesh.point_set(self.points)
 
     def _weights(self, mesh: SolidMesh) -> Floats:
-        """Areas of the faces that the points span, as an even pressure acts on them; else all alike."""
+        """Areas of the outer faces that the points span, as an even pressure acts on them; else all alike."""
         from flexarm.solids.point_areas import point_areas
 
         areas = point_areas(mesh, self._indices(mesh))
         return areas if areas.any() else np.ones(len(areas))
+
+
+def _as_indices(points: NDArray[Any], n_points: int) -> Ints:
+    """Indices of points, or a mask of all of them, as indices.
+
+    Raises
+    ------
+    InvalidParameter
+        If they are neither.
+    """
+    if points.dtype == bool and points.shape == (n_points,):
+        return np.flatnonzero(points)
+    fine = points.ndim == 1 and points.size > 0 and np.issubdtype(points.dtype, np.integer)
+    if not fine or points.min() < 0 or points.max() >= n_points:
+        raise InvalidParameter(
+            f"must be the name of a set, indices 0 to {n_points - 1}, or a mask of all points; got an array "
+            f"of {points.dtype}, shape {points.shape}"
+            + (f", {points.min()} to {points.max()}" if fine else ""),
+            where="points of an interface",
+        )
+    return points
 
 
 def refuse_shared(sets: Mapping[str, InterfaceSet], mesh: SolidMesh) -> None:

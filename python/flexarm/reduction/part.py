@@ -146,7 +146,9 @@ def _checked(mesh: SolidMesh | str | Path, unit: str) -> tuple[SolidMesh, dict[s
 
 
 def _interface_set(value: InterfaceSet | str) -> InterfaceSet:
-    return InterfaceSet.from_text(value) if isinstance(value, str) else value
+    if isinstance(value, InterfaceSet):
+        return value
+    return InterfaceSet.from_text(value) if isinstance(value, str) else InterfaceSet(value)
 
 
 def _wanted(modes: int | None, max_frequency: float | None) -> tuple[int, float]:

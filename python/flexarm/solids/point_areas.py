@@ -1,4 +1,4 @@
-r"""What area each point of a set stands for: the integral of its shape function over the faces of the set.
+r"""What area each point of a set stands for: the integral of its shape function over the set's outer faces.
 
 .. math:: a_i = \int_A N_i \, dA, \qquad \sum_i a_i = A                                              (1)
 
@@ -10,12 +10,13 @@ Source: Zienkiewicz and Taylor, The Finite Element Method, vol. 1, nodal forces 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from flexarm.arrays import Floats
+from flexarm.arrays import Floats, Ints
 from flexarm.solids.cell_types import CELL_TYPES, CellType
 
 if TYPE_CHECKING:
@@ -35,21 +36,33 @@ def point_areas(mesh: SolidMesh, points: ArrayLike) -> Floats:
     Returns
     -------
     ndarray, shape (n,)
-        [m2]; all zero if the set holds no whole face of a cell, such as the points of an edge.
+        [m2]; all zero unless every point lies on an outer face of a cell whose points are all in the set: the
+        points of an edge stand for no area, whatever face they happen to close.
     """
     chosen = np.asarray(points)
     inside = np.zeros(mesh.n_points, dtype=bool)
     inside[chosen] = True
-    area = np.zeros(mesh.n_points)
+    area, covered = np.zeros(mesh.n_points), np.zeros(mesh.n_points, dtype=bool)
+    for nodes in _outer_faces(mesh, inside):
+        np.add.at(area, nodes, _integrals(mesh.points[nodes]))
+        covered[nodes] = True
+    found: Floats = area[chosen] if covered[chosen].all() else np.zeros(len(chosen))
+    return found
+
+
+def _outer_faces(mesh: SolidMesh, inside: NDArray[np.bool_]) -> Iterator[Ints]:
+    """Faces of which all points are inside and that belong to one cell, by number of nodes: (n, nodes)."""
+    faces: dict[int, list[Ints]] = {}
     for name, cells in mesh.cells.items():
         kind = CELL_TYPES[name]
         near = cells[inside[cells].any(axis=1)]
         for face in range(len(kind.faces)):
             nodes = near[:, _face_nodes(kind, face)]
-            nodes = nodes[inside[nodes].all(axis=1)]
-            np.add.at(area, nodes, _integrals(mesh.points[nodes]))
-    found: Floats = area[chosen]
-    return found
+            faces.setdefault(nodes.shape[1], []).append(nodes[inside[nodes].all(axis=1)])
+    for parts in faces.values():
+        nodes = np.concatenate(parts)
+        _, first, count = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_counts=True)
+        yield nodes[first[count == 1]]
 
 
 def _face_nodes(kind: CellType, face: int) -> list[int]:
