@@ -1,5 +1,6 @@
 """docs/superelements.md: its commands run, its table of variables is that of the files."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -54,6 +55,17 @@ def test_commands_of_the_page_run(samples, command, capsys):
     words = shlex.split(command)
     assert run(words[1:]) == 0, capsys.readouterr().err
     assert SuperElement.load(words[words.index("--out") + 1]).check() == []
+
+
+def test_the_model_of_the_page_hangs_the_rod_where_the_interfaces_put_it(samples, capsys):
+    """The bore's centre is at half of the hub's 30 mm, its top 15 mm above: so the tip is at 1.515 m."""
+    assert run(shlex.split(COMMANDS[0])[1:]) == 0
+    Path("arm.toml").write_text(re.search(r"```toml\n(.*?)```", TEXT, re.DOTALL).group(1))
+    for command in ("check arm.toml", "modes arm.toml --joint hinge=1.2", "static arm.toml --json"):
+        capsys.readouterr()
+        assert run(command.split()) == 0
+    tip = json.loads(capsys.readouterr().out)["points"]["tip"]["position"]
+    assert tip == pytest.approx([0, 0, 1.515], abs=1e-5)  # upright, less some micrometres of its weight
 
 
 def test_the_page_shows_every_format():
