@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.report.rendered import Part, rendered
 from flexarm.report.scene import Surface
 from flexarm.report.tables import Table
 from flexarm.report.variants import HINGE
@@ -35,25 +37,25 @@ def deformed(table: Table, surfaces: Sequence[Surface]) -> Figure:
     figure.set_layout_engine("none")  # places are given below
     FigureCanvasAgg(figure)
     figure.text(0.02, 0.965, f"deformed mock-up, displacements × {ARM_SCALE:g}; grey: rigid arm", size=9)
-    whole: Any = figure.add_axes((0.0, 0.46, 1.0, 0.50), projection="3d", computed_zorder=False)
-    whole.view_init(*ARM_VIEW)
-    _solids(figure, whole, surfaces, ARM_SCALE, (0.12, 0.86, 0.24, 0.018), zoom=2.4)
+    _solids(figure, Frame((0.0, 0.46, 1.0, 0.50), ARM_VIEW, 2.4), surfaces, ARM_SCALE, (0.12, 0.86))
     figure.text(0.02, 0.47, f"the hinge cut open, displacements × {HINGE_SCALE:g}", size=9)
-    hinge: Any = figure.add_axes((0.0, 0.06, 0.52, 0.40), projection="3d", computed_zorder=False)
-    hinge.view_init(*HINGE_VIEW)
     opened = [surface.opened() for surface in surfaces if surface.name in HINGE]
-    _solids(figure, hinge, opened, HINGE_SCALE, (0.12, 0.075, 0.24, 0.018), zoom=1.3)
+    _solids(figure, Frame((0.0, 0.06, 0.52, 0.40), HINGE_VIEW, 1.3), opened, HINGE_SCALE, (0.12, 0.075))
     _tips(figure.add_axes((0.63, 0.19, 0.34, 0.25)), table)
     return figure
 
 
+@dataclass(frozen=True)
+class Frame:
+    """A place in the figure and how it looks at the scene: elevation and azimuth [deg], matplotlib's zoom."""
+
+    place: tuple[float, float, float, float]
+    view: tuple[float, float]
+    zoom: float
+
+
 def _solids(
-    figure: Figure,
-    ax: Any,
-    surfaces: Sequence[Surface],
-    scale: float,
-    bar: tuple[float, float, float, float],
-    zoom: float,
+    figure: Figure, frame: Frame, surfaces: Sequence[Surface], scale: float, bar: tuple[float, float]
 ) -> None:
     """Deformed surfaces, coloured; the rigid arm in grey behind; a bar of colours in mm."""
     from matplotlib.cm import ScalarMappable
@@ -61,31 +63,38 @@ def _solids(
 
     largest = 1e3 * max(float(surface.displacement.max()) for surface in surfaces)
     colours = ScalarMappable(Normalize(0.0, largest), COLOURS)
-    drawn = [surface.drawn(scale) for surface in surfaces]
-    _faces(ax, [(s.rigid, s.faces, None) for s in surfaces if s.name not in HINGE], None, alpha=0.10)
-    _faces(
-        ax,
-        [(points, s.faces, 1e3 * s.displacement) for points, s in zip(drawn, surfaces, strict=True)],
-        colours,
-        alpha=1.0,
-    )
-    seen = np.concatenate([*drawn, *(surface.rigid for surface in surfaces)])
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    ax.set_box_aspect(high - low, zoom=zoom)
-    ax.set_axis_off()
-    shown = figure.colorbar(colours, cax=figure.add_axes(bar), orientation="horizontal")
+    rigid: list[Part] = [(s.rigid, s.faces, None) for s in surfaces if s.name not in HINGE]
+    moved: list[Part] = [(s.drawn(scale), s.faces, 1e3 * s.displacement) for s in surfaces]
+    image = rendered([*rigid, *moved], largest, COLOURS, frame.view)
+    if image is None:
+        _by_matplotlib(figure, frame, rigid, moved, colours)
+    else:
+        x, y, width, height = frame.place
+        ax = figure.add_axes((x + 0.04 * width, y + 0.08 * height, 0.92 * width, 0.84 * height))
+        ax.imshow(image)
+        ax.set_axis_off()
+    shown = figure.colorbar(colours, cax=figure.add_axes((*bar, 0.24, 0.018)), orientation="horizontal")
     shown.ax.tick_params(labelsize=7)
     shown.ax.grid(False)
     shown.set_label("displacement from the rigid arm [mm]", size=7)
 
 
-def _faces(
-    ax: Any,
-    parts: Sequence[tuple[Floats, tuple[tuple[int, ...], ...], Floats | None]],
-    colours: Any,
-    alpha: float,
+def _by_matplotlib(
+    figure: Figure, frame: Frame, rigid: Sequence[Part], moved: Sequence[Part], colours: Any
 ) -> None:
+    """The same where there is no renderer: faces sorted by their distance."""
+    ax: Any = figure.add_axes(frame.place, projection="3d", computed_zorder=False)
+    ax.view_init(*frame.view)
+    _faces(ax, rigid, None, alpha=0.10)
+    _faces(ax, moved, colours, alpha=1.0)
+    seen = np.concatenate([points for points, _, _ in (*rigid, *moved)])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    ax.set_box_aspect(high - low, zoom=frame.zoom)
+    ax.set_axis_off()
+
+
+def _faces(ax: Any, parts: Sequence[Part], colours: Any, alpha: float) -> None:
     """All faces as one collection, so that those behind are drawn first; shaded by their normals."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
