@@ -144,7 +144,7 @@ TEST_CASE("Nothing changes in local axes when arm, base and gravity turn togethe
 
 TEST_CASE("A rigid state stands on its constraints, unstrained, at the joint values asked for") {
   for (const System& system : systems()) {
-    const std::vector<double> values = {0.4, 0.4 / -1.7, 0.4 / -1.7};  // suits the gear too
+    const std::vector<double> values = {0.4, 0.4 / -1.7, 0.4 / -1.7, 0.4};  // suits the gear too
     const std::vector<double> q(values.begin(), values.begin() + static_cast<long>(system.joints().size()));
     const State state = system.rigid_state(q);
     VectorXd phi(system.n_constraints());
@@ -152,6 +152,9 @@ TEST_CASE("A rigid state stands on its constraints, unstrained, at the joint val
     CHECK(largest(phi) < 1e-14);
     for (const auto& beam : system.beams()) {
       CHECK(largest(beam.deformation(state.frames[beam.node1()], state.frames[beam.node2()])) < 1e-14);
+    }
+    for (const auto& part : system.superelements()) {
+      CHECK(largest(part.deformation(system.configuration(part, state))) < 1e-14);
     }
     for (std::size_t j = 0; j < q.size(); ++j) {
       if (system.joints()[j].theta >= 0) CHECK(state.s[system.joints()[j].theta] == q[j]);
