@@ -1,10 +1,12 @@
 """Effects: found by name, written as they are, and made of the laws that their docs state."""
 
-from typing import Any
-
+import numpy as np
 import pytest
+from arms import paper_arm
 
-from flexarm.arm.effect import KNOWN_EFFECTS, effect_class
+from flexarm import static
+from flexarm.arm import KNOWN_EFFECTS, effect_class
+from flexarm.assembly import machine_of
 from flexarm.effects import CoulombFriction, Effect, JointCompliance, MotorFriction, ViscousFriction
 from flexarm.errors import InvalidParameter
 
@@ -16,11 +18,9 @@ EXAMPLES = [
 ]
 
 
-class NamesLaws:
-    """In place of the compiled core: a law is its name and its numbers."""
-
-    def __getattr__(self, law: str) -> Any:
-        return lambda *numbers: (law, *numbers)
+def kinds(laws: list) -> list[str]:
+    """Names of laws."""
+    return [type(law).__name__ for law in laws]
 
 
 @pytest.mark.parametrize("effect", EXAMPLES, ids=lambda effect: effect.name)
@@ -29,21 +29,59 @@ def test_an_effect_is_found_by_its_name_and_rebuilt_from_its_table(effect: Effec
     assert effect_class(table.pop("name"))(**table) == effect
 
 
-def test_laws_stand_where_the_effect_acts() -> None:
-    spring, dry, viscous, motor = EXAMPLES
-    core = NamesLaws()
-    assert spring.coupling_laws(core) == [("LinearSpring", 1e5, 30.0)]
-    assert dry.bearing_laws(core) == [("DahlFriction", 12.0, 2e-5)]
-    assert viscous.bearing_laws(core) == [("ViscousFriction", 3.0)]
-    assert motor.motor_laws(core) == [("DahlFriction", 5.0, 2e-5), ("ViscousFriction", 2.0)]
-    assert dry.coupling_laws(core) == dry.motor_laws(core) == spring.bearing_laws(core) == []
+def test_effects_patch_the_drive_train_where_they_act() -> None:
+    machine = machine_of(paper_arm(1).replace(effects=tuple(EXAMPLES)))
+    train = machine.drive_trains["hinge"]
+    assert (train.stiffness, train.damping) == (1e5, 30.0)
+    assert kinds(train.bearing) == ["DahlFriction", "ViscousFriction"]
+    assert kinds(train.motor) == ["DahlFriction", "ViscousFriction"]
 
 
-def test_parameters_left_out_are_without_effect() -> None:
-    core = NamesLaws()
-    assert CoulombFriction(at="hinge").bearing_laws(core) == []
-    assert ViscousFriction(at="hinge").bearing_laws(core) == []
-    assert MotorFriction(at="hinge").motor_laws(core) == []
+def test_the_machine_does_not_depend_on_the_order_of_the_file() -> None:
+    forward = machine_of(paper_arm(1).replace(effects=tuple(EXAMPLES)))
+    backward = machine_of(paper_arm(1).replace(effects=tuple(reversed(EXAMPLES))))
+    for way in (forward, backward):
+        assert kinds(way.drive_trains["hinge"].bearing) == ["DahlFriction", "ViscousFriction"]
+
+
+def test_the_structure_does_not_depend_on_values() -> None:
+    """Laws with a torque of zero are there: sensitivities difference two systems of one structure."""
+    still = paper_arm(1).replace(
+        effects=(CoulombFriction(at="hinge"), ViscousFriction(at="hinge"), MotorFriction(at="hinge"))
+    )
+    train = machine_of(still).drive_trains["hinge"]
+    assert len(train.bearing) == len(train.motor) == 2
+
+
+def test_a_compliance_without_stiffness_leaves_the_joint_rigid() -> None:
+    """A damper cannot act in a rigid joint: the tip stands as without the effect."""
+    rigid = paper_arm(2)
+    damped = rigid.with_effect(JointCompliance(at="hinge", damping=30.0))
+    q = {"hinge": 0.8}
+    assert np.array_equal(static(damped, q).position, static(rigid, q).position)
+
+
+def test_parameters_are_set_by_the_names_they_are_printed_with() -> None:
+    softer = EXAMPLES[0].with_parameters({"stiffness": 5e4})
+    assert softer == JointCompliance(at="hinge", stiffness=5e4, damping=30.0)
+    with pytest.raises(InvalidParameter, match=r"has no parameter 'stiffness\.x'; it has stiffness, damping"):
+        EXAMPLES[0].with_parameters({"stiffness.x": 1.0})
+    with pytest.raises(InvalidParameter, match="has no parameter 'at'"):
+        EXAMPLES[0].with_parameters({"at": 1.0})
+    with pytest.raises(InvalidParameter, match="stiffness: must be positive, got -1"):
+        EXAMPLES[0].with_parameters({"stiffness": -1.0})
+
+
+@pytest.mark.parametrize("effect", EXAMPLES, ids=lambda effect: effect.name)
+def test_every_parameter_has_a_prior_and_a_derivative(effect: Effect) -> None:
+    """In the parameter's unit, with a source; the values of the example are plausible."""
+    priors = effect.priors(paper_arm(1))
+    assert list(priors) == [name for name, _, _ in effect.parameters()]
+    for name, value, unit in effect.parameters():
+        assert priors[name].unit == unit
+        assert priors[name].source
+        assert priors[name].low < value < priors[name].high
+        assert effect.derivative(name) in ("smooth", "one-sided", "none")
 
 
 def test_parameters_come_with_units() -> None:

@@ -3,13 +3,15 @@
 from flexarm.arm.arm import Arm
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.controller import Cascade, Controller, StateFeedback
-from flexarm.arm.effect import KNOWN_EFFECTS, Effect, effect_class
+from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Gear, Joint, Origin
 from flexarm.arm.link import Beam, Link, Material, RigidLink, SuperElementLink
 from flexarm.arm.motor import Motor
+from flexarm.arm.prior import Prior
 from flexarm.arm.section import General, Rectangle, Round, Section, Tube
 from flexarm.arm.sensor import Measurement, Sensor
+from flexarm.arm.vocabulary import KNOWN_EFFECTS
 
 __all__ = [
     "KNOWN_EFFECTS",
@@ -28,6 +30,7 @@ __all__ = [
     "Origin",
     "Payload",
     "Point",
+    "Prior",
     "Rectangle",
     "RigidLink",
     "Round",

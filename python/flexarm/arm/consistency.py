@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
+from flexarm.arm.vocabulary import places
 from flexarm.tables.table import Path
 
 if TYPE_CHECKING:
@@ -185,16 +186,10 @@ def _drives(arm: Arm) -> Found:
 
 
 def _effects(arm: Arm) -> Found:
-    moving = [joint.name for joint in arm.joints if joint.moves]
-    places = {
-        "joint": moving,
-        "link": [link.name for link in arm.links],
-        "base": ["base"],
-        "payload": [load.name for load in arm.payloads],
-        "point": [point.name for point in arm.points],
-    }
     for i, effect in enumerate(arm.effects):
-        known = places.get(effect.place)
+        known = places(arm, effect.place)
         if known is not None and effect.at not in known:
             kind = "moving joint" if effect.place == "joint" else effect.place
             yield ("effects", i, "at"), missing(kind, effect.at, known)
+        else:
+            yield from ((("effects", i, key), what) for key, what in effect.problems(arm))

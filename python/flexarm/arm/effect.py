@@ -6,69 +6,47 @@ The same object simulates, is written into the TOML and is printed. A new effect
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from importlib import import_module, util
 from math import inf
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import ValidationError
 
+from flexarm.arm.prior import Prior
+from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table, unit_of
 from flexarm.tables.table import Nested
 
-KNOWN_EFFECTS: dict[str, str] = {
-    **dict.fromkeys(
-        (
-            "joint_compliance",
-            "joint_stiffening",
-            "joint_hysteresis",
-            "backlash",
-            "coulomb_friction",
-            "viscous_friction",
-            "motor_friction",
-            "transmission_error",
-            "gear_ratio",
-            "cable_torque",
-        ),
-        "joint",
-    ),
-    **dict.fromkeys(("payload_mass", "payload_offset", "payload_inertia"), "payload"),
-    **dict.fromkeys(("link_stiffness", "link_mass", "link_length", "link_damping", "link_bow"), "link"),
-    **dict.fromkeys(("base_tilt", "base_compliance", "external_vibration"), "base"),
-    **dict.fromkeys(
-        (
-            "encoder_offset",
-            "encoder_scale",
-            "encoder_eccentricity",
-            "encoder_quantisation",
-            "dead_channel",
-            "sign_error",
-            "unit_error",
-            "saturation",
-            "outliers",
-            "sensor_offset",
-        ),
-        "signal",
-    ),
-    **dict.fromkeys(("time_delay", "clock_drift"), "signal or clock"),
-    **dict.fromkeys(("frame_registration", "frame_drift"), "frame"),
-    "reflector_offset": "point",
-}
-"""Every name of the shared vocabulary, and the kind of place it acts at."""
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
+
+Derivative = Literal["smooth", "one-sided", "none"]
 
 
 class Effect(Table):
-    """Base of all effects. A subclass sets `name` and `place`, and has its parameters as fields.
+    """Base of all effects. A subclass sets `name`, and has its parameters as fields.
 
     Attributes
     ----------
     at : str
         Name of the joint, link, payload, point, signal, frame or clock, or "base".
+    name : str
+        Of the class: its name in the vocabulary.
+    place : str
+        Of the class: the kind of place that the vocabulary states.
     """
 
     name: ClassVar[str]
     place: ClassVar[str]
     at: str
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        if "name" in vars(cls):
+            cls.place = KNOWN_EFFECTS[cls.name]
 
     def parameters(self) -> list[tuple[str, float, str]]:
         """Parameters as (name, value, unit), vectors spelt out as `offset.x`, `offset.y`, `offset.z`.
@@ -86,17 +64,53 @@ class Effect(Table):
                 found.append((name, value, unit_of(field)))
         return found
 
-    def coupling_laws(self, core: Any) -> list[Any]:
-        """Laws between motor and link, on phi - theta; `core` is the compiled core that makes them."""
-        return []
+    def with_parameters(self, values: Mapping[str, float]) -> Self:
+        """The effect with other values, named as `parameters` spells them, such as `offset.x`.
 
-    def bearing_laws(self, core: Any) -> list[Any]:
-        """Laws at the output bearing, on theta."""
-        return []
+        Raises
+        ------
+        InvalidParameter
+            If there is no such parameter, or its value is not allowed.
+        """
+        changes: dict[str, Any] = {}
+        for key, value in values.items():
+            name, _, axis = key.partition(".")
+            old = changes.get(name, getattr(self, name, None))
+            whole = name in type(self).model_fields and name != "at" and not isinstance(old, tuple)
+            if axis in ("x", "y", "z") and isinstance(old, tuple) and "xyz".index(axis) < len(old):
+                k = "xyz".index(axis)
+                changes[name] = (*old[:k], value, *old[k + 1 :])
+            elif whole and not axis:
+                changes[name] = value
+            else:
+                there = ", ".join(found for found, _, _ in self.parameters())
+                raise InvalidParameter(f"{self.name} has no parameter {key!r}; it has {there}")
+        return self.replace(**changes)
 
-    def motor_laws(self, core: Any) -> list[Any]:
-        """Laws on the motor's angle phi, output-referred."""
-        return []
+    # ------------------------------------------------------------------ mechanics
+
+    def patch(self, machine: Machine) -> None:
+        """Changes the machine's data as the effect does; effects of sensors leave it as it is."""
+
+    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
+        """Pairs of key and sentence for what keeps the effect from acting in an arm that has its place."""
+        return ()
+
+    # ------------------------------------------------------------ what is known before
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Plausible values of every parameter, named as `parameters` spells them."""
+        return {}
+
+    def derivative(self, parameter: str) -> Derivative:
+        """Whether what the model predicts has a derivative by a parameter.
+
+        Returns
+        -------
+        {"smooth", "one-sided", "none"}
+            "one-sided" where left and right derivative differ at this value, "none" where there is neither.
+        """
+        return "smooth"
 
     def to_plain(self) -> dict[str, Any]:
         """The effect's table in the TOML file."""

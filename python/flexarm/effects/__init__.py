@@ -1,13 +1,15 @@
 """Effects that can be simulated, one a file; the file is named after the effect.
 
-The shared vocabulary is `flexarm.arm.effect.KNOWN_EFFECTS`. A new effect is one new file here; its class is
-then found by its name, `joint_compliance` in files and `JointCompliance` in Python, imported when first used.
+The shared vocabulary is `flexarm.arm.vocabulary.KNOWN_EFFECTS`. A new effect is one new file here; its class
+is then found by its name, `joint_compliance` in files and `JointCompliance` in Python, and imported when
+first used.
 """
 
 from importlib import import_module, util
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.effect import KNOWN_EFFECTS, Effect, effect_class
+from flexarm.arm.effect import Effect, effect_class
+from flexarm.arm.vocabulary import KNOWN_EFFECTS
 
 if TYPE_CHECKING:
     from flexarm.effects.coulomb_friction import CoulombFriction

@@ -8,10 +8,15 @@ motion starts, and w = 2e-5 rad the width over which stiction gives way. Rate-in
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
 
 STICK_WIDTH = 2e-5
 """w of (1) [rad]."""
@@ -29,9 +34,15 @@ class CoulombFriction(Effect):
     """
 
     name: ClassVar[str] = "coulomb_friction"
-    place: ClassVar[str] = "joint"
     torque: Number = value_in("N m", "friction torque at the output bearing", 0.0, ge=0)
 
-    def bearing_laws(self, core: Any) -> list[Any]:
-        """Dahl's law, eq. (1)."""
-        return [core.DahlFriction(self.torque, STICK_WIDTH)] if self.torque else []  # eq. (1)
+    def patch(self, machine: Machine) -> None:
+        """Dahl's law at the output bearing, eq. (1)."""
+        from flexarm import _core
+
+        machine.drive_trains[self.at].bearing.append(_core.DahlFriction(self.torque, STICK_WIDTH))  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """From a small cross-roller bearing to a preloaded slewing ring."""
+        source = "engineering judgement: starting torques of cross-roller bearings and sealed slewing rings"
+        return {"torque": Prior(0.2, 200.0, 8.0, "log", "N m", source)}

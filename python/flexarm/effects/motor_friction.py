@@ -10,11 +10,16 @@ the link: where the motor's angle is imposed it is seen only in the motor's torq
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
 from flexarm.effects.coulomb_friction import STICK_WIDTH
 from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
 
 
 class MotorFriction(Effect):
@@ -31,11 +36,22 @@ class MotorFriction(Effect):
     """
 
     name: ClassVar[str] = "motor_friction"
-    place: ClassVar[str] = "joint"
     coulomb: Number = value_in("N m", "dry friction of the motor, output-referred", 0.0, ge=0)
     viscous: Number = value_in("N m s/rad", "viscous friction of the motor, output-referred", 0.0, ge=0)
 
-    def motor_laws(self, core: Any) -> list[Any]:
-        """Dahl's law and a damper, eq. (1)."""
-        dry = [core.DahlFriction(self.coulomb, STICK_WIDTH)] if self.coulomb else []
-        return dry + ([core.ViscousFriction(self.viscous)] if self.viscous else [])  # eq. (1)
+    def patch(self, machine: Machine) -> None:
+        """Dahl's law and a damper on the motor's angle, eq. (1)."""
+        from flexarm import _core
+
+        machine.drive_trains[self.at].motor += [
+            _core.DahlFriction(self.coulomb, STICK_WIDTH),
+            _core.ViscousFriction(self.viscous),
+        ]  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Motor and wave generator or input stage, seen through ratios of 50 to 200."""
+        source = "engineering judgement: no-load running torque of geared servo motors at their output"
+        return {
+            "coulomb": Prior(0.5, 200.0, 10.0, "log", "N m", source),
+            "viscous": Prior(0.2, 300.0, 10.0, "log", "N m s/rad", source),
+        }

@@ -7,10 +7,15 @@ T [N m] is the torque on the link about +axis, \theta [rad] the link's angle rel
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
 
 
 class ViscousFriction(Effect):
@@ -25,9 +30,15 @@ class ViscousFriction(Effect):
     """
 
     name: ClassVar[str] = "viscous_friction"
-    place: ClassVar[str] = "joint"
     coefficient: Number = value_in("N m s/rad", "viscous friction of the output bearing", 0.0, ge=0)
 
-    def bearing_laws(self, core: Any) -> list[Any]:
-        """A damper, eq. (1)."""
-        return [core.ViscousFriction(self.coefficient)] if self.coefficient else []  # eq. (1)
+    def patch(self, machine: Machine) -> None:
+        """A damper at the output bearing, eq. (1)."""
+        from flexarm import _core
+
+        machine.drive_trains[self.at].bearing.append(_core.ViscousFriction(self.coefficient))  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Of the order of the dry friction at a rate of some 1 rad/s."""
+        source = "engineering judgement: grease and seals, as much as the dry friction at 1 rad/s"
+        return {"coefficient": Prior(0.2, 300.0, 10.0, "log", "N m s/rad", source)}

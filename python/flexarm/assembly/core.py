@@ -1,4 +1,4 @@
-"""From the model, which is data, to the assembled system that the core computes with."""
+"""From the model through its machine to the assembled system that the core computes with."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
 from flexarm.arm.rotation import from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
+from flexarm.assembly.drive_train import DriveTrain
+from flexarm.assembly.machine import Load, machine_of
 from flexarm.errors import InvalidParameter
 
 _THEORIES = {
@@ -37,30 +39,18 @@ def core_arm(arm: Arm, loaded: Iterable[str] = ()) -> _core.Arm:
     InvalidFile, InvalidParameter
         If the file of a super-element cannot be read.
     """
-    loads = set(loaded)
-    points = [
-        _core.Point(name=p.name, link=p.link, position=np.array(p.position), loaded=p.name in loads)
-        for p in arm.points
-    ]
-    payloads = [
-        _core.Payload(
-            name=p.name,
-            link=p.link,
-            position=np.array(p.position),
-            mass=p.mass,
-            inertia=np.array(inertia_matrix(p.inertia)),
-        )
-        for p in arm.payloads
-    ]
-    gears = [_core.Gear(name=g.name, input=g.input, output=g.output, ratio=g.ratio) for g in arm.gears]
+    machine, loads = machine_of(arm), set(loaded)
     return _core.Arm(
         name=arm.name,
         gravity=np.array(arm.gravity),
-        links=[_link(link) for link in arm.links],
-        joints=[_joint(arm, joint) for joint in arm.joints],
-        payloads=payloads,
-        points=points,
-        gears=gears,
+        links=[_link(member.table) for member in machine.links.values()],
+        joints=[_joint(joint, machine.drive_trains[joint.name]) for joint in arm.joints],
+        payloads=[_payload(name, load) for name, load in machine.payloads.items()],
+        points=[
+            _core.Point(name=name, link=at.link, position=np.array(at.position), loaded=name in loads)
+            for name, at in machine.points.items()
+        ],
+        gears=[_core.Gear(name=g.name, input=g.input, output=g.output, ratio=g.ratio) for g in arm.gears],
     )
 
 
@@ -205,16 +195,17 @@ def _section(section: Tube | Round | Rectangle | General) -> _core.Section:
     )
 
 
-def _joint(arm: Arm, joint: Joint) -> _core.Joint:
-    effects = arm.effects_at(joint.name)
-    coupling = [law for effect in effects for law in effect.coupling_laws(_core)]
-    train = _core.DriveTrain(
-        gear_ratio=joint.gear_ratio,
-        rotor_inertia=joint.rotor_inertia,
-        stages=[coupling] if coupling else [],
-        motor=[law for effect in effects for law in effect.motor_laws(_core)],
-        bearing=[law for effect in effects for law in effect.bearing_laws(_core)],
+def _payload(name: str, load: Load) -> _core.Payload:
+    return _core.Payload(
+        name=name,
+        link=load.link,
+        position=np.array(load.position),
+        mass=load.mass,
+        inertia=load.inertia,
     )
+
+
+def _joint(joint: Joint, train: DriveTrain) -> _core.Joint:
     return _core.Joint(
         name=joint.name,
         type=getattr(_core.JointType, joint.type),
@@ -223,5 +214,5 @@ def _joint(arm: Arm, joint: Joint) -> _core.Joint:
         at_end=joint.at == "end",
         origin=_core.Frame(np.array(from_rpy(joint.origin.rpy)), np.array(joint.origin.xyz)),
         axis=np.array(joint.axis if joint.moves else (0.0, 0.0, 1.0)),
-        drive_train=train,
+        drive_train=train.core(),
     )
