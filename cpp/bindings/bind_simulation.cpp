@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "flexarm/simulation/cubic_spline.hpp"
 #include "flexarm/simulation/modal.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
@@ -75,9 +76,14 @@ void bind_transient(py::module_& m) {
   using flexarm::solvers::HhtStatistics;
   py::class_<PiecewisePolynomial>(m, "PiecewisePolynomial",
                                   "Piecewise polynomial as scipy.interpolate.PPoly.")
-      .def(py::init<std::vector<double>, Eigen::MatrixXd>(), py::arg("breaks"), py::arg("coefficients"))
+      .def(py::init([](const Eigen::VectorXd& breaks, Eigen::MatrixXd coefficients) {
+             return PiecewisePolynomial({breaks.begin(), breaks.end()}, std::move(coefficients));
+           }),
+           py::arg("breaks"), py::arg("coefficients"))
       .def_static("constant", &PiecewisePolynomial::constant, py::arg("value"))
       .def("__call__", &PiecewisePolynomial::operator(), "Value and two derivatives.", py::arg("t"));
+  m.def("cubic_spline", &cubic_spline, "Coefficients of the not-a-knot spline through samples.", py::arg("x"),
+        py::arg("y"));
   py::class_<HhtStatistics>(m, "HhtStatistics", "Counts of a run.")
       .def_readonly("steps", &HhtStatistics::steps)
       .def_readonly("iterations", &HhtStatistics::iterations)

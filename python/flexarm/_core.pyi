@@ -58,6 +58,7 @@ __all__: list[str] = [
     "assemble_solids",
     "base_wrench",
     "build_info",
+    "cubic_spline",
     "exp6",
     "joint_angles",
     "joint_torque",
@@ -479,7 +480,7 @@ class PiecewisePolynomial:
         """
     def __init__(
         self,
-        breaks: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        breaks: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
         coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
     ) -> None: ...
 
@@ -834,6 +835,14 @@ def base_wrench(
 def build_info() -> BuildInfo:
     """
     What this build of the core is made of.
+    """
+
+def cubic_spline(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+    y: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    """
+    Coefficients of the not-a-knot spline through samples.
     """
 
 def exp6(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> Frame:

@@ -57,7 +57,7 @@ class JointDrive:
 
     def polynomial(self) -> _core.PiecewisePolynomial:
         """The same for the core."""
-        return _core.PiecewisePolynomial(self.breaks.tolist(), self.coefficients)
+        return _core.PiecewisePolynomial(self.breaks, self.coefficients)
 
     def __call__(self, time: ArrayLike) -> Floats:
         """Values at times [s]."""

@@ -173,6 +173,19 @@ def test_interpolation_is_the_not_a_knot_spline():
     np.testing.assert_allclose(drive(fine), fine**3 - 2 * fine, atol=1e-14)
 
 
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 1000])
+def test_interpolation_is_that_of_scipy_to_rounding(count):
+    """Terms of the polynomials over one step, which are of the size of the samples."""
+    rng = np.random.default_rng(count)
+    t = np.cumsum(rng.uniform(1e-3, 3e-3, count))
+    y = rng.standard_normal(count)
+    breaks, coefficients = interpolate(t, y)
+    known = CubicSpline(t, y, bc_type="not-a-knot")
+    powers = np.diff(t) ** np.arange(3, -1, -1)[:, None]
+    np.testing.assert_array_equal(breaks, known.x)
+    np.testing.assert_allclose(coefficients * powers, known.c * powers, rtol=0, atol=1e-13)
+
+
 @given(
     count=st.integers(2, 200),
     noise_std=st.floats(1e-6, 1.0),

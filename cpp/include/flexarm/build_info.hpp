@@ -15,6 +15,6 @@ struct BuildInfo {
   std::string licence;             // of the core with the libraries it links
 };
 
-BuildInfo build_info();
+const BuildInfo& build_info();
 
 }  // namespace flexarm

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexarm import _core
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.least_squares_spline import fit_spline
 
@@ -93,11 +94,8 @@ def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:
 
     Two samples are joined by a line, three by a parabola. Parameters, result and errors as for `smooth`.
     """
-    from scipy.interpolate import CubicSpline
-
     t, y = _finite(time, values)
-    spline = CubicSpline(t, y, bc_type="not-a-knot")
-    return np.asarray(spline.x), np.asarray(spline.c)
+    return t, _core.cubic_spline(t, y)
 
 
 def _finite(time: ArrayLike, values: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -142,7 +140,7 @@ def _steps(t: NDArray[np.float64], scaled: NDArray[np.float64]) -> NDArray[np.in
 
 def _above_noise(energy: NDArray[np.float64], freedom: float) -> NDArray[np.bool_]:
     """Which intervals lie in a window whose energy (2) noise does not explain; `freedom` per interval."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri  # chi2.isf is this; all of scipy.stats takes half a second to import
 
     found = np.zeros(len(energy), dtype=bool)
     window = 1
@@ -153,7 +151,7 @@ def _above_noise(energy: NDArray[np.float64], freedom: float) -> NDArray[np.bool
         members = _window_sums(open_.astype(np.intp), window)
         counts = np.unique(members[members > 0])
         limit = np.full(window + 1, np.inf)
-        limit[counts] = chi2.isf(ALARM, counts * freedom)
+        limit[counts] = chdtri(counts * freedom, ALARM)
         found |= _cover(np.flatnonzero(total > limit[members]), window, len(energy))
     return found
 
