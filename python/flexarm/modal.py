@@ -14,10 +14,10 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
+from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
 
 
@@ -55,12 +55,10 @@ class Modes(Result):
             "solver": self.solver,
         }
 
-    @property
-    def dataset(self) -> xr.Dataset:
-        """The same as an xarray Dataset with units."""
-        import xarray as xr
-
-        return xr.Dataset(
+    def contents(self) -> Contents:
+        """What is stored: frequencies, damping, shapes, and where they come from."""
+        number = np.arange(1, len(self.frequency_hz) + 1)
+        return Contents(
             {
                 "frequency": (("mode",), self.frequency_hz, {"units": "Hz"}),
                 "damped_frequency": (("mode",), self.damped_frequency_hz, {"units": "Hz"}),
@@ -71,12 +69,9 @@ class Modes(Result):
                     {"units": "m, rad", "scale": "unit modal mass"},
                 ),
             },
-            {
-                "mode": np.arange(1, len(self.frequency_hz) + 1),
-                "point": list(self.points),
-                "component": ["x", "y", "z", "rx", "ry", "rz"],
-            },
+            {"point": self.points, "component": ["x", "y", "z", "rx", "ry", "rz"]},
             {"kind": "modes", **provenance(self.arm), **self.solver},
+            {"mode": (("mode",), number, {})},
         )
 
     @classmethod

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile
+from flexarm.netcdf import Contents, save
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,10 +39,14 @@ class Result(ABC):
         """Names of the joints, in the order of the arrays."""
         return tuple(joint.name for joint in self.arm.joints)
 
-    @property
     @abstractmethod
+    def contents(self) -> Contents:
+        """What is stored: variables with units, and where they come from."""
+
+    @property
     def dataset(self) -> xr.Dataset:
         """The same as an xarray Dataset with units."""
+        return self.contents().dataset()
 
     def save(self, path: str | Path) -> None:
         """Writes the result as NetCDF, with the model it was made with.
@@ -51,7 +56,7 @@ class Result(ABC):
         InvalidFile
             If the file cannot be written.
         """
-        save(self.dataset, path)
+        save(self.contents(), path)
 
 
 def provenance(arm: Arm) -> dict[str, str]:
@@ -76,29 +81,8 @@ def provenance(arm: Arm) -> dict[str, str]:
     }
 
 
-def save(dataset: xr.Dataset, path: str | Path) -> None:
-    """Writes a dataset as NetCDF; the file appears when it is whole.
-
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be written.
-    """
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise InvalidFile(path, "output", f"cannot be written: there is no directory {target.parent}")
-    partial = target.with_name(f".{target.name}.partial")
-    try:
-        dataset.to_netcdf(partial, engine="h5netcdf")
-        partial.replace(target)
-    except OSError as error:
-        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
-    finally:
-        partial.unlink(missing_ok=True)
-
-
 def load(path: str | Path, kind: str) -> xr.Dataset:
-    """Reads a dataset that `save` wrote.
+    """Reads the result of a kind that was saved.
 
     Raises
     ------

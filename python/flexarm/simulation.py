@@ -17,11 +17,11 @@ from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
+from flexarm.netcdf import Contents
 from flexarm.record import Record
 from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
 
 Progress = bool | Callable[[float], object] | None
@@ -117,31 +117,25 @@ class Simulation(Result):
         when = np.atleast_1d(np.asarray(times, dtype=float))
         return sample(self.time, self.position[:, i], when, self.velocity[:, i])
 
-    @property
-    def dataset(self) -> xr.Dataset:
-        """The same as an xarray Dataset with units."""
-        import xarray as xr
-
+    def contents(self) -> Contents:
+        """What is stored: all arrays with units, and where they come from."""
         variables = {
             name: (dims, getattr(self, name), {"units": unit, "long_name": text})
             for name, (dims, unit, text) in _VARIABLES.items()
             if getattr(self, name) is not None
         }
-        return xr.Dataset(
-            variables,
-            {
-                "time": ("time", self.time, {"units": "s"}),
-                "point": list(self.points),
-                "joint": list(self.joints),
-                "link": [link.name for link in self.arm.links],
-                "axis": ["x", "y", "z"],
-                "end": ["start", "end"],
-                "component": ["N", "Vy", "Vz", "T", "My", "Mz"],
-                "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
-                "quaternion": ["x", "y", "z", "w"],
-            },
-            {"kind": "simulation", **provenance(self.arm), **self.solver},
-        )
+        labels = {
+            "point": self.points,
+            "joint": self.joints,
+            "link": [link.name for link in self.arm.links],
+            "axis": ["x", "y", "z"],
+            "end": ["start", "end"],
+            "component": ["N", "Vy", "Vz", "T", "My", "Mz"],
+            "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
+            "quaternion": ["x", "y", "z", "w"],
+        }
+        attributes = {"kind": "simulation", **provenance(self.arm), **self.solver}
+        return Contents(variables, labels, attributes, {"time": (("time",), self.time, {"units": "s"})})
 
     @classmethod
     def load(cls, path: str | Path) -> Simulation:

@@ -14,10 +14,10 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
 
 # What a file keeps of a PartShape, in its order: variable, axes, unit.
@@ -108,11 +108,8 @@ class Statics(Result):
             "solver": self.solver,
         }
 
-    @property
-    def dataset(self) -> xr.Dataset:
-        """The same as an xarray Dataset with units."""
-        import xarray as xr
-
+    def contents(self) -> Contents:
+        """What is stored: the equilibrium with units, and where it comes from."""
         axis = ["x", "y", "z"]
         component = ["N", "Vy", "Vz", "T", "My", "Mz"]
         parts = {
@@ -124,7 +121,7 @@ class Statics(Result):
             for name, shape in self.parts.items()
             for what, axes, units in _PART_VARIABLES
         }
-        return xr.Dataset(
+        return Contents(
             {
                 **parts,
                 "position": (("point", "axis"), self.position, {"units": "m"}),
@@ -141,8 +138,8 @@ class Statics(Result):
                 "base_wrench": (("wrench",), self.base_wrench, {"units": "N, N m"}),
             },
             {
-                "point": list(self.points),
-                "joint": list(self.joints),
+                "point": self.points,
+                "joint": self.joints,
                 "link": [link.name for link in self.arm.links],
                 "axis": axis,
                 "body_axis": axis,

@@ -196,9 +196,9 @@ def test_fixed_length_names_are_read(part, tmp_path):
 
 @pytest.mark.filterwarnings("ignore:Duplicate dimension")
 def test_classic_netcdf_is_read(part, tmp_path):
-    from flexarm.superelement.netcdf import dataset
+    from flexarm.superelement.netcdf import contents
 
-    data = dataset(part)
+    data = contents(part).dataset()
     data.to_netcdf(tmp_path / "classic.nc", engine="scipy", format="NETCDF3_64BIT")
     again = SuperElement.load(tmp_path / "classic.nc")
     assert again.interfaces == part.interfaces

@@ -20,7 +20,7 @@ from parts import frame_part
 
 from flexarm import SuperElement
 from flexarm.cli.run import run
-from flexarm.superelement.netcdf import DIMENSIONS, dataset
+from flexarm.superelement.netcdf import DIMENSIONS, contents
 
 TEXT = (Path(__file__).parents[2] / "docs" / "superelements.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"flexarm reduce (?:[^`\n]|\\\|)+", TEXT)
@@ -75,7 +75,7 @@ def test_the_page_shows_every_format():
 def test_variables_of_the_page_are_those_of_the_file():
     rows = re.findall(r"^\| `(\w+)` \| \(([^)]*)\) \|", TEXT.split("## The file")[1], re.MULTILINE)
     part = frame_part().replace(recovery=np.zeros((3, 22)))
-    written = {name: variable.dims for name, variable in dataset(part).variables.items()}
+    written = {name: dimensions for name, (dimensions, _, _) in contents(part).variables.items()}
     assert [name for name, _ in rows] == list(written)
     lengths = {"3": ("axis", "interface_axis")}
     for name, told in rows:

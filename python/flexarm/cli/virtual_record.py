@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.comparison.subject import Placement
-from flexarm.comparison.unknowns import stated
 from flexarm.measurement.measure import measure
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
 from flexarm.record import Record, Signal
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.comparison.subject import Placement
     from flexarm.simulation import Simulation
 
 
@@ -48,6 +47,8 @@ def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
     Clocks and frames are as the record states them, offsets and poses included. Where a command drove, the
     motor's angle is added.
     """
+    from flexarm.comparison.unknowns import stated
+
     placement = stated(record)
     signals = {name: _again(signal, run, record, placement) for name, signal in record.signals.items()}
     for driver in (record.signals[name] for name in record.drive):

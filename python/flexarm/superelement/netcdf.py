@@ -8,23 +8,19 @@ from __future__ import annotations
 
 import json
 import math
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.netcdf import Contents
+from flexarm.netcdf import save as write
 from flexarm.superelement.element import SuperElement, inertia_load
 from flexarm.superelement.variables import Variables, read_variables, texts
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FORMAT = "flexarm-superelement/1"
 
@@ -57,20 +53,15 @@ def save(element: SuperElement, path: str | Path, force: bool = False) -> None:
     InvalidFile
         If the file exists and `force` is not set, or cannot be written.
     """
-    from flexarm.result import save as write
-
     if Path(path).is_dir():
         raise InvalidFile(path, "output", "is a directory, a file is needed")
     if Path(path).exists() and not force:
         raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
-    with _repeated_dimensions():
-        write(dataset(element), path)
+    write(contents(element), path)
 
 
-def dataset(element: SuperElement) -> xr.Dataset:
-    """The super-element as an xarray Dataset with units."""
-    import xarray as xr
-
+def contents(element: SuperElement) -> Contents:
+    """What the file of a super-element holds."""
     values: dict[str, Any] = {
         "interface_position": element.positions,
         "interface_rotation": element.rotations,
@@ -80,9 +71,7 @@ def dataset(element: SuperElement) -> xr.Dataset:
         "frequency_hz": element.frequency_hz,
         "inertia_load": element.inertia_load,
     }
-    variables: dict[str, Any] = {
-        "interface_name": (("interface",), np.array(element.interfaces, dtype=object))
-    }
+    variables: dict[str, Any] = {"interface_name": (("interface",), list(element.interfaces), {})}
     for name, array in values.items():
         variables[name] = (DIMENSIONS[name], array, {"units": UNITS[name]})
     if element.recovery is not None:
@@ -95,8 +84,7 @@ def dataset(element: SuperElement) -> xr.Dataset:
         **_provenance(),
         **element.provenance,
     }
-    with _repeated_dimensions():
-        return xr.Dataset(variables, attrs=attributes)
+    return Contents(variables, attributes=attributes)
 
 
 def _provenance() -> dict[str, str]:
@@ -200,11 +188,3 @@ def _quality(data: Variables) -> dict[str, Any]:
     except (TypeError, ValueError):
         return {}
     return told if isinstance(told, dict) else {}
-
-
-@contextmanager
-def _repeated_dimensions() -> Iterator[None]:
-    """A matrix over (dof, dof) is what the format says; xarray warns of it and stores it rightly."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Duplicate dimension names", category=UserWarning)
-        yield
