@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arrays import Floats, frozen
+from flexarm.arrays import Floats, frozen, read_only
 from flexarm.assembly import assemble, joint_values
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -293,11 +293,10 @@ def simulate(
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
 
     system = assemble(arm, {name: joint.kind for name, joint in drive.joints.items()})
-    equilibrium = _start(arm, drive, system, options.start)
+    motions = {name: joint.polynomial() for name, joint in drive.joints.items()}
+    equilibrium = _start(arm, drive, system, motions)
     hold = _core.PiecewisePolynomial.constant(0.0)
-    drives = [
-        drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints
-    ]
+    drives = [motions.get(joint.name, hold) for joint in arm.joints]
     with _reported(progress, arm.name) as report:
         run = _core.simulate(system, equilibrium, drives, options, report)
     found = _simulation(arm, run, options)
@@ -305,14 +304,17 @@ def simulate(
     return found
 
 
-def _start(arm: Arm, drive: Drive, system: _core.System, start: float) -> _core.Equilibrium:
+def _start(
+    arm: Arm, drive: Drive, system: _core.System, motions: Mapping[str, _core.PiecewisePolynomial]
+) -> _core.Equilibrium:
     """Equilibrium under the first drive values; motors driven by torque stand where they rest until then."""
     prescribed = {name: joint for name, joint in drive.joints.items() if joint.side != "torque"}
-    held = assemble(arm, {name: joint.kind for name, joint in prescribed.items()})
-    first = {name: float(joint(start)) for name, joint in prescribed.items()}
+    released = len(prescribed) < len(drive.joints)
+    held = assemble(arm, {name: joint.kind for name, joint in prescribed.items()}) if released else system
+    first = {name: motions[name](drive.start)[0] for name in prescribed}
     values = joint_values(arm, {**drive.rest, **first})
     equilibrium = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
-    return _core.released(held, equilibrium, system)
+    return _core.released(held, equilibrium, system) if released else equilibrium
 
 
 @contextmanager
@@ -335,19 +337,19 @@ def _reported(progress: Progress, name: str) -> Iterator[Callable[[float], objec
 
 
 def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions) -> Simulation:
-    """The core's columns as arrays with the instant first."""
+    """The core's columns as arrays with the instant first; they stay where the core wrote them."""
     n, p, links = len(run.time), len(arm.points), len(arm.links)
 
     def columns(name: str, *shape: int) -> Floats | None:
         block = getattr(run, name)
-        return frozen(block.T.reshape(n, *shape)) if block.size or 0 in shape else None
+        return read_only(block.T.reshape(n, *shape)) if block.size or 0 in shape else None
 
     joints = {
         name: columns(name, len(arm.joints))
         for name in ("joint_angle", "joint_rate", "drive_angle", "drive_rate", "joint_torque", "motor_torque")
     }
     energies = {
-        name: frozen(getattr(run, name)) for name in ("kinetic", "elastic", "gravity", "damped", "work")
+        name: read_only(getattr(run, name)) for name in ("kinetic", "elastic", "gravity", "damped", "work")
     }
     arrays: dict[str, Any] = {
         **joints,
@@ -370,4 +372,4 @@ def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions)
         "halvings": counts.halvings,
         "seconds": run.seconds,
     }
-    return Simulation(arm, frozen(run.time), **arrays, solver=solver)
+    return Simulation(arm, read_only(run.time), **arrays, solver=solver)

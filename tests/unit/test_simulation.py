@@ -38,8 +38,18 @@ def test_shapes_and_names(run):
 
 
 def test_arrays_are_read_only(run):
-    with pytest.raises(ValueError, match="read-only"):
-        run.position[0, 0, 0] = 1.0
+    for array in (run.time, run.position, run.joint_angle, run.work, run.orientation, run.base_wrench):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_arrays_outlive_their_run(run):
+    """They stay where the core wrote them, and no later run may write there."""
+    motion = drive({"hinge": lambda t: 0.4 * smooth_step(t)}, 1.2, 601)
+    alone = flexarm.simulate(run.arm, motion, step=0.01).position
+    for _ in range(3):
+        flexarm.simulate(run.arm, motion, step=0.01)
+    assert np.array_equal(alone, run.position)
 
 
 def test_what_was_not_asked_for_is_none():
