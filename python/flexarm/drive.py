@@ -1,4 +1,9 @@
-"""What moves the joints: piecewise polynomials in time, one a driven joint."""
+"""What moves the joints: piecewise polynomials in time, one a driven joint.
+
+A record's drive is what an encoder showed and when its clock said so. Where the model has effects on them
+(`flexarm.measurement.effects_of`), the arm is driven by what was true: readings are turned into true angles
+and stamps into true time before the samples are smoothed, with the noise that the true angles then have.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm import _core
 from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.outliers import drive_outliers
 from flexarm.measurement.smoothing import interpolate, smooth
 from flexarm.record.columns import CsvFile
 
@@ -179,7 +187,8 @@ class Drive:
     def from_record(cls, record: Record, arm: Arm) -> Drive:
         """The drive signals of a record: angles smoothed by their stated noise, commands held.
 
-        The run covers every stamp of the record's known clocks. Joints that nothing drives stand where the
+        Effects of the model on their sensors and clocks are taken back, outliers left out. The run covers
+        every stamp of the record's known clocks. Joints that nothing drives stand where the
         record says.
 
         Parameters
@@ -187,13 +196,13 @@ class Drive:
         record : Record
             A motion with joint angles or commands as drive.
         arm : Arm
-            The model.
+            The model, with its effects.
 
         Raises
         ------
         InvalidParameter
-            If the record holds poses, a drive is neither angle nor command of a joint, or two drive the same
-            joint.
+            If the record holds poses, a drive is neither angle nor command of a joint, two drive the same
+            joint, or an effect on a drive cannot act there or leaves nothing of it.
         """
         if record.kind == "static":
             raise InvalidParameter(
@@ -201,6 +210,7 @@ class Drive:
                 where="kind",
             )
         joints: dict[str, JointDrive] = {}
+        start = _start(record, arm)
         for name in record.drive:
             signal = record.signals[name]
             if signal.quantity not in ("joint_angle", "joint_command") or signal.joint is None:
@@ -211,13 +221,12 @@ class Drive:
                 )
             if signal.joint in joints:
                 raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
+            time, values, noise = _true_samples(signal, arm, start)
             command = signal.quantity == "joint_command"
             joints[signal.joint] = (
-                _held(signal.time[signal.valid], signal.values[signal.valid, 0])
-                if command
-                else _smoothed(signal, arm)
+                _held(time, values) if command else _smoothed(signal, arm, time, values, noise)
             )
-        spans = [_span(signal, record) for signal in record.signals.values() if len(signal.time)]
+        spans = [_span(signal, record, arm, start) for signal in record.signals.values() if len(signal.time)]
         known = [span for span in spans if span is not None]
         if not known:
             raise InvalidParameter("holds no times of a known clock", where="signals")
@@ -241,21 +250,55 @@ _AFTER_THE_LAST = 0.02
 """A run goes on so long after the last stamp [s], for clocks that are late."""
 
 
-def _span(signal: Signal, record: Record) -> tuple[float, float] | None:
+def _start(record: Record, arm: Arm) -> float:
+    """True instant of the first sample that drives, from which drifts count; 0 where nothing drives."""
+    drives = [record.signals[name] for name in record.drive]
+    firsts = [
+        float(signal.time[signal.valid][0]) - effects_of(arm, signal).delay
+        for signal in drives
+        if signal.valid.any() and len(signal.time)
+    ]
+    return min(firsts, default=0.0)
+
+
+def true_time(signal: Signal, arm: Arm, start: float, late: float = 0.0) -> Floats:
+    """Instants of a signal in a run that starts at `start`, where its clock is stated to be `late` [s]."""
+    return effects_of(arm, signal).clock(ClockError(delay=late), start).instants(signal.time)
+
+
+def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float, float] | None:
     """First and last instant of a signal; None where its clock is unknown."""
     clock = record.clocks[signal.clock]
     if clock.unknown:
         return None
-    return float(signal.time[0]) - clock.offset, float(signal.time[-1]) - clock.offset
+    instants = true_time(signal, arm, start, clock.offset)
+    return float(instants[0]), float(instants[-1])
 
 
-def _smoothed(signal: Signal, arm: Arm) -> JointDrive:
+def _true_samples(signal: Signal, arm: Arm, start: float) -> tuple[Floats, Floats, float]:
+    """True instants and values of a drive, without drop-outs and outliers, and the noise of the values."""
+    seen = effects_of(arm, signal)
+    reading, stated = signal.values, signal.noise_std or 0.0
+    true = seen.true(reading)
+    good = np.isfinite(true[:, 0])
+    if (off := seen.outliers()) is not None:
+        good &= ~drive_outliers(reading[:, 0], float(seen.noise(stated)[0]), off)
+    if not good.any():
+        names = ", ".join(effect.name for effect in (*seen.before, *seen.after)) or "drop-outs"
+        raise InvalidParameter(
+            f"signal {signal.name!r} cannot drive: {names} leave no value of it", where="drive"
+        )
+    return (
+        true_time(signal, arm, start)[good],
+        true[good, 0],
+        seen.true_noise(reading[good], stated),
+    )
+
+
+def _smoothed(signal: Signal, arm: Arm, time: Floats, values: Floats, noise: float) -> JointDrive:
     """Joint angle of a signal, without its noise."""
     joint = arm.joint(str(signal.joint))
-    y = signal.values[:, 0]
-    good = np.isfinite(y)
-    noise = signal.noise_std or 0.0
-    breaks, coefficients = smooth(signal.time[good], y[good], noise)
+    breaks, coefficients = smooth(time, values, noise)
     return JointDrive(breaks, coefficients, "output" if signal.side == "output" and joint.moves else "motor")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -69,6 +70,14 @@ QuantityName = Literal[
     "force",
     "payload_mass",
 ]
+
+
+def channel_names(quantity: str, axes: Sequence[str] | None) -> tuple[str, ...]:
+    """Names of the channels of a signal: its axes, x, y, z, w of a quaternion, "" of a scalar."""
+    if quantity == "orientation":
+        return ("x", "y", "z", "w")
+    return tuple(axes or ("x", "y", "z")) if QUANTITIES[quantity].channels is None else ("",)
+
 
 DRIVES = ("joint_angle", "joint_command", "motor_torque", "motor_voltage")
 """Quantities that can drive a simulation."""

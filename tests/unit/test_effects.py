@@ -89,12 +89,10 @@ def test_parameters_come_with_units() -> None:
     assert str(EXAMPLES[1]) == "coulomb_friction at hinge: torque = 12 N m"
 
 
-def test_known_effects_without_a_law_are_told_from_unknown_ones() -> None:
-    simulated = {effect.name for effect in EXAMPLES}
-    for name in KNOWN_EFFECTS:
-        if name not in simulated:
-            with pytest.raises(InvalidParameter, match=f"{name}.* is known but cannot be simulated yet"):
-                effect_class(name)
+def test_known_effects_without_a_law_are_told_from_unknown_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(KNOWN_EFFECTS, "joint_ageing", "joint")
+    with pytest.raises(InvalidParameter, match=r"'joint_ageing' is known but cannot be simulated yet"):
+        effect_class("joint_ageing")
     for name in ("joint_complianse", "", "os", "base", "__init__", "a.b", "../x"):
         with pytest.raises(InvalidParameter, match="unknown effect"):
             effect_class(name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from importlib import import_module, util
 from math import inf
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard
 
 from pydantic import ValidationError
 
@@ -51,16 +51,16 @@ class Effect(Table):
     def parameters(self) -> list[tuple[str, float, str]]:
         """Parameters as (name, value, unit), vectors spelt out as `offset.x`, `offset.y`, `offset.z`.
 
-        Infinite ones, such as a stiffness that was left out, do not appear.
+        Infinite ones, such as a stiffness that was left out, do not appear, nor do names, such as channels.
         """
         found: list[tuple[str, float, str]] = []
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
-            if isinstance(value, tuple):
+            if _is_vector(value):
                 found += [
                     (f"{name}.{axis}", item, unit_of(field)) for axis, item in zip("xyz", value, strict=False)
                 ]
-            elif name != "at" and value != inf:
+            elif isinstance(value, float) and value != inf:
                 found.append((name, value, unit_of(field)))
         return found
 
@@ -76,8 +76,8 @@ class Effect(Table):
         for key, value in values.items():
             name, _, axis = key.partition(".")
             old = changes.get(name, getattr(self, name, None))
-            whole = name in type(self).model_fields and name != "at" and not isinstance(old, tuple)
-            if axis in ("x", "y", "z") and isinstance(old, tuple) and "xyz".index(axis) < len(old):
+            whole = isinstance(old, float) and name in type(self).model_fields
+            if axis in ("x", "y", "z") and _is_vector(old) and "xyz".index(axis) < len(old):
                 k = "xyz".index(axis)
                 changes[name] = (*old[:k], value, *old[k + 1 :])
             elif whole and not axis:
@@ -119,6 +119,10 @@ class Effect(Table):
     def __str__(self) -> str:
         values = ", ".join(f"{name} = {value:g} {unit}" for name, value, unit in self.parameters())
         return f"{self.name} at {self.at}: {values}"
+
+
+def _is_vector(value: Any) -> TypeGuard[tuple[float, ...]]:
+    return isinstance(value, tuple) and len(value) > 0 and all(isinstance(item, float) for item in value)
 
 
 def effect_class(name: str) -> type[Effect]:

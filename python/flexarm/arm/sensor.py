@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.errors import InvalidParameter
-from flexarm.quantities import QUANTITIES, Quantity, QuantityName
+from flexarm.quantities import QUANTITIES, Quantity, QuantityName, channel_names
 from flexarm.tables import Inconsistent, Name, Number, Table, Vector2, value_in
 from flexarm.units import si_factor
 
@@ -108,9 +108,8 @@ class Measurement(Table):
     @property
     def directions(self) -> tuple[str, ...]:
         """Names of the channels: axes, "x y z w" of a quaternion, or none for a scalar."""
-        if self.quantity == "orientation":
-            return ("x", "y", "z", "w")
-        return self.axes if self.spec.channels is None else ()
+        names = channel_names(self.quantity, self.axes)
+        return () if names == ("",) else names
 
     def _place_problems(self) -> list[tuple[tuple[str, ...], str]]:
         given = [kind for kind in ("joint", "point", "link", "payload") if getattr(self, kind) is not None]

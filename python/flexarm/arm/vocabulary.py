@@ -2,7 +2,10 @@
 
 The order of `KNOWN_EFFECTS` is also the order in which effects of the mechanics are applied to the machine,
 whatever their order in a file: drive trains, payloads, links, the base, points. So a link that is longer than
-nominal carries its points along before a reflector sits beside its point.
+nominal carries its points along before a reflector sits beside its point. Effects at signals act on a reading
+in this order too, as in a sensor: the transducer (scale, eccentricity, offsets), its electronics (range,
+steps) and what is made of the numbers (sign, unit, a broken wire, outliers); see
+`flexarm.measurement.effects_of`.
 """
 
 from __future__ import annotations
@@ -18,8 +21,8 @@ motor_friction transmission_error gear_ratio cable_torque"""
 _PAYLOAD = "payload_mass payload_offset payload_inertia"
 _LINK = "link_length link_stiffness link_mass link_damping link_bow"
 _BASE = "base_tilt base_compliance external_vibration"
-_SIGNAL = """encoder_scale encoder_eccentricity encoder_offset encoder_quantisation dead_channel sign_error
-unit_error saturation outliers sensor_offset"""
+_SIGNAL = """encoder_scale encoder_eccentricity encoder_offset sensor_offset saturation encoder_quantisation
+sign_error unit_error dead_channel outliers"""
 _CLOCK = "time_delay clock_drift"
 _FRAME = "frame_registration frame_drift"
 

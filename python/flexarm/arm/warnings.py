@@ -25,6 +25,7 @@ def doubts(arm: Arm) -> Iterable[Problem]:
             yield from _beam(link)
     yield from _beyond_the_beam(arm)
     yield from _counted_twice(arm)
+    yield from _unseen(arm)
     if not 9.5 < hypot(*arm.gravity) < 10 and hypot(*arm.gravity) > 0:
         yield Problem("gravity", f"has a magnitude of {hypot(*arm.gravity):g} m/s2; on Earth it is 9.81 m/s2")
 
@@ -78,6 +79,28 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
                     f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to "
                     f"{beam.length:g} m; it sits rigidly on the nearer end",
                 )
+
+
+def _unseen(arm: Arm) -> Iterable[Problem]:
+    """Effects at signals, clocks and frames that no sensor of the model has; records may have them."""
+    if not arm.sensors:
+        return
+    signals = [sensor.name for sensor in arm.sensors]
+    signals += [joint.name for joint in arm.moving_joints if joint.name not in signals]  # drives are signals
+    clocks = list(dict.fromkeys(sensor.clock or "clock" for sensor in arm.sensors))
+    known = {
+        "signal": signals,
+        "signal or clock": [*signals, *clocks],
+        "frame": list(dict.fromkeys(["base", *(sensor.frame for sensor in arm.sensors)])),
+    }
+    for effect in arm.effects:
+        if effect.place in known and effect.at not in known[effect.place]:
+            have = ", ".join(known[effect.place])
+            yield Problem(
+                f"effects.{effect.name}.{effect.at}",
+                f"no sensor has the {effect.place} {effect.at!r}, they have {have}; the effect acts only on "
+                "a record that has it",
+            )
 
 
 def _counted_twice(arm: Arm) -> Iterable[Problem]:

@@ -1,4 +1,4 @@
-"""The record that a simulation leaves behind."""
+"""The record that a simulation leaves behind, with what the model's sensors, clocks and frames make of it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.measurement.clocks import EXACT
+from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.measure import measure
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
 from flexarm.record import Record, Signal
@@ -15,6 +17,10 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.comparison.subject import Placement
     from flexarm.simulation import Simulation
+
+
+CLOCK = "clock"
+"""The reference clock of a virtual measurement that is told nothing of clocks."""
 
 
 def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Record:
@@ -27,7 +33,7 @@ def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Recor
     arm : Arm
         Its sensors measure, with noise; without sensors every point's position is stored, one row a step.
     driven : iterable of str
-        Joints whose drive becomes a joint_angle signal.
+        Joints whose drive becomes a joint_angle signal: what an encoder of that name shows, without noise.
     seed : int
         Seed of the sensors' noise.
     """
@@ -53,7 +59,7 @@ def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
     signals = {name: _again(signal, run, record, placement) for name, signal in record.signals.items()}
     for driver in (record.signals[name] for name in record.drive):
         if driver.quantity != "joint_angle":  # a command: what the motor made of it is the drive of the arm
-            motor = _drive(run, str(driver.joint), signals).replace(clock=driver.clock)
+            motor = _drive(run, str(driver.joint), signals, driver.clock)
             signals[motor.name] = motor
     return record.replace(signals=signals, description=f"simulation of {arm.name}", path=None)
 
@@ -69,7 +75,7 @@ def _again(signal: Signal, run: Simulation, record: Record, placement: Placement
 
 def _position(run: Simulation, i: int, name: str) -> Signal:
     """Position of a point at every step, base axes."""
-    return Signal(
+    signal = Signal(
         name=name,
         quantity="position",
         point=name,
@@ -77,13 +83,15 @@ def _position(run: Simulation, i: int, name: str) -> Signal:
         values=run.position[:, i],
         noise_std=0.0,
         file="points.csv",
+        clock=CLOCK,
     )
+    return _shown(signal, run)
 
 
-def _drive(run: Simulation, joint: str, taken: dict[str, Signal]) -> Signal:
+def _drive(run: Simulation, joint: str, taken: dict[str, Signal], clock: str = CLOCK) -> Signal:
     """The drive of a joint: the motor's angle over the ratio at every step."""
     name = joint if joint not in taken else f"{joint}_drive"
-    return Signal(
+    signal = Signal(
         name=name,
         quantity="joint_angle",
         joint=joint,
@@ -93,4 +101,13 @@ def _drive(run: Simulation, joint: str, taken: dict[str, Signal]) -> Signal:
         values=run.drive_angle[:, run.joints.index(joint)],
         noise_std=0.0,
         file="drive.csv",
+        clock=clock,
     )
+    return _shown(signal, run)
+
+
+def _shown(signal: Signal, run: Simulation) -> Signal:
+    """A signal of true values at true instants as the model's sensor, clock and frame show it."""
+    clock = effects_of(run.arm, signal).clock(EXACT, float(run.time[0]))
+    late = signal.replace(time=clock.stamps(run.time))
+    return late.replace(values=predict(run, late))

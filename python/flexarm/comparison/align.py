@@ -2,11 +2,12 @@
 
     sum over signals |(y - prediction(u))/sigma_y|^2 + sum_i ((u_i - c_i)/sigma_i)^2 -> min            (1)
 
-u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. The simulation is not
-repeated: predictions are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not
-lower (1) is halved. Gross outliers (see `flexarm.comparison.outliers`) are left out; else squares count, not
-a robust loss. What the data do not determine keeps its prior, and is said: the standard deviation after
-alignment is then that of the prior (more than `KEPT` of it), or, without a prior, infinite.
+u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. Effects of the model
+on clocks and frames come on top of u, which so counts from them. The simulation is not repeated: predictions
+are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not lower (1) is halved.
+Gross outliers (see `flexarm.measurement.outliers`) are left out; else squares count, not a robust loss. What
+the data do not determine keeps its prior, and is said: the standard deviation after alignment is then that of
+the prior (more than `KEPT` of it), or, without a prior, infinite.
 
 A gap of the model much larger than the noise outweighs the priors: whatever of it looks like a shift in time
 or space is then aligned away, in measurement and in the report alike. `compare(..., align=False)` shows the
@@ -17,13 +18,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.comparison.outliers import outliers
-from flexarm.comparison.subject import Placement, Subject, noise_of
+from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
+from flexarm.measurement.outliers import outliers
+
+if TYPE_CHECKING:
+    from flexarm.record import Signal
 
 Floats = NDArray[np.float64]
 
@@ -113,16 +118,19 @@ class _Rows:
         ]
         self.centre = np.array([each.centre for each in unknown])
         self.sigma = np.array([each.sigma for each in unknown])
-        self.out = [
-            outliers(subject.residual(signal, start, hold=True), noise_of(signal)) for signal in self.signals
-        ]
+        self.out = [self._outliers(signal) for signal in self.signals]
+
+    def _outliers(self, signal: Signal) -> NDArray[np.bool_]:
+        residual = self.subject.residual(signal, self.start, hold=True)
+        gross = outliers(residual, self.subject.noise(signal))
+        return gross | self.subject.outliers(signal, residual)
 
     def __call__(self, values: Floats) -> Floats:
         placement = placed(self.start, self.unknown, values)
         parts = [(values - self.centre) / self.sigma]
         for signal, out in zip(self.signals, self.out, strict=True):
             # held beyond its end: no row may escape from (1) by leaving the run
-            residual = self.subject.residual(signal, placement, hold=True) / noise_of(signal)
+            residual = self.subject.residual(signal, placement, hold=True) / self.subject.noise(signal)
             parts.append(np.where(out[:, None], 0.0, residual).ravel())
         found: Floats = np.nan_to_num(np.concatenate(parts))
         return found

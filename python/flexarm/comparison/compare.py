@@ -16,7 +16,9 @@ from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
 from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Subject, subject
 from flexarm.comparison.unknowns import drive_clock, stated
+from flexarm.drive import Drive, true_time
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.record.against_arm import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -37,10 +39,11 @@ def compare(
 ) -> Comparison:
     """The gap between a model and a record, per signal, direction and band, against the noise.
 
-    The record's drive, smoothed by its stated noise, drives the model; what the run carried and where
-    undriven joints stood comes from the record. Every other signal that the simulation predicts is evidence,
-    at its own instants. Clocks and frames are aligned within their stated sigmas (see
-    `flexarm.comparison.align`), which costs no simulation. Poses of a static record are equilibria.
+    The record's drive, smoothed by its stated noise, drives the model, with the model's effects on its sensor
+    taken back; what the run carried and where undriven joints stood comes from the record. Every other signal
+    that the simulation predicts is evidence, at its own instants. Clocks and frames are aligned within their
+    stated sigmas (see `flexarm.comparison.align`), which costs no simulation. Poses of a static record are
+    equilibria.
 
     Parameters
     ----------
@@ -51,7 +54,8 @@ def compare(
     align : bool
         Whether to align clocks and frames; False takes them as stated.
     simulation : Simulation, optional
-        A run of this model along this record, to be used instead of a new one.
+        A run of this model along this record, to be used instead of a new one. Effects on sensors, clocks and
+        frames count as `arm` has them; those on signals that drive must be those of the run.
     step, alpha : float
         Of the simulation [s], [-].
     bands : sequence of float, optional
@@ -100,7 +104,7 @@ def compare(
         aligned,
         dict(pair.skipped),
         tuple(modes_hz),
-        tuple(_notes(record, gaps, modes_hz, aligned, align)),
+        (*_about_effects(carried, record), *_notes(record, gaps, modes_hz, aligned, align)),
     )
 
 
@@ -112,28 +116,28 @@ def _subject(arm: Arm, record: Record, simulation: Any, step: float, alpha: floa
             for name, signal in record.signals.items()
             if is_input(record, signal)
         }
-        return subject(simulation or solve_poses(arm, record), record, pose_numbers(record), inputs)
-    return subject(_run(arm, record, step, alpha) if simulation is None else simulation, record)
+        return subject(simulation or solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+    return subject(_run(arm, record, step, alpha) if simulation is None else simulation, record, arm=arm)
 
 
 def _run(arm: Arm, record: Record, step: float, alpha: float) -> Any:
     """The record's drive through the model, up to the last stamp that a known clock gave."""
-    from flexarm.drive import Drive
     from flexarm.simulation import simulate
 
     quantities = {signal.quantity for signal in record.signals.values()}
+    drive = Drive.from_record(record, arm)
     return simulate(
         arm,
-        Drive.from_record(record, arm),
+        drive,
         step=step,
         alpha=alpha,
-        end=_end(record),
+        end=_end(record, arm, drive.start),
         rotations=bool(quantities & set(NEEDS_ROTATIONS)),
         forces="strain" in quantities,
     )
 
 
-def _end(record: Record) -> float:
+def _end(record: Record, arm: Arm, start: float) -> float:
     """Last instant that is needed: every stamp less what its clock is late, and three sigma more."""
     own = record.clocks[drive_clock(record)].offset
     ends = []
@@ -141,7 +145,7 @@ def _end(record: Record) -> float:
         clock = record.clocks[signal.clock]
         if len(signal.time) and (not clock.unknown or signal.name in record.drive):
             late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
-            ends.append(float(signal.time[-1]) - late)
+            ends.append(float(true_time(signal, arm, start, late)[-1]))
     return max(ends, default=record.duration) + 1e-9
 
 
@@ -182,6 +186,12 @@ def _notes(
     found += [
         f"{count} outliers of {name} were not used to align" for name, count in aligned.left_out.items()
     ]
+    found += [
+        f"{gap.removed} of {gap.removed + len(gap.time)} rows of {gap.name} are outliers as the model has "
+        "them, and removed"
+        for gap in gaps.values()
+        if gap.removed
+    ]
     if wanted:
         unweighed = [g.name for g in gaps.values() if not g.noise_rms and not g.is_drive]
         if unweighed and aligned.unknowns:
@@ -194,6 +204,11 @@ def _notes(
                 f"appears at {alias(modes_hz[0], 2 * nyquist):.3g} Hz"
             )
     return found
+
+
+def _about_effects(arm: Arm, record: Record) -> list[str]:
+    """Effects whose place the record has not."""
+    return [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, arm)]
 
 
 def _about_drives(record: Record) -> list[str]:

@@ -1,15 +1,16 @@
 """The gap of one signal: measured minus predicted, by direction and by band, beside the noise.
 
     rms_d = sqrt(mean r_d^2),   total = sqrt(sum over measured channels of rms^2)                    (1)
-    noise^2 = noise_std^2 (number of measured channels) + jitter_std^2 mean |rate|^2                 (2)
+    noise^2 = sum over measured channels of noise_std^2 + jitter_std^2 mean |rate|^2                 (2)
 
 A stamp that is off by a jitter shows the motion of that time. A model without a gap has a total of about (2).
+Rows that an effect `outliers` of the model explains are removed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +18,7 @@ from numpy.typing import NDArray
 
 from flexarm.comparison.bands import Band, band_edges, band_split
 from flexarm.comparison.directions import base_directions, joint_directions, project
-from flexarm.comparison.subject import Placement, Subject, noise_of
-from flexarm.measurement.clocks import ClockError
+from flexarm.comparison.subject import Placement, Subject
 from flexarm.measurement.sampling import sample
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ class SignalGap:
         Eq. (2); None where no noise is stated.
     is_drive : bool
         Whether the signal drives the simulation: then the gap says nothing about the model.
+    removed : int
+        Number of rows that an effect `outliers` of the model explains.
     """
 
     name: str
@@ -62,6 +64,7 @@ class SignalGap:
     bands: tuple[Band, ...]
     noise_rms: float | None
     is_drive: bool = False
+    removed: int = 0
 
     def to_json_dict(self) -> dict[str, Any]:
         """The signal's object of `compare --json`."""
@@ -100,7 +103,8 @@ def signal_gap(
         Inner edges of the bands [Hz] instead.
     """
     instants, residual = subject.instants(signal, placement), subject.residual(signal, placement)
-    keep = np.isfinite(residual).all(axis=1)
+    out = subject.outliers(signal, residual)
+    keep = np.isfinite(residual).all(axis=1) & ~out
     instants, residual = instants[keep], residual[keep]
     parts = _parts(subject, signal, placement, joint, instants, residual)
     bands: list[Band] = []
@@ -123,13 +127,13 @@ def signal_gap(
         tuple(bands),
         _noise(subject, signal, placement) if signal.noise_std is not None else None,
         signal.name in subject.record.drive,
+        int(out.sum()),
     )
 
 
 def _noise(subject: Subject, signal: Signal, placement: Placement) -> float:
     """Noise of the total, eq. (2)."""
-    channels = 3 if signal.quantity == "orientation" else signal.values.shape[1]
-    square = channels * noise_of(signal) ** 2
+    square = float(np.sum(subject.noise(signal) ** 2))
     if signal.jitter_std > 0 and subject.record.kind == "motion":
         ahead, behind = (
             subject.residual(signal, _shifted(placement, signal, shift), hold=True)
@@ -143,7 +147,7 @@ def _noise(subject: Subject, signal: Signal, placement: Placement) -> float:
 def _shifted(placement: Placement, signal: Signal, shift: float) -> Placement:
     """The placement with the signal's clock later by `shift` [s]."""
     clock = placement.clock(signal)
-    moved = ClockError(delay=clock.delay + shift, rate=clock.rate)
+    moved = replace(clock, delay=clock.delay + shift)
     return Placement({**placement.clocks, signal.clock: moved}, placement.frames)
 
 
@@ -162,7 +166,7 @@ def _parts(
             directions = joint_directions(
                 subject.simulation.arm, joint, signal.point, _angles(subject, instants)
             )
-        frame = placement.frame(signal)
+        frame = subject.frame(signal, placement)
         return project(residual, signal.axes, frame, directions or base_directions(len(instants)))
     if signal.quantity == "orientation" or (signal.spec.channels is None and signal.axes):
         axes = signal.axes or ("x", "y", "z")

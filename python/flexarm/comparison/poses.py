@@ -3,11 +3,12 @@
 The number of the pose takes the place of time, so sensors read poses as they read instants. Inputs of a pose
 are its joint angles (drive signals, of motor or link as their side says; other joints stand where the record
 says), forces at points and payload masses. Rows of one pose are repeated measurements: inputs are their
-means, outputs are compared row by row.
+means, outputs are compared row by row. Effects of the model on sensors of inputs are taken back first.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
 from flexarm.record.doubts import INPUTS
 
@@ -92,8 +94,13 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
 
     at_link = {s.joint for name in record.drive if (s := record.signals[name]).side == "output" and s.joint}
     found = []
+    true = {
+        name: effects_of(arm, signal).true(signal.values)
+        for name, signal in record.signals.items()
+        if is_input(record, signal)
+    }
     for pose in record.poses:
-        angles, forces, masses = _inputs(record, pose)
+        angles, forces, masses = _inputs(record, pose, true)
         loaded = arm.replace(
             payloads=tuple(
                 load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads
@@ -133,15 +140,18 @@ def pose_numbers(record: Record) -> dict[str, Floats]:
     }
 
 
-def _inputs(record: Record, pose: str) -> tuple[dict[str, float], dict[str, Floats], dict[str, float]]:
-    """Joint angles, forces and payload masses of one pose."""
+def _inputs(
+    record: Record, pose: str, true: Mapping[str, Floats]
+) -> tuple[dict[str, float], dict[str, Floats], dict[str, float]]:
+    """Joint angles, forces and payload masses of one pose, from the true values of their signals."""
     angles: dict[str, float] = {}
     forces: dict[str, Floats] = {}
     masses: dict[str, float] = {}
     for signal in record.signals.values():
         if signal.pose is None or not is_input(record, signal):
             continue
-        rows = signal.values[(signal.pose == pose) & signal.valid]
+        values = true[signal.name]
+        rows = values[(signal.pose == pose) & np.isfinite(values).all(axis=1)]
         if not len(rows):
             if signal.name in record.drive:
                 raise InvalidParameter(

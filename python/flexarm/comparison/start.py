@@ -9,7 +9,8 @@ is. A frame: the rigid motion that brings the measured points closest to the sim
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
 
-with centred y and p.
+with centred y and p. Effects of the model on sensors, clocks and frames are taken back from what was measured
+or put on what was simulated, so that guesses count from them.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.measurement.clocks import ClockError
-from flexarm.measurement.frames import Registration
+from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.tracker import base_position
@@ -43,7 +44,7 @@ def first_guess(subject: Subject, start: Placement) -> Placement:
     record = subject.record
     clocks, frames = dict(start.clocks), dict(start.frames)
     for name, clock in record.clocks.items():
-        signals = [signal for signal in subject.evidence.values() if signal.clock == name and len(signal) > 3]
+        signals = [s for s in subject.evidence.values() if s.clock == name and _usable(subject, s)]
         if clock.unknown and signals:
             clocks[name] = ClockError(delay=_delay(subject, max(signals, key=_liveliness)))
     placement = replace(start, clocks=clocks)
@@ -54,6 +55,12 @@ def first_guess(subject: Subject, start: Placement) -> Placement:
     return Placement(clocks, frames)
 
 
+def _usable(subject: Subject, signal: Signal) -> bool:
+    """Whether enough rows tell a true value in every channel."""
+    known = np.isfinite(subject.effects(signal).true(signal.values)).all(axis=1)
+    return int(known.sum()) > 3
+
+
 def _liveliness(signal: Signal) -> float:
     """How far a signal's motion stands out of its noise."""
     spread = float(np.nanmax(np.nanstd(signal.values, axis=0)))
@@ -62,8 +69,9 @@ def _liveliness(signal: Signal) -> float:
 
 def _delay(subject: Subject, signal: Signal) -> float:
     """Delay of (1)."""
-    keep = signal.valid
-    stamps, values = subject.stamps[signal.name][keep], signal.values[keep]
+    values = subject.effects(signal).true(signal.values)
+    keep = np.isfinite(values).all(axis=1)
+    stamps, values = subject.instants(signal, Placement())[keep], values[keep]
     time = np.asarray(subject.simulation.time)
     simulated = read(subject.simulation, signal, time)
     speed = np.linalg.norm(np.diff(values, axis=0), axis=1)
@@ -90,10 +98,13 @@ def _pose(subject: Subject, placement: Placement, signals: list[Signal]) -> Regi
     """Pose of a frame in the base by (2); axes that were not measured count as zero."""
     measured, simulated = [], []
     for signal in signals:
-        known = base_position(subject.simulation, signal, subject.instants(signal, placement))
+        instants = subject.instants(signal, placement)
+        known = base_position(subject.simulation, signal, instants)
+        seen = subject.effects(signal)
+        known = seen.registration(IDENTITY).positions(known, instants - subject.simulation.time[0])
         full = np.zeros((len(signal), 3))
-        full[:, columns(signal.axes)] = signal.values
-        keep = signal.valid & np.isfinite(known).all(axis=1)
+        full[:, columns(signal.axes)] = seen.true(signal.values)
+        keep = np.isfinite(full).all(axis=1) & np.isfinite(known).all(axis=1)
         measured.append(full[keep])
         simulated.append(known[keep])
     y, p = np.concatenate(measured), np.concatenate(simulated)

@@ -1,4 +1,9 @@
-"""What is compared: a simulation, and the signals of a record that it predicts."""
+"""What is compared: a simulation, and the signals of a record that it predicts.
+
+Predictions are those of the model's imperfect sensors (`flexarm.measurement.effects_of`), but for two: steps
+of an encoder are not rounded and count as noise, step/sqrt(12), and outliers, which nothing predicts, are
+taken out of the record.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
+from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import CannotMeasure
 
@@ -30,6 +37,8 @@ class Placement:
         Against the clock of the drive, whose time is the simulation's.
     frames : dict of str to Registration
         Where the frames of measurement are.
+
+    Effects of the model on clocks and frames are not in it; they come on top.
     """
 
     clocks: Mapping[str, ClockError] = field(default_factory=dict)
@@ -60,6 +69,8 @@ class Subject:
         Those that the simulation predicts.
     skipped : dict of str to str
         Why the others are not compared.
+    arm : Arm
+        The model whose effects on sensors, clocks and frames count.
     """
 
     simulation: Any
@@ -67,22 +78,36 @@ class Subject:
     stamps: Mapping[str, Floats]
     signals: Mapping[str, Signal]
     skipped: Mapping[str, str]
+    arm: Any
 
     @property
     def evidence(self) -> dict[str, Signal]:
         """Signals that say something about the model: all that do not drive it."""
         return {name: signal for name, signal in self.signals.items() if name not in self.record.drive}
 
+    def effects(self, signal: Signal) -> SensorEffects:
+        """Effects of the model on a signal."""
+        return effects_of(self.arm, signal)
+
+    def clock(self, signal: Signal, placement: Placement) -> ClockError:
+        """The clock of a signal, effects of the model included."""
+        return self.effects(signal).clock(placement.clock(signal), float(self.simulation.time[0]))
+
+    def frame(self, signal: Signal, placement: Placement) -> Registration:
+        """The frame of a signal, effects of the model included."""
+        return self.effects(signal).registration(placement.frame(signal))
+
     def instants(self, signal: Signal, placement: Placement) -> Floats:
         """Time of the simulation at every row of a signal."""
-        return placement.clock(signal).instants(self.stamps[signal.name])
+        return self.clock(signal, placement).instants(self.stamps[signal.name])
 
     def predicted(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
         """What the simulation says of a signal, shape (n, channels); with `hold` its end lasts for ever."""
         instants = self.instants(signal, placement)
         if hold:
             instants = np.minimum(instants, self.simulation.time[-1])
-        return read(self.simulation, signal, instants, placement.frame(signal))
+        true = read(self.simulation, signal, instants, self.frame(signal, placement))
+        return self.effects(signal).reading(true, rounded=False)
 
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
         """Measured minus predicted, shape (n, channels); of orientations the rotation vector between them."""
@@ -90,6 +115,19 @@ class Subject:
         return (
             turned_by(signal.values, values) if signal.quantity == "orientation" else signal.values - values
         )
+
+    def noise(self, signal: Signal) -> Floats:
+        """1 sigma of the residual by component, 0 where not stated; a quaternion turns by half the angle."""
+        if signal.quantity == "orientation":
+            return np.full(3, 2.0 * (signal.noise_std or 0.0))
+        return self.effects(signal).noise(signal.noise_std or 0.0)
+
+    def outliers(self, signal: Signal, residual: Floats) -> NDArray[np.bool_]:
+        """Rows of a residual that an effect `outliers` of the model explains, shape (n,)."""
+        effect = self.effects(signal).outliers()
+        if effect is None:
+            return np.zeros(len(residual), dtype=bool)
+        return expected_outliers(residual, self.noise(signal), effect)
 
 
 def turned_by(measured: Floats, predicted: Floats) -> Floats:
@@ -104,17 +142,12 @@ def turned_by(measured: Floats, predicted: Floats) -> Floats:
     return found
 
 
-def noise_of(signal: Signal) -> float:
-    """1 sigma of a component of the residual, 0 where not stated; a quaternion turns by half the angle."""
-    noise = signal.noise_std or 0.0
-    return 2.0 * noise if signal.quantity == "orientation" else noise
-
-
 def subject(
     simulation: Any,
     record: Record,
     stamps: Mapping[str, Floats] | None = None,
     inputs: Mapping[str, str] | None = None,
+    arm: Any = None,
 ) -> Subject:
     """The signals of a record that a simulation predicts, and why not the others.
 
@@ -128,6 +161,8 @@ def subject(
         Stamps by signal; default: their times.
     inputs : dict of str to str, optional
         Signals not to be compared, and why.
+    arm : Arm, optional
+        The model whose effects on sensors, clocks and frames count; default: that of the simulation.
     """
     stamps = {name: signal.time for name, signal in record.signals.items()} if stamps is None else stamps
     kept: dict[str, Signal] = {}
@@ -144,4 +179,4 @@ def subject(
             skipped[name] = str(error)
         else:
             kept[name] = signal
-    return Subject(simulation, record, stamps, kept, skipped)
+    return Subject(simulation, record, stamps, kept, skipped, simulation.arm if arm is None else arm)

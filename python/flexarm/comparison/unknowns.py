@@ -8,7 +8,7 @@ Sigmas are those of the record; zero means exact and is not moved, "unknown" mea
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -102,10 +102,10 @@ def placed(start: Placement, unknown: list[Unknown], values: Floats) -> Placemen
     moved: dict[tuple[str, str], Floats] = {}
     for each, value in zip(unknown, values, strict=True):
         if each.kind == "delay":
-            clocks[each.place] = ClockError(delay=float(value), rate=clocks[each.place].rate)
+            clocks[each.place] = replace(clocks[each.place], delay=float(value))
         else:
             moved.setdefault((each.place, each.kind), np.zeros(3))["xyz".index(each.axis)] = value
     for name in {place for place, _ in moved}:
         translation, rotation = (moved.get((name, kind), np.zeros(3)) for kind in KINDS)
-        frames[name] = Registration(translation, rotation, frames[name].origin, frames[name].rpy)
+        frames[name] = replace(frames[name], translation=translation, rotation=rotation)
     return Placement(clocks, frames)

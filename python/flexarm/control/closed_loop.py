@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import ceil, isclose
+from math import ceil, isclose, isnan
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -76,7 +76,8 @@ def simulate_closed_loop(
 ) -> Simulation:
     """A run from equilibrium at rest along commands.
 
-    Until the start the motors hold the arm at the first command; an integral part starts there.
+    Until the start the motors hold the arm where its encoders show the first command; an integral part starts
+    there.
 
     Parameters
     ----------
@@ -172,10 +173,24 @@ def _held(arm: Arm, drive: Drive, system: _core.System, start: float) -> tuple[_
         },
     )
     first = {name: float(joint(start)) for name, joint in drive.joints.items()}
+    for name, controller in _controllers(arm, drive).items():
+        first[name] = _shown_at(arm, controller, first[name])
     values = joint_values(arm, {**drive.rest, **first})
     equilibrium = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
     torques = np.asarray(_core.motor_torques(held, equilibrium.state, False))
     return _core.released(held, equilibrium, system), torques
+
+
+def _shown_at(arm: Arm, controller: Controller, command: float) -> float:
+    """Where the controller's encoder shows the command."""
+    angle = Sensing(arm, controller).true_angle(command)
+    if isnan(angle):
+        raise InvalidParameter(
+            f"the encoder of joint {controller.joint!r} never shows the command {command:g}: an effect on it "
+            "hides the angle",
+            where=f"controllers.{controller.joint}",
+        )
+    return angle
 
 
 def _controllers(arm: Arm, drive: Drive) -> dict[str, Controller]:

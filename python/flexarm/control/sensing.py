@@ -4,8 +4,9 @@
     rate     the joint_rate sensor at the joint; without one (φ_k - φ_{k-1})/T_s of the readings      (1)
     d, d'    the deflection sensor that the controller names, rounded to its step; d' as (1)
 
-Without an angle sensor both angle and rate are exact, on the motor's side. Noise, rate and latency of a
-sensor are those of what is written into a record; the controller reads at its own instants.
+Without an angle sensor both angle and rate are exact, on the motor's side. Effects of the model on the values
+of these sensors act (`flexarm.measurement.effects_of`), all but outliers. Noise, rate and latency of a sensor
+are those of what is written into a record, and so are delays: the controller reads at its own instants.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from flexarm.arm.controller import Controller
 from flexarm.arm.sensor import Sensor
 from flexarm.control.laws import Reading
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.encoder import quantised
 from flexarm.measurement.predict import read
 
 
@@ -40,19 +43,34 @@ class Sensing:
         self._angle = _sensor(arm, controller.joint, "joint_angle")
         self._rate = _sensor(arm, controller.joint, "joint_rate")
         self._deflection = _deflection(arm, controller)
+        sensors = (self._angle, self._rate, self._deflection)
+        self._effects = {sensor.name: effects_of(arm, sensor) for sensor in sensors if sensor is not None}
         self._period = controller.sample_time
         self._last: tuple[float, float] | None = None
 
     def read(self, run: _core.SampledRun) -> Reading:
         """Reading at this instant; differences (1) are zero at the first one."""
-        angle = _rounded(self._angle, self._of_joint(run, self._angle, rate=False))
+        angle = self._shown(self._angle, self._of_joint(run, self._angle, rate=False))
         deflection = self._bent(run) if self._deflection else 0.0
         last_angle, last_deflection = self._last or (angle, deflection)
         self._last = angle, deflection
         rate = (angle - last_angle) / self._period  # eq. (1)
         if self._rate or not self._angle:
-            rate = _rounded(self._rate, self._of_joint(run, self._rate, rate=True))
+            rate = self._shown(self._rate, self._of_joint(run, self._rate, rate=True))
         return Reading(angle, rate, deflection, (deflection - last_deflection) / self._period)
+
+    def true_angle(self, shown: float) -> float:
+        """The angle at which the angle sensor shows a value, its steps aside; NaN where nothing does."""
+        if self._angle is None:
+            return shown
+        return float(self._effects[self._angle.name].true(np.array([[shown]]))[0, 0])
+
+    def _shown(self, sensor: Sensor | None, true: float) -> float:
+        """What a sensor shows of a true value."""
+        if sensor is None:
+            return true
+        seen, step = self._effects[sensor.name], sensor.step * sensor.si[1]
+        return float(seen.written(quantised(seen.sensed(np.array([[true]])), step))[0, 0])
 
     def _of_joint(self, run: _core.SampledRun, sensor: Sensor | None, rate: bool) -> float:
         output = sensor is not None and sensor.side == "output"
@@ -74,7 +92,7 @@ class Sensing:
             joint_angle=run.joint_angles.reshape(1, joints),
             joint_rate=np.zeros((1, joints)),
         )
-        return _rounded(self._deflection, float(read(instant, self._deflection, instant.time)[0, 0]))
+        return self._shown(self._deflection, float(read(instant, self._deflection, instant.time)[0, 0]))
 
 
 def _sensor(arm: Arm, joint: str, quantity: str) -> Sensor | None:
@@ -95,9 +113,3 @@ def _deflection(arm: Arm, controller: Controller) -> Sensor | None:
             where=f"sensors.{name}.axes",
         )
     return sensor
-
-
-def _rounded(sensor: Sensor | None, value: float) -> float:
-    """The nearest multiple of the sensor's step."""
-    step = sensor.step * sensor.si[1] if sensor else 0.0
-    return round(value / step) * step if step else value

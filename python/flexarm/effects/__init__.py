@@ -12,17 +12,45 @@ from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 
 if TYPE_CHECKING:
+    from flexarm.effects.clock_drift import ClockDrift
     from flexarm.effects.coulomb_friction import CoulombFriction
+    from flexarm.effects.dead_channel import DeadChannel
+    from flexarm.effects.encoder_eccentricity import EncoderEccentricity
+    from flexarm.effects.encoder_offset import EncoderOffset
+    from flexarm.effects.encoder_quantisation import EncoderQuantisation
+    from flexarm.effects.encoder_scale import EncoderScale
+    from flexarm.effects.frame_drift import FrameDrift
+    from flexarm.effects.frame_registration import FrameRegistration
     from flexarm.effects.joint_compliance import JointCompliance
     from flexarm.effects.motor_friction import MotorFriction
+    from flexarm.effects.outliers import Outliers
+    from flexarm.effects.saturation import Saturation
+    from flexarm.effects.sensor_offset import SensorOffset
+    from flexarm.effects.sign_error import SignError
+    from flexarm.effects.time_delay import TimeDelay
+    from flexarm.effects.unit_error import UnitError
     from flexarm.effects.viscous_friction import ViscousFriction
 
 __all__ = [
     "KNOWN_EFFECTS",
+    "ClockDrift",
     "CoulombFriction",
+    "DeadChannel",
     "Effect",
+    "EncoderEccentricity",
+    "EncoderOffset",
+    "EncoderQuantisation",
+    "EncoderScale",
+    "FrameDrift",
+    "FrameRegistration",
     "JointCompliance",
     "MotorFriction",
+    "Outliers",
+    "Saturation",
+    "SensorOffset",
+    "SignError",
+    "TimeDelay",
+    "UnitError",
     "ViscousFriction",
     "effect_class",
 ]

@@ -1,14 +1,14 @@
 """Clocks: what a stamp says about the instant of a measurement.
 
-    stamp = (1 + rate) t + delay                                                                     (1)
+    stamp = t + rate (t - since) + delay                                                             (1)
 
-t [s] is the time of the reference clock, `delay` how late the stamps are, `rate` [s/s] how much faster the
-clock runs. Delay and rate are those of contract effects `time_delay` and `clock_drift`.
+t [s] is the time of the reference clock, `delay` how late the stamps are at the instant `since`, `rate` [s/s]
+how much faster the clock runs. Delay and rate are those of the effects `time_delay` and `clock_drift`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,13 @@ class ClockError:
         How late its stamps are [s].
     rate : float
         How much faster it runs [s/s].
+    since : float
+        When it is late by the delay alone [s].
     """
 
     delay: float = 0.0
     rate: float = 0.0
+    since: float = 0.0
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.delay):
@@ -41,11 +44,15 @@ class ClockError:
 
     def stamps(self, instants: Floats) -> Floats:
         """Stamps of the instants t, eq. (1)."""
-        return (1 + self.rate) * instants + self.delay
+        return instants + self.rate * (instants - self.since) + self.delay
 
     def instants(self, stamps: Floats) -> Floats:
         """Instants t of the stamps, eq. (1) solved for t."""
-        return (stamps - self.delay) / (1 + self.rate)
+        return (stamps - self.delay + self.rate * self.since) / (1 + self.rate)
+
+    def counted_from(self, since: float) -> ClockError:
+        """The same clock with its delay at another instant [s]."""
+        return replace(self, delay=self.delay + self.rate * (since - self.since), since=since)
 
 
 EXACT = ClockError()

@@ -1,12 +1,12 @@
 """Frames of measurement: from the base's axes to those of a tracker that stands where it stands.
 
-A point p of the base's frame is measured as
+A point p of the base's frame is measured, the time s after the start of the run, as
 
-    y = R_f^T (R(rotation) p + translation - x_f)                                                    (1)
+    y = R_f^T (R(rotation) p + translation + velocity s - x_f)                                       (1)
 
 (R_f, x_f) is the stated pose of the tracker's frame in the base, p = R_f y + x_f, and (rotation, translation)
 the error of that statement, a small rotation vector and shift about the base's origin: the registration. With
-the stated pose left out, (1) is the contract's effect `frame_registration`.
+the stated pose left out, (1) is the effects `frame_registration` and `frame_drift`.
 """
 
 from __future__ import annotations
@@ -50,12 +50,15 @@ class Registration:
         x_f, stated position of the frame in the base [m].
     rpy : tuple of float
         Roll, pitch, yaw of R_f, the stated orientation of the frame in the base [rad].
+    velocity : ndarray, shape (3,)
+        With which the shift grows from the start of a run [m/s].
     """
 
     translation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
     origin: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def frame_axes(self) -> Floats:
@@ -67,9 +70,10 @@ class Registration:
         """R(rotation), shape (3, 3)."""
         return rotation_matrix(np.asarray(self.rotation, dtype=float))
 
-    def positions(self, base: Floats) -> Floats:
-        """Positions in the base's axes, shape (n, 3), as measured: eq. (1)."""
+    def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
+        """Positions in the base's axes, shape (n, 3), as measured: eq. (1), `elapsed` [s] being s."""
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
+        shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
         measured: Floats = shifted @ self.frame_axes
         return measured
 

@@ -5,7 +5,9 @@
     stamps     (1 + rate) (start + k/rate_hz + latency) + delay                                      (3)
 
 e are independent normal numbers, (delay, rate) the error of the sensor's clock. The stamp knows nothing of
-the jitter. Every random number comes from the generator that is passed in, sensor by sensor in their order.
+the jitter. Effects of the model on sensors, clocks and frames act as `flexarm.measurement.effects_of` says,
+where the noise has its place among them; what a record states of noise, clocks and frames does not know them.
+Every random number comes from the generator that is passed in, sensor by sensor in their order.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import EXACT, ClockError
+from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
@@ -123,16 +126,21 @@ def _signal(
 
     planned, instants = _instants(simulation, sensor, rng)
     unit, factor = sensor.si if sensor.unit else (_default_unit(simulation.arm, sensor), 1.0)
-    values = read(simulation, sensor, instants, places.get(sensor.frame or "base", IDENTITY))
+    seen = effects_of(simulation.arm, sensor, clock)
+    place = seen.registration(places.get(sensor.frame or "base", IDENTITY))
+    values = seen.sensed(read(simulation, sensor, instants, place))
     values = values + (sensor.noise_std or 0.0) * factor * rng.standard_normal(values.shape)
-    values = quantised(values, sensor.step * factor)  # eq. (2)
+    values = seen.written(quantised(values, sensor.step * factor))  # eq. (2)
     values[rng.random(len(values)) < sensor.drop_out] = np.nan
+    if (off := seen.outliers()) is not None:
+        values = off.thrown(values, rng)
     noise_std = (
         None
         if sensor.noise_std is None and not sensor.step
         else np.hypot(sensor.noise_std or 0.0, sensor.step / np.sqrt(12)) * factor
     )
-    stamps = clock_errors.get(clock, EXACT).stamps(planned + sensor.latency_s)  # eq. (3)
+    late = seen.clock(clock_errors.get(clock, EXACT), float(simulation.time[0]))
+    stamps = late.stamps(planned + sensor.latency_s)  # eq. (3)
     return Signal(
         name=sensor.name,
         quantity=sensor.quantity,

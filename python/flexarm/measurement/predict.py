@@ -1,7 +1,8 @@
 """What a sensor would read in a simulated motion, at given stamps and without noise.
 
 `measure` and `compare` both read simulations here, so a virtual measurement and the prediction of a real one
-are the same code.
+are the same code. `read` is the perfect sensor; effects of the model on sensors, clocks and frames are those
+of `flexarm.measurement.effects_of`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from flexarm.measurement import deformation, encoder, imu, torque, tracker
 from flexarm.measurement.clocks import EXACT, ClockError
+from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.sampling import CannotMeasure, Described
 
@@ -40,9 +42,14 @@ FRAMED_READINGS: dict[str, FramedReading] = {"position": tracker.position, "orie
 
 
 def predict(
-    simulation: Any, signal: Any, clock: ClockError = EXACT, registration: Registration = IDENTITY
+    simulation: Any,
+    signal: Any,
+    clock: ClockError = EXACT,
+    registration: Registration = IDENTITY,
+    *,
+    rounded: bool = True,
 ) -> Floats:
-    """Values of a signal in a simulated motion, at the signal's own stamps.
+    """Values of a signal in a simulated motion, at the signal's own stamps, as the model's sensors show them.
 
     Parameters
     ----------
@@ -51,9 +58,11 @@ def predict(
     signal : Signal
         Names the quantity, its place and the stamps.
     clock : ClockError
-        How the signal's clock differs from the simulation's time.
+        How the signal's clock differs from the simulation's time; effects of the model add to it.
     registration : Registration
-        The signal's frame; only positions and orientations have one.
+        The signal's frame; only positions and orientations have one. Effects of the model add to it.
+    rounded : bool
+        Whether an effect `encoder_quantisation` rounds; without it readings have derivatives.
 
     Returns
     -------
@@ -65,11 +74,13 @@ def predict(
     CannotMeasure
         If the simulation does not hold what the signal needs; says what is missing.
     """
-    return read(simulation, signal, clock.instants(signal.time), registration)
+    seen = effects_of(getattr(simulation, "arm", None), signal)
+    instants = seen.clock(clock, float(simulation.time[0])).instants(signal.time)
+    return seen.reading(read(simulation, signal, instants, seen.registration(registration)), rounded)
 
 
 def read(simulation: Any, what: Described, instants: Floats, registration: Registration = IDENTITY) -> Floats:
-    """Values of a quantity at true instants, shape (n, channels); as `predict`."""
+    """Values that a perfect sensor shows at true instants, shape (n, channels); errors as `predict`."""
     if what.quantity in FRAMED_READINGS:
         return FRAMED_READINGS[what.quantity](simulation, what, instants, registration)
     if what.quantity in READINGS:

@@ -20,7 +20,8 @@ Floats = NDArray[np.float64]
 
 def position(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
     """Position of the signal's point in the frame of measurement [m], shape (n, axes)."""
-    return registration.positions(base_position(simulation, what, instants))[:, columns(what.axes)]
+    places = base_position(simulation, what, instants)
+    return registration.positions(places, instants - simulation.time[0])[:, columns(what.axes)]
 
 
 def base_position(simulation: Any, what: Described, instants: Floats, point: str | None = None) -> Floats:

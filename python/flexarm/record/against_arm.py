@@ -45,8 +45,28 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
 
 
 def doubts(record: Record, arm: Arm) -> list[Problem]:
-    """Values that contradict their unit, seen from the size of the arm."""
-    return [*_positions(record, arm), *_angles(record, arm)]
+    """Values that contradict their unit, seen from the size of the arm; effects that act on nothing here."""
+    return [*_positions(record, arm), *_angles(record, arm), *unplaced_effects(record, arm)]
+
+
+def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
+    """Effects of the model at signals, clocks and frames that the record has not.
+
+    One model serves several records, so this is a doubt and no error.
+    """
+    known = {
+        "signal": list(record.signals),
+        "signal or clock": [*record.signals, *record.clocks],
+        "frame": ["base", *record.frames],
+    }
+    return [
+        Problem(
+            f"effects.{effect.name}.{effect.at}",
+            f"acts on nothing in this record: {missing(effect.place, effect.at, known[effect.place])}",
+        )
+        for effect in arm.effects
+        if effect.place in known and effect.at not in known[effect.place]
+    ]
 
 
 def carrying(record: Record, arm: Arm) -> Arm:

@@ -1,0 +1,48 @@
+r"""A dead channel: a broken wire or a stopped converter shows one value for ever.
+
+.. math:: \text{reading} = \text{value}                                                              (1)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexarm.arm.prior import Prior
+from flexarm.arm.sensor_effect import ChannelEffect, Channels
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arrays import Floats
+
+
+class DeadChannel(ChannelEffect):
+    """Channels that hold one value, without noise.
+
+    Parameters
+    ----------
+    at : str
+        The signal.
+    channels : list of str
+        Which; left out: all.
+    value : float
+        What they show [SI unit of the signal]; default 0.
+    """
+
+    name: ClassVar[str] = "dead_channel"
+    value: Number = value_in("SI", "what the dead channels show", 0.0)
+
+    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1)."""
+        return np.where(self.acts_on(channels), self.value, reading)
+
+    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Nothing is known of a dead channel."""
+        return np.where(self.acts_on(channels), np.nan, reading)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """An open input shows zero, its supply or its last value."""
+        source = "engineering judgement: an open input shows zero, the end of its range or its last value"
+        return {"value": Prior(-10.0, 10.0, 0.0, "linear", "SI", source)}

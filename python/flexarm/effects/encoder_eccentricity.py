@@ -1,0 +1,55 @@
+r"""Eccentricity of an encoder: its disc is mounted off the axis, an error once per turn of the output.
+
+.. math:: \text{reading} = \text{true} + \text{amplitude} \, \sin(\text{true} + \text{phase})        (1)
+
+A disc of radius r whose centre is off by e errs by amplitude = e/r. Solving (1) for the true angle converges
+by repeated substitution, as amplitude < 1.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexarm.arm.prior import Prior
+from flexarm.arm.sensor_effect import Channels, SignalEffect
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arrays import Floats
+
+
+class EncoderEccentricity(SignalEffect):
+    """Eccentricity of an encoder, once per output turn.
+
+    Parameters
+    ----------
+    at : str
+        The signal, a joint angle.
+    amplitude, phase : float
+        Of (1) [rad].
+    """
+
+    name: ClassVar[str] = "encoder_eccentricity"
+    quantities: ClassVar[tuple[str, ...]] = ("joint_angle",)
+    amplitude: Number = value_in("rad", "amplitude of the error once per output turn", 0.0, ge=0, lt=1)
+    phase: Number = value_in("rad", "phase of the error at the true angle zero", 0.0)
+
+    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1)."""
+        return reading + self.amplitude * np.sin(true + self.phase)
+
+    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1) without its last term, for a true angle known so far."""
+        return reading - self.amplitude * np.sin(true + self.phase)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Of a disc that is mounted some micrometres off the axis."""
+        mounting = "engineering judgement: discs of 10 to 100 mm radius are centred to 1 to 50 um"
+        return {
+            "amplitude": Prior(1e-5, 3e-3, 1.5e-4, "log", "rad", mounting),
+            "phase": Prior(-pi, pi, 0.0, "uniform", "rad", "any angle"),
+        }

@@ -1,0 +1,37 @@
+r"""A sign error: a channel counts the other way.
+
+.. math:: \text{reading} = -\text{true}                                                              (1)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexarm.arm.sensor_effect import ChannelEffect, Channels
+
+if TYPE_CHECKING:
+    from flexarm.arrays import Floats
+
+
+class SignError(ChannelEffect):
+    """Channels of the wrong sign; it has no parameter.
+
+    Parameters
+    ----------
+    at : str
+        The signal.
+    channels : list of str
+        Which; left out: all.
+    """
+
+    name: ClassVar[str] = "sign_error"
+
+    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1)."""
+        return np.where(self.acts_on(channels), -reading, reading)
+
+    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1) is its own inverse."""
+        return self.reading(reading, true, channels)

@@ -1,0 +1,57 @@
+r"""A unit error: a channel's numbers are not in the unit that the file states.
+
+.. math:: \text{reading} = \text{factor} \times \text{true}                                          (1)
+
+Millimetres stated as metres have factor = 1000, degrees stated as radians 57.3, g as m/s2 0.102.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexarm.arm.prior import Prior
+from flexarm.arm.sensor_effect import ChannelEffect, Channels
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arrays import Floats
+
+
+class UnitError(ChannelEffect):
+    """Channels in another unit than stated.
+
+    Parameters
+    ----------
+    at : str
+        The signal.
+    channels : list of str
+        Which; left out: all.
+    factor : float
+        Of (1) [-].
+    """
+
+    name: ClassVar[str] = "unit_error"
+    factor: Number = value_in("-", "reading over true value", 1.0, gt=0)
+
+    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1)."""
+        return reading * self._factors(channels)
+
+    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1) solved for the true value."""
+        return reading / self._factors(channels)
+
+    def noise(self, std: Floats, channels: Channels) -> Floats:
+        """The noise is in the wrong unit too."""
+        return std * self._factors(channels)
+
+    def _factors(self, channels: Channels) -> Floats:
+        return np.where(self.acts_on(channels), self.factor, 1.0)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """From millimetres to metres and back, degrees and inches between."""
+        source = "conversions of units in use: 1e-3 and 1e3 (mm), 0.0254 (inch), 0.0175 and 57.3 (degree)"
+        return {"factor": Prior(5e-4, 2e3, 1.0, "log", "-", source)}

@@ -1,0 +1,209 @@
+"""Which effects act on a signal, and what they make of its values, stamps and frame together.
+
+Effects of an arm act on a signal of a record, or a sensor of the model, at its name, its clock or its frame.
+An effect at its point (`reflector_offset`) belongs to the machine: the simulated point is where it is then.
+
+    values   true -> scale, eccentricity, offsets -> + noise, rounded to the sensor's own step       (1)
+             -> saturation, quantisation -> sign, unit, dead channel -> outliers
+    stamps   stamp = t + rate (t - t_0) + delay                                                      (2)
+    frame    measured = R(rotation) true + translation + velocity (t - t_0)                          (3)
+
+The order of (1) is that of `flexarm.arm.vocabulary`, whatever that of the model's file. Delays, rates,
+translations, rotation vectors and velocities add up: those of effects at a signal and its clock, and to them
+what a record states and an alignment finds, which so counts from the model. t is the time of the run, t_0 its
+start, which is the true instant of the first sample that drives it. Poses have no time: there clocks and
+velocities do not act.
+
+The inverse of (1), from readings to true values, drives a simulation along an imperfect encoder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, Measured, SignalEffect, Vector
+from flexarm.arm.vocabulary import order_of
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.frames import Registration
+from flexarm.quantities import channel_names
+
+Floats = NDArray[np.float64]
+
+SUBSTITUTIONS = 200
+"""Most repetitions of the inverse of (1); an eccentricity of half the scale takes 50."""
+
+
+class Placed(Measured, Protocol):
+    """What sensors and signals say of themselves, with their clock and frame."""
+
+    @property
+    def clock(self) -> str | None:
+        """Name of the clock; None: of the reference."""
+
+    @property
+    def frame(self) -> str:
+        """Name of the frame."""
+
+
+@dataclass(frozen=True)
+class SensorEffects:
+    """The effects that act on one signal.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Names of the signal's channels.
+    before, after : tuple of SignalEffect
+        What acts before the noise enters and after it, in the order of (1).
+    delay, rate : float
+        Sums over the effects of (2) [s], [s/s].
+    translation, rotation, velocity : tuple of float
+        Sums over the effects of (3) [m], [rad], [m/s].
+    """
+
+    channels: tuple[str, ...] = ("",)
+    before: tuple[SignalEffect, ...] = ()
+    after: tuple[SignalEffect, ...] = ()
+    delay: float = 0.0
+    rate: float = 0.0
+    translation: Vector = (0.0, 0.0, 0.0)
+    rotation: Vector = (0.0, 0.0, 0.0)
+    velocity: Vector = (0.0, 0.0, 0.0)
+
+    def sensed(self, true: Floats) -> Floats:
+        """What the transducer makes of true values, before the noise, shape (n, channels)."""
+        values = true
+        for effect in self.before:
+            values = effect.reading(values, true, self.channels)
+        return values
+
+    def written(self, sensed: Floats, rounded: bool = True) -> Floats:
+        """What electronics and files make of what was sensed; without rounding it has derivatives."""
+        values = sensed
+        for effect in self.after:
+            if rounded or effect.name != "encoder_quantisation":
+                values = effect.reading(values, sensed, self.channels)
+        return values
+
+    def reading(self, true: Floats, rounded: bool = True) -> Floats:
+        """Readings of true values without noise, eq. (1), shape (n, channels)."""
+        return self.written(self.sensed(true), rounded)
+
+    def true(self, reading: Floats) -> Floats:
+        """True values of readings, eq. (1) solved by repeated substitution; NaN where they are lost.
+
+        Raises
+        ------
+        InvalidParameter
+            If it does not converge: an eccentricity then turns the reading back.
+        """
+        if not self.before and not self.after:
+            return reading
+        found = self._undone(reading, reading)
+        for _ in range(SUBSTITUTIONS):
+            last, found = found, self._undone(reading, found)
+            size = np.max(np.abs(found), initial=1.0, where=np.isfinite(found))
+            if np.max(np.abs(found - last), initial=0.0, where=np.isfinite(found)) <= 4e-16 * size:
+                return found
+        raise InvalidParameter(
+            "readings do not tell the true angle; the amplitude must be less than the encoder's scale",
+            where="effects.encoder_eccentricity",
+        )
+
+    def _undone(self, reading: Floats, true: Floats) -> Floats:
+        """Every effect of (1) taken back, the last one first."""
+        for effect in reversed((*self.before, *self.after)):
+            reading = effect.undone(reading, true, self.channels)
+        return reading
+
+    def noise(self, stated: float) -> Floats:
+        """1 sigma of the readings by channel [SI], from the stated one of a faultless sensor."""
+        std = np.full(len(self.channels), stated)
+        for effect in self.after:
+            std = effect.noise(std, self.channels)
+        return std
+
+    def true_noise(self, reading: Floats, stated: float) -> float:
+        """1 sigma of the true values of scalar readings, shape (n, 1): noise over the slope of (1)."""
+        noise = float(self.noise(stated)[0])
+        if not self.before and not self.after:
+            return noise
+        step = noise or 1e-9
+        slope = np.abs(self.true(reading + step) - self.true(reading - step)) / (2 * step)
+        return float(np.nanmedian(slope)) * noise
+
+    def clock(self, clock: ClockError, start: float) -> ClockError:
+        """A clock with the effects on its stamps, eq. (2), in a run that starts at `start` [s]."""
+        if not self.delay and not self.rate:
+            return clock
+        own = clock.counted_from(start)
+        return replace(own, delay=own.delay + self.delay, rate=own.rate + self.rate)  # eq. (2)
+
+    def registration(self, frame: Registration) -> Registration:
+        """A frame with the effects on it, eq. (3)."""
+        return replace(
+            frame,
+            translation=np.add(frame.translation, self.translation),
+            rotation=np.add(frame.rotation, self.rotation),
+            velocity=np.add(frame.velocity, self.velocity),
+        )  # eq. (3)
+
+    def outliers(self) -> Any:
+        """The effect `outliers`, or None."""
+        return next((effect for effect in self.after if effect.name == "outliers"), None)
+
+
+def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffects:
+    """The effects of an arm that act on a signal or sensor.
+
+    Parameters
+    ----------
+    arm : Arm or None
+        The model, with its effects.
+    what : Signal or Sensor
+        Names itself, its quantity and channels, its clock and frame.
+    clock : str, optional
+        Name of its clock, where it names none.
+
+    Raises
+    ------
+    InvalidParameter
+        If one of them cannot act there, such as an encoder's on a position.
+    """
+    channels = channel_names(what.quantity, what.axes)
+    effects = () if arm is None else arm.effects
+    still = getattr(what, "pose", None) is not None
+    named = {what.name, clock or what.clock}
+    values = [e for e in effects if isinstance(e, SignalEffect) and e.at == what.name]
+    clocks = [e for e in effects if isinstance(e, ClockEffect) and e.at in named and not still]
+    frames = [e for e in effects if isinstance(e, FrameEffect) and e.at == (what.frame or "base")]
+    if not (values or clocks or frames):
+        return SensorEffects(channels)
+    for effect in values:
+        if why := effect.misfit(what):
+            raise InvalidParameter(why, where=f"effects.{effect.name}.{effect.at}")
+    values.sort(key=lambda effect: order_of(effect.name))
+    late = [effect.late() for effect in clocks]
+    moved = [effect.moved() for effect in frames]
+    enters = order_of("saturation")
+    return SensorEffects(
+        channels,
+        tuple(effect for effect in values if order_of(effect.name) < enters),
+        tuple(effect for effect in values if order_of(effect.name) >= enters),
+        sum(delay for delay, _ in late),
+        sum(rate for _, rate in late),
+        _sum(translation for translation, _, _ in moved),
+        _sum(rotation for _, rotation, _ in moved),
+        _sum(velocity for _, _, velocity in moved if not still),
+    )
+
+
+def _sum(vectors: Iterable[Vector]) -> Vector:
+    x, y, z = np.sum([(0.0, 0.0, 0.0), *vectors], axis=0).tolist()
+    return x, y, z

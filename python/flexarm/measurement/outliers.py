@@ -1,0 +1,97 @@
+"""Samples so far off that they would pull an alignment: a tracker that caught a reflection, a broken word.
+
+A row is an outlier if, in any channel, its residual differs from the median of its seven neighbours by more
+than `NOISE` times the stated noise and more than `SPREAD` times the usual such difference (1.48 MAD). A gap
+of the model is smoother than that, however large. These are left out of the alignment only; the gap counts
+them.
+
+A model with an effect `outliers` at a signal knows their share and size. Rows that its law takes for
+outliers, by the same difference from the median, are removed from alignment and gap. A drive moves from
+sample to sample; its samples y are told apart by their difference from the median of three predictions, each
+exact for a parabola:
+
+    3 y_{i-1} - 3 y_{i-2} + y_{i-3},   the same from the other side,
+    (-y_{i-2} + 4 y_{i-1} + 4 y_{i+1} - y_{i+2})/6                                                   (1)
+
+An outlier among its neighbours may cost a good sample its place, which a drive can spare.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from flexarm.effects.outliers import Outliers
+
+Floats = NDArray[np.float64]
+
+NEIGHBOURS = 7
+NOISE, SPREAD = 100.0, 20.0
+
+
+def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
+    """Rows of a residual that are outliers.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n, channels)
+        Measured minus predicted; NaN where there is no value.
+    noise : float, or ndarray, shape (channels,)
+        1 sigma of a channel, in the same unit.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    found = np.zeros(len(residual), dtype=bool)
+    rows, off, usual = _off_the_median(residual)
+    found[rows] = np.any(np.abs(off) > np.maximum(NOISE * noise, SPREAD * usual), axis=1)
+    return found
+
+
+def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDArray[np.bool_]:
+    """Rows of a residual that an effect takes for outliers; `noise` and the usual scatter bound it below.
+
+    Parameters and result as for `outliers`.
+    """
+    found = np.zeros(len(residual), dtype=bool)
+    rows, off, usual = _off_the_median(residual)
+    found[rows] = effect.told_apart(off, np.maximum(noise, usual))
+    return found
+
+
+def drive_outliers(samples: Floats, noise: float, effect: Outliers) -> NDArray[np.bool_]:
+    """Samples of a drive, shape (n,), that an effect takes for outliers; drop-outs are none."""
+    found = np.zeros(len(samples), dtype=bool)
+    rows = np.flatnonzero(np.isfinite(samples))
+    if len(rows) <= NEIGHBOURS:
+        return found
+    y = np.full(len(rows) + 6, np.nan)
+    y[3:-3] = samples[rows]
+    n = len(rows)
+    before = 3 * y[2 : n + 2] - 3 * y[1 : n + 1] + y[:n]
+    after = 3 * y[4 : n + 4] - 3 * y[5 : n + 5] + y[6:]
+    between = (-y[1 : n + 1] + 4 * y[2 : n + 2] + 4 * y[4 : n + 4] - y[5 : n + 5]) / 6
+    off = samples[rows] - np.nanmedian([before, between, after], axis=0)  # eq. (1)
+    usual = 1.48 * np.median(np.abs(off))
+    found[rows] = effect.told_apart(off[:, None], np.array([max(noise, float(usual))]))
+    return found
+
+
+def _off_the_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
+    """Rows with a value in every channel, their differences from the median, and the usual size of these.
+
+    No rows where there are too few for a median.
+    """
+    rows = np.flatnonzero(np.isfinite(residual).all(axis=1))
+    rows = rows if len(rows) > NEIGHBOURS else rows[:0]
+    if not len(rows):
+        return rows, residual[rows], np.zeros(residual.shape[1])
+    from scipy.ndimage import median_filter
+
+    values = residual[rows]
+    off = values - median_filter(values, size=(NEIGHBOURS, 1), mode="nearest")
+    return rows, off, 1.48 * np.median(np.abs(off), axis=0)
