@@ -35,13 +35,16 @@ void bind_model(py::module_& m) {
       .finalize();
   py::class_<BeamLink>(m, "BeamLink", "A straight beam.")
       .def(py::init([](std::string name, const Vector3d& end, const Vector3d& up, const Section& section,
-                       const Material& material, BeamTheory theory, int elements, double damping_ratio) {
-             return BeamLink{std::move(name), end, up, section, material, theory, elements, damping_ratio};
+                       const Material& material, BeamTheory theory, int elements, double damping_ratio,
+                       double bending_scale, double mass_scale, const Vector3d& bow, double bow_time) {
+             return BeamLink{std::move(name), end,           up,         section, material, theory, elements,
+                             damping_ratio,   bending_scale, mass_scale, bow,     bow_time};
            }),
            py::kw_only(), py::arg("name"), py::arg("end"), py::arg("up") = Vector3d::Zero(),
            py::arg("section"), py::arg("material"),
            py::arg_v("theory", BeamTheory::timoshenko, "BeamTheory.timoshenko"), py::arg("elements") = 4,
-           py::arg("damping_ratio") = 0.0);
+           py::arg("damping_ratio") = 0.0, py::arg("bending_scale") = 1.0, py::arg("mass_scale") = 1.0,
+           py::arg("bow") = Vector3d::Zero(), py::arg("bow_time") = 0.0);
   py::class_<RigidLink>(m, "RigidLink", "A rigid body.")
       .def(py::init([](std::string name, double mass, const Vector3d& com, const Matrix3d& inertia) {
              return RigidLink{std::move(name), mass, com, inertia};
@@ -85,13 +88,19 @@ void bind_model(py::module_& m) {
              return Gear{std::move(name), std::move(input), std::move(output), ratio};
            }),
            py::kw_only(), py::arg("name"), py::arg("input"), py::arg("output"), py::arg("ratio"));
+  py::class_<Pedestal>(m, "Pedestal", "A base that turns on a spring, and may be shaken.")
+      .def(py::init(
+               [](const Vector3d& axis, double stiffness, double damping, double amplitude, double frequency,
+                  double phase) { return Pedestal{axis, stiffness, damping, amplitude, frequency, phase}; }),
+           py::kw_only(), py::arg("axis"), py::arg("stiffness"), py::arg("damping") = 0.0,
+           py::arg("amplitude") = 0.0, py::arg("frequency") = 0.0, py::arg("phase") = 0.0);
   py::class_<Arm>(m, "Arm", "An arm as plain data.")
       .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links,
                        std::vector<Joint> joints, std::vector<Payload> payloads, std::vector<Point> points,
-                       std::vector<Gear> gears) {
+                       std::vector<Gear> gears, std::optional<Pedestal> pedestal) {
              return Arm{std::move(name),     gravity,           std::move(links), std::move(joints),
-                        std::move(payloads), std::move(points), std::move(gears)};
+                        std::move(payloads), std::move(points), std::move(gears), pedestal};
            }),
            py::kw_only(), py::arg("name"), py::arg("gravity"), py::arg("links"), py::arg("joints"),
-           py::arg("payloads"), py::arg("points"), py::arg("gears"));
+           py::arg("payloads"), py::arg("points"), py::arg("gears"), py::arg("pedestal") = py::none());
 }

@@ -37,6 +37,7 @@ __all__: list[str] = [
     "Material",
     "Modes",
     "Payload",
+    "Pedestal",
     "PiecewisePolynomial",
     "Point",
     "PointLoad",
@@ -244,6 +245,10 @@ class BeamLink:
         theory: BeamTheory = ...,
         elements: typing.SupportsInt | typing.SupportsIndex = 4,
         damping_ratio: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        bending_scale: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        mass_scale: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        bow: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        bow_time: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None: ...
 
 class RigidLink:
@@ -328,6 +333,21 @@ class Gear:
         self, *, name: str, input: str, output: str, ratio: typing.SupportsFloat | typing.SupportsIndex
     ) -> None: ...
 
+class Pedestal:
+    """
+    A base that turns on a spring, and may be shaken.
+    """
+    def __init__(
+        self,
+        *,
+        axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        amplitude: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        frequency: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        phase: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
 class Arm:
     """
     An arm as plain data.
@@ -342,6 +362,7 @@ class Arm:
         payloads: collections.abc.Sequence[Payload],
         points: collections.abc.Sequence[Point],
         gears: collections.abc.Sequence[Gear],
+        pedestal: Pedestal | None = None,
     ) -> None: ...
 
 class DriveKind(enum.Enum):

@@ -28,6 +28,21 @@ int index_of(const Things& things, const std::string& name, const std::string& w
   throw InvalidParameter("there is no " + what + " '" + name + "'; there are: " + names_of(things));
 }
 
+/// A uniform curvature κ puts the tip κ L²/2 beside the axis and turns it by κ L; what lies along the axis is
+/// a stretch. In the coordinates of a beam as long as the link.
+Vector6d bow_strain(const Matrix3d& R_LS, const model::BeamLink& beam) {
+  if (!(beam.bow_time >= 0)) {
+    throw InvalidParameter("link '" + beam.name +
+                           "': the time constant of its bow must not be negative, got " +
+                           std::to_string(beam.bow_time) + " s");
+  }
+  const Vector3d tip = R_LS.transpose() * beam.bow;
+  const double L = beam.end.norm();
+  Vector6d strain;
+  strain << tip.x(), 0, 0, 0, -2 * tip.z() / L, 2 * tip.y() / L;  // w' = −θy in the x-z plane
+  return strain;
+}
+
 }  // namespace
 
 System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& drives) : arm_(arm) {
@@ -44,10 +59,12 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
     if (point.loaded) occupy(point.link, point.position);
   }
   mesh_links(occupied);
+  if (arm_.pedestal) pedestal_.node = n_nodes_++;
   place_scalars(drives);
   place_joints();
   place_masses();
-  set_damping();
+  set_damping();  // of straight links
+  set_bows();
   for (const model::Point& point : arm_.points) {
     const Place at = place(point.link);
     points_.push_back(attach(meshes_[at.link], point.position, point.loaded, at.node));
@@ -123,6 +140,12 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
     }
     joint_coordinates_.push_back(at);
   }
+  if (arm_.pedestal) {
+    scalars.push_back({0, true});
+    pedestal_.theta = static_cast<int>(scalars.size()) - 1;
+    laws_.push_back(
+        {joints::LinearSpring{arm_.pedestal->stiffness, arm_.pedestal->damping}, pedestal_.theta, -1});
+  }
   for (const PlacedLaw& law : laws_) joints::check(law.law);
 
   std::vector<int> order(scalars.size());
@@ -139,6 +162,7 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
   }
   const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
   for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi)};
+  pedestal_.theta = ordered(pedestal_.theta);
   for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
 }
 
@@ -156,7 +180,7 @@ void System::place_joints() {
   for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
     const model::Joint& joint = arm_.joints[k];
     const Place child = place(joint.child);
-    int node_a = joints::JointConstraint::ground;
+    int node_a = pedestal_.node;
     Frame X_a = joint.origin;
     if (joint.parent != "base") {
       const Place parent = place(joint.parent, joint.at_end);
@@ -166,6 +190,11 @@ void System::place_joints() {
     reach_ += joint.origin.x.norm();
     constraints_.emplace_back(joint.type, node_a, X_a, node(child), axes(child), joint.axis,
                               joint_coordinates_[k].theta);
+    n_constraints_ += constraints_.back().rows();
+  }
+  if (arm_.pedestal) {
+    constraints_.emplace_back(JointType::revolute, joints::JointConstraint::ground, Frame{}, pedestal_.node,
+                              Frame{}, arm_.pedestal->axis, pedestal_.theta);
     n_constraints_ += constraints_.back().rows();
   }
   for (const model::Gear& gear : arm_.gears) {
@@ -234,6 +263,18 @@ void System::set_damping() {
         elements::first_clamped_frequency(std::span(beams_).subspan(mesh.first_element, mesh.n_nodes() - 1));
     for (int e = 0; e + 1 < mesh.n_nodes(); ++e) {
       beams_[mesh.first_element + e].set_damping_time(2 * beam->damping_ratio / omega);
+    }
+  }
+}
+
+void System::set_bows() {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k]);
+    if (beam == nullptr || beam->bow.isZero(0)) continue;
+    const LinkMesh& mesh = meshes_[k];
+    const Vector6d strain = bow_strain(mesh.R_LS, *beam);
+    for (int e = mesh.first_element; e < mesh.first_element + mesh.n_nodes() - 1; ++e) {
+      beams_[e].set_bow(beams_[e].length() / mesh.length() * strain, beam->bow_time);
     }
   }
 }

@@ -42,7 +42,7 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
       const model::Joint& joint = arm_.joints[k];
       const Place child = place(joint.child);
       if (placed[child.link]) continue;
-      Frame A = joint.origin;
+      Frame A = joint.origin;  // a pedestal stands where the base does
       if (joint.parent != "base") {
         const Place parent = place(joint.parent, joint.at_end);
         if (!placed[parent.link]) continue;
@@ -102,7 +102,7 @@ void System::residual(const State& state, const Loads& loads, bool friction, Vec
     v << state.v.segment<6>(n1), state.v.segment<6>(n2);
     v_dot << state.v_dot.segment<6>(n1), state.v_dot.segment<6>(n2);
     const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()], v.head<6>(),
-                                        v.tail<6>());
+                                        v.tail<6>(), state.elapsed());
     const elements::Vector12d inertia = beam.inertia_forces(v, v_dot);
     r.segment<6>(n1) += f.f1 + inertia.head<6>();
     r.segment<6>(n2) += f.f2 + inertia.tail<6>();

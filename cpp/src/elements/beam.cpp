@@ -40,7 +40,10 @@ double shear_parameter(double EI, double GA, double length) { return 12 * EI / (
 }  // namespace
 
 BeamProperties BeamProperties::from(const model::BeamLink& link) {
-  return from(link.section, link.material, link.theory);
+  BeamProperties p = from(link.section, link.material, link.theory);
+  for (double* EI : {&p.EIy, &p.EIz}) *EI *= link.bending_scale;
+  for (double* inertia : {&p.rho_A, &p.rho_Iy, &p.rho_Iz, &p.rho_J}) *inertia *= link.mass_scale;
+  return p;
 }
 
 BeamProperties BeamProperties::from(const model::Section& s, const model::Material& m,
@@ -88,25 +91,35 @@ BeamElement::BeamElement(int node1, int node2, const Frame& H1, const Frame& H2,
   }
 }
 
-Vector6d BeamElement::deformation(const Frame& H1, const Frame& H2) const {
-  return log6(relative(H1, H2)) - d0_;  // eq. (1)
+Vector6d BeamElement::rest(double t) const {
+  return grows() ? Vector6d(d0_ - std::expm1(-t / bow_time_) * bow_) : Vector6d(d0_ + bow_);  // eq. (7)
+}
+
+Vector6d BeamElement::bow_rate(double t) const {
+  return std::exp(-t / bow_time_) / bow_time_ * bow_;  // eq. (7)
+}
+
+Vector6d BeamElement::deformation(const Frame& H1, const Frame& H2, double t) const {
+  return log6(relative(H1, H2)) - rest(t);  // eq. (1)
 }
 
 BeamElement::EndForces BeamElement::internal_forces(const Frame& H1, const Frame& H2, const Vector6d& v1,
-                                                    const Vector6d& v2) const {
+                                                    const Vector6d& v2, double t) const {
   const Vector6d d = log6(relative(H1, H2));
   const InverseTangent tangent(d);
-  const Vector6d e = d - d0_;  // eq. (1)
+  const Vector6d e = d - rest(t);  // eq. (1)
   Vector6d stress = K_.cwiseProduct(e);
   EndForces out;
   out.energy = 0.5 * stress.dot(e);
   out.dissipation = 0;
   if (eta_ > 0) {
-    const Vector6d e_dot = tangent.strain_rate(v1, v2);  // eq. (2)
+    Vector6d e_dot = tangent.strain_rate(v1, v2);
+    if (grows()) e_dot -= bow_rate(t);  // eq. (2)
     const Vector6d viscous = eta_ * K_.cwiseProduct(e_dot);
     out.dissipation = viscous.dot(e_dot);
     stress += viscous;
   }
+  out.bow_power = grows() ? -bow_rate(t).dot(stress) : 0.0;
   const InverseTangent::Pair pair = tangent.transpose_times(stress);
   out.f1 = -pair.left;  // eq. (3)
   out.f2 = pair.right;
@@ -136,11 +149,11 @@ Vector12d BeamElement::inertia_forces(const Vector12d& v, const Vector12d& v_dot
   return f;
 }
 
-Matrix12d BeamElement::stiffness_matrix(const Frame& H1, const Frame& H2) const {
+Matrix12d BeamElement::stiffness_matrix(const Frame& H1, const Frame& H2, double t) const {
   const Vector6d d = log6(relative(H1, H2));
   Eigen::Matrix<double, 6, 12> B;
   B << -left_tangent_inverse(d), right_tangent_inverse(d);
-  const Vector6d stress = K_.cwiseProduct(d - d0_);
+  const Vector6d stress = K_.cwiseProduct(d - rest(t));
   const GeometricStiffness geometric = geometric_stiffness(d, stress);
   Matrix12d K = B.transpose() * K_.asDiagonal() * B;
   K.topRows<6>() -= geometric.left * B;

@@ -11,7 +11,8 @@ Energies energies(const System& system, const State& state, const Loads& loads) 
     elements::Vector12d v;
     v << state.v.segment<6>(n1), state.v.segment<6>(n2);
     E.kinetic += 0.5 * v.dot(beam.mass() * v);
-    const Vector6d e = beam.deformation(state.frames[beam.node1()], state.frames[beam.node2()]);
+    const Vector6d e =
+        beam.deformation(state.frames[beam.node1()], state.frames[beam.node2()], state.elapsed());
     E.elastic += 0.5 * e.dot(beam.stiffness().cwiseProduct(e));
   }
   for (const auto& part : system.superelements()) {
@@ -38,13 +39,28 @@ Energies energies(const System& system, const State& state, const Loads& loads) 
   return E;
 }
 
+namespace {
+
+elements::BeamElement::EndForces end_forces(const elements::BeamElement& beam, const State& state) {
+  return beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
+                              state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()),
+                              state.elapsed());
+}
+
+}  // namespace
+
+double bow_power(const System& system, const State& state) {
+  double power = 0;
+  for (const auto& beam : system.beams()) {
+    if (beam.grows()) power += end_forces(beam, state).bow_power;
+  }
+  return power;
+}
+
 double link_dissipation(const System& system, const State& state) {
   double power = 0;
   for (const auto& beam : system.beams()) {
-    if (beam.damping_time() == 0) continue;
-    power += beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
-                                  state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()))
-                 .dissipation;
+    if (beam.damping_time() > 0) power += end_forces(beam, state).dissipation;
   }
   for (const auto& part : system.superelements()) {
     power += part.internal_forces(system.configuration(part, state), system.velocities(part, state.v),

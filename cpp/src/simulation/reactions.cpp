@@ -13,7 +13,7 @@ elements::Vector12d end_forces(const elements::BeamElement& beam, const State& s
   elements::Vector12d v, v_dot;
   v << state.v.segment<6>(n1), state.v.segment<6>(n2);
   v_dot << state.v_dot.segment<6>(n1), state.v_dot.segment<6>(n2);
-  const auto internal = beam.internal_forces(H1, H2, v.head<6>(), v.tail<6>());
+  const auto internal = beam.internal_forces(H1, H2, v.head<6>(), v.tail<6>(), state.elapsed());
   elements::Vector12d f = beam.inertia_forces(v, v_dot);
   const Vector3d arm = Vector3d::UnitX() * beam.end_moment();
   f.head<6>() += internal.f1 - elements::Weight{beam.end_mass(), arm}.force(H1.R, loads.gravity);
@@ -50,17 +50,20 @@ Eigen::VectorXd motor_torques(const System& system, const State& state, bool fri
 }
 
 Vector6d base_wrench(const System& system, const State& state) {
+  const int base = system.pedestal().node;  // a pedestal turns about the base's origin: moments stay
+  const Frame H = base < 0 ? Frame{} : state.frames[base];
   Vector6d wrench = Vector6d::Zero();
   int row = 0;
   for (const auto& joint : system.constraints()) {
-    if (joint.node_a() == joints::JointConstraint::ground) {
+    if (joint.node_a() == base) {
       Vector6d lambda = Vector6d::Zero();
       lambda.head(joint.rows()) = state.multipliers.segment(row, joint.rows());
       const int q = joint.coordinate();
-      wrench -= joint.forces(Frame{}, state.frames[joint.node_b()], q < 0 ? 0.0 : state.s[q], lambda).a;
+      wrench -= joint.forces(H, state.frames[joint.node_b()], q < 0 ? 0.0 : state.s[q], lambda).a;
     }
     row += joint.rows();
   }
+  wrench << H.R * wrench.head<3>(), H.R * wrench.tail<3>();
   return wrench;
 }
 

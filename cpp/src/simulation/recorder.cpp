@@ -84,7 +84,7 @@ void Recorder::energy(Eigen::Index k, const State& state, const Loads& loads) {
   out_.elastic[k] = E.elastic;
   out_.gravity[k] = E.gravity;
   Instant now{link_dissipation(system_, state),
-              load_power(system_, state, loads),
+              load_power(system_, state, loads) + bow_power(system_, state),
               law_losses(system_, state),
               motor_torques(system_, state, true),
               state.s,
@@ -101,6 +101,10 @@ void Recorder::energy(Eigen::Index k, const State& state, const Loads& loads) {
     for (std::size_t j = 0; j < system_.joints().size(); ++j) {
       const int phi = system_.joints()[j].phi;
       if (phi >= 0) work += 0.5 * (now.s[phi] - last_.s[phi]) * (now.motor[j] + last_.motor[j]);
+    }
+    if (const int theta = system_.pedestal().theta; theta >= 0) {
+      const auto& pedestal = *system_.arm().pedestal;
+      work += 0.5 * (now.s[theta] - last_.s[theta]) * (pedestal.moment(now.t) + pedestal.moment(last_.t));
     }
     out_.damped[k] = out_.damped[k - 1] + damped;
     out_.work[k] = out_.work[k - 1] + work;

@@ -19,6 +19,15 @@ Equilibrium released(const System& held, const Equilibrium& equilibrium, const S
     state.s.segment(to.theta - stages + 1, stages) =
         equilibrium.state.s.segment(from.theta - stages + 1, stages);
   }
+  if (system.pedestal().theta >= 0) {
+    state.s[system.pedestal().theta] = equilibrium.state.s[held.pedestal().theta];
+  }
+  for (std::size_t k = 0; k < system.superelements().size(); ++k) {
+    const auto &from = held.superelements()[k], &to = system.superelements()[k];
+    for (int mode = 0; mode < to.n_modes(); ++mode) {
+      state.s[to.mode(mode)] = equilibrium.state.s[from.mode(mode)];
+    }
+  }
   system.remember(state);
   return result;
 }
@@ -34,7 +43,7 @@ SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
       drive_(drives_of_joints(system, equilibrium.state, std::move(drives))),
       torques_(Eigen::VectorXd::Zero(system.n_scalars())),
       recorder_(system, options, n_steps_ + 1, run_) {
-  state_.t = options.start;
+  state_.t = state_.start = options.start;
   recorder_.record(0, state_, equilibrium.loads);
 }
 
@@ -50,7 +59,11 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
   }
   const auto hold = [this](double t, solvers::DriveValues& values) {
     drive_(t, values);
-    values.torques = torques_;
+    for (std::size_t j = 0; j < system_.joints().size(); ++j) {
+      if (system_.drives()[j] != assembly::DriveKind::torque) continue;
+      const int phi = system_.joints()[j].phi;
+      values.torques[phi] = torques_[phi];
+    }
   };
   for (const Eigen::Index last = std::min(k_ + n_steps, n_steps_); k_ < last;) {
     stepper_.advance(state_, options_.step, hold);

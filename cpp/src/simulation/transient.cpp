@@ -45,7 +45,10 @@ solvers::Drives drives_of_joints(const System& system, const State& state,
         {phi, kind,
          kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j])});
   }
-  return [driven = std::move(driven)](double t, solvers::DriveValues& values) {
+  const int base = system.pedestal().theta;
+  const model::Pedestal pedestal = system.arm().pedestal.value_or(model::Pedestal{});
+  return [driven = std::move(driven), base, pedestal](double t, solvers::DriveValues& values) {
+    if (base >= 0) values.torques[base] = pedestal.moment(t);
     for (const Driven& d : driven) {
       const auto [value, first, second] = d.value(t);
       if (d.kind == DriveKind::torque) {
@@ -81,7 +84,7 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
   Transient run;
   Recorder recorder(system, options, n_steps + 1, run);
   State state = equilibrium.state;
-  state.t = options.start;
+  state.t = state.start = options.start;
   const solvers::Drives drive = drives_of_joints(system, state, drives);
   solvers::HhtStepper stepper(system, solvers::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
                               {.tolerance = options.tolerance});

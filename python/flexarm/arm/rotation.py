@@ -21,6 +21,20 @@ def from_rpy(rpy: Vector) -> Matrix:
     )
 
 
+def from_vector(v: Vector) -> Matrix:
+    """Rotation by |v| [rad] about v: R = 1 + sin a [n] + (1 - cos a) [n]^2 (Rodrigues)."""
+    angle = hypot(*v)
+    if angle == 0:
+        return IDENTITY
+    x, y, z = scaled(1 / angle, v)
+    s, c = sin(angle), 2 * sin(angle / 2) ** 2  # 1 - cos a without cancellation
+    return (
+        (1 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y),
+        (c * x * y + s * z, 1 - c * (x * x + z * z), c * y * z - s * x),
+        (c * x * z - s * y, c * y * z + s * x, 1 - c * (x * x + y * y)),
+    )
+
+
 def from_axes(x: Vector, up: Vector) -> Matrix:
     """Columns: unit x, y = z cross x, and z, the unit part of `up` normal to x."""
     ex = scaled(1 / hypot(*x), x)

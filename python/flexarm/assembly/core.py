@@ -11,11 +11,11 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Joint
-from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
-from flexarm.arm.rotation import from_rpy
+from flexarm.arm.link import Beam, RigidLink, SuperElementLink
+from flexarm.arm.rotation import Frame, chained, from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
-from flexarm.assembly.drive_train import DriveTrain
-from flexarm.assembly.machine import Load, machine_of
+from flexarm.assembly.base import pedestal, tilted
+from flexarm.assembly.machine import Load, Machine, Member, machine_of
 from flexarm.errors import InvalidParameter
 
 _THEORIES = {
@@ -43,14 +43,15 @@ def core_arm(arm: Arm, loaded: Iterable[str] = ()) -> _core.Arm:
     return _core.Arm(
         name=arm.name,
         gravity=np.array(arm.gravity),
-        links=[_link(member.table) for member in machine.links.values()],
-        joints=[_joint(joint, machine.drive_trains[joint.name]) for joint in arm.joints],
+        links=[_link(member) for member in machine.links.values()],
+        joints=[_joint(joint, machine) for joint in arm.joints],
         payloads=[_payload(name, load) for name, load in machine.payloads.items()],
         points=[
             _core.Point(name=name, link=at.link, position=np.array(at.position), loaded=name in loads)
             for name, at in machine.points.items()
         ],
         gears=[_core.Gear(name=g.name, input=g.input, output=g.output, ratio=g.ratio) for g in arm.gears],
+        pedestal=pedestal(machine),
     )
 
 
@@ -137,7 +138,8 @@ def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLo
     return loads
 
 
-def _link(link: Link) -> _core.BeamLink | _core.RigidLink | _core.SuperElementLink:
+def _link(member: Member) -> _core.BeamLink | _core.RigidLink | _core.SuperElementLink:
+    link = member.table
     if isinstance(link, Beam):
         return _core.BeamLink(
             name=link.name,
@@ -152,25 +154,29 @@ def _link(link: Link) -> _core.BeamLink | _core.RigidLink | _core.SuperElementLi
             theory=_THEORIES[link.theory],
             elements=link.elements,
             damping_ratio=link.damping_ratio,
+            bending_scale=member.bending_scale,
+            mass_scale=member.mass_scale,
+            bow=np.array(member.bow),
+            bow_time=member.bow_time,
         )
     if isinstance(link, RigidLink):
         return _core.RigidLink(
             name=link.name,
-            mass=link.mass,
+            mass=member.mass_scale * link.mass,
             com=np.array(link.com),
-            inertia=np.array(inertia_matrix(link.inertia)),
+            inertia=member.mass_scale * np.array(inertia_matrix(link.inertia)),
         )
-    return _part(link)
+    return _part(link, member)
 
 
-def _part(link: SuperElementLink) -> _core.SuperElementLink:
+def _part(link: SuperElementLink, member: Member) -> _core.SuperElementLink:
     part = link.part
     return _core.SuperElementLink(
         name=link.name,
         interfaces=list(part.interfaces),
         frames=[_core.Frame(R, x) for R, x in zip(part.rotations, part.positions, strict=True)],
-        stiffness=part.stiffness,
-        mass=part.mass,
+        stiffness=member.bending_scale * part.stiffness,
+        mass=member.mass_scale * part.mass,
         damping=part.damping,
         damping_ratio=link.damping_ratio,
     )
@@ -201,18 +207,22 @@ def _payload(name: str, load: Load) -> _core.Payload:
         link=load.link,
         position=np.array(load.position),
         mass=load.mass,
-        inertia=load.inertia,
+        inertia=np.array(load.inertia),
+        offset=np.array(load.offset),
     )
 
 
-def _joint(joint: Joint, train: DriveTrain) -> _core.Joint:
+def _joint(joint: Joint, machine: Machine) -> _core.Joint:
+    origin: Frame = (from_rpy(joint.origin.rpy), joint.origin.xyz)
+    if joint.parent == "base":
+        origin = chained((tilted(machine.base), (0.0, 0.0, 0.0)), origin)
     return _core.Joint(
         name=joint.name,
         type=getattr(_core.JointType, joint.type),
         parent=joint.parent,
         child=joint.child,
         at_end=joint.at == "end",
-        origin=_core.Frame(np.array(from_rpy(joint.origin.rpy)), np.array(joint.origin.xyz)),
+        origin=_core.Frame(np.array(origin[0]), np.array(origin[1])),
         axis=np.array(joint.axis if joint.moves else (0.0, 0.0, 1.0)),
-        drive_train=train.core(),
+        drive_train=machine.drive_trains[joint.name].core(),
     )

@@ -9,12 +9,10 @@ not depend on values: sensitivities difference two systems of one structure.
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from math import inf
 
 from flexarm.arm import Arm
-from flexarm.arm.inertia import inertia_matrix
+from flexarm.arm.inertia import Matrix, inertia_matrix
 from flexarm.arm.link import Link
 from flexarm.arm.rotation import Vector
 from flexarm.arm.vocabulary import order_of
@@ -23,12 +21,23 @@ from flexarm.assembly.drive_train import DriveTrain
 
 @dataclass
 class Load:
-    """A payload: its place, its mass [kg], its inertia about its centre, link's axes [kg m2]."""
+    """A payload.
+
+    Attributes
+    ----------
+    link, position : str, (3,)
+        Where it sits: in the link's frame [m].
+    mass, inertia : float, (3, 3)
+        Mass [kg], and inertia about its centre, link's axes [kg m2].
+    offset : (3,)
+        Of its centre from `position`, turning with the link there [m].
+    """
 
     link: str
     position: Vector
     mass: float
-    inertia: NDArray[np.float64]
+    inertia: Matrix
+    offset: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass
@@ -41,19 +50,56 @@ class Place:
 
 @dataclass
 class Member:
-    """A link: its table."""
+    """A link.
+
+    Attributes
+    ----------
+    table : Beam, RigidLink or SuperElementLink
+        What the model says of it, perhaps changed.
+    bending_scale, mass_scale : float
+        On EI of both planes (the stiffness of a super-element), and on rho A and rho I (any link's mass) [-].
+    bow, bow_time : (3,), float
+        Where the tip of the unloaded beam is, from its place on a straight one, link's axes [m], and the time
+        constant with which it gets there [s]; 0: it is there.
+    """
 
     table: Link
+    bending_scale: float = 1.0
+    mass_scale: float = 1.0
+    bow: Vector = (0.0, 0.0, 0.0)
+    bow_time: float = 0.0
+
+
+@dataclass
+class Base:
+    """What the arm stands on.
+
+    Attributes
+    ----------
+    tilt : (2,)
+        Rotation vector about the base's x and y [rad]; gravity and trackers do not turn.
+    stiffness, damping : float
+        About the arm's first axis, through the base's origin [N m/rad], [N m s/rad]; infinite: stands still.
+    vibration : (3,) or None
+        Amplitude [N m], frequency [Hz], phase [rad] of a moment about that axis.
+    """
+
+    tilt: tuple[float, float] = (0.0, 0.0)
+    stiffness: float = inf
+    damping: float = 0.0
+    vibration: tuple[float, float, float] | None = None
 
 
 @dataclass
 class Machine:
-    """An arm's data, by name, in the order of the model."""
+    """An arm's data, by name, in the order of the model; `arm` is the model itself."""
 
+    arm: Arm
     drive_trains: dict[str, DriveTrain]
     payloads: dict[str, Load]
     links: dict[str, Member]
     points: dict[str, Place]
+    base: Base
 
 
 def machine_of(arm: Arm) -> Machine:
@@ -67,11 +113,13 @@ def machine_of(arm: Arm) -> Machine:
 def _nominal(arm: Arm) -> Machine:
     """The machine without effects."""
     return Machine(
+        arm=arm,
         drive_trains={joint.name: DriveTrain(joint.gear_ratio, joint.rotor_inertia) for joint in arm.joints},
         payloads={
-            load.name: Load(load.link, load.position, load.mass, np.array(inertia_matrix(load.inertia)))
+            load.name: Load(load.link, load.position, load.mass, inertia_matrix(load.inertia))
             for load in arm.payloads
         },
         links={link.name: Member(link) for link in arm.links},
         points={point.name: Place(point.link, point.position) for point in arm.points},
+        base=Base(),
     )

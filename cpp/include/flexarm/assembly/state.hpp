@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 /// coordinate.
 struct State {
   double t = 0;                         ///< time [s]
+  double start = 0;                     ///< when the run started [s]
   std::vector<geometry::Frame> frames;  ///< nodes in the base frame
   VectorXd s;                           ///< scalar coordinates: angles φ, θ of the joints
   VectorXd v;                           ///< velocities
@@ -23,6 +24,8 @@ struct State {
   VectorXd a;                           ///< algorithmic accelerations of the time stepping
   VectorXd multipliers;                 ///< λ, joint wrenches
   std::vector<joints::LawMemory> laws;  ///< internal states of the joint laws
+
+  double elapsed() const { return t - start; }  ///< since the start of the run [s]
 };
 
 }  // namespace flexarm::assembly

@@ -47,6 +47,11 @@ struct PlacedLaw {
   int plus, minus;
 };
 
+/// The base's own node and angle, where it turns on a pedestal; −1 where it stands still.
+struct PedestalCoordinates {
+  int node = joints::JointConstraint::ground, theta = -1;
+};
+
 /// θ_input − ratio φ_output = 0: the gear stands where the output's motor would, before its drive train.
 struct GearConstraint {
   int input, output;
@@ -100,6 +105,7 @@ class System {
   const std::vector<PlacedLaw>& laws() const { return laws_; }
   const std::vector<JointCoordinates>& joints() const { return joint_coordinates_; }
   const std::vector<DriveKind>& drives() const { return drives_; }
+  const PedestalCoordinates& pedestal() const { return pedestal_; }
   const std::vector<Attachment>& points() const { return points_; }
   int joint_index(const std::string& name) const;  ///< @throws InvalidParameter listing the joints there are
   int point_index(const std::string& name) const;
@@ -158,6 +164,7 @@ class System {
   void place_joints();
   void place_masses();
   void set_damping();
+  void set_bows();
   int link_index(const std::string& name) const;
   /// @throws InvalidParameter if there is no such link or interface, or the interface is not named.
   Place place(const std::string& name, bool at_end = false) const;
@@ -180,6 +187,7 @@ class System {
   std::vector<GearConstraint> gears_;
   std::vector<PlacedLaw> laws_;
   std::vector<JointCoordinates> joint_coordinates_;
+  PedestalCoordinates pedestal_;
   std::vector<DriveKind> drives_;
   std::vector<double> scalar_inertia_;
   std::vector<Attachment> points_;
@@ -202,7 +210,7 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
     elements::Vector12d v;
     v << state.v.segment<6>(n1), state.v.segment<6>(n2);
     elements::Matrix12d S = c.mass * beam.mass();
-    if (c.stiffness != 0) S += c.stiffness * beam.stiffness_matrix(H1, H2);
+    if (c.stiffness != 0) S += c.stiffness * beam.stiffness_matrix(H1, H2, state.elapsed());
     if (c.damping != 0) S += c.damping * (beam.damping_matrix(H1, H2) + beam.gyroscopic_matrix(v));
     block(n1, n1, S.topLeftCorner<6, 6>());
     block(n1, n2, S.topRightCorner<6, 6>());

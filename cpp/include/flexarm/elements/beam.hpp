@@ -3,8 +3,8 @@
 ///
 /// Node frames H₁, H₂ sit on the beam's axis, x along it. With T_r, T_l the tangent operators of SE(3),
 ///
-///     d  = log(H₁⁻¹ H₂),   e = d − d₀                          deformation                          (1)
-///     e' = T_r⁻¹(d) v₂ − T_l⁻¹(d) v₁                           its rate                             (2)
+///     d  = log(H₁⁻¹ H₂),   e = d − d₀ − b(t)                   deformation                          (1)
+///     e' = T_r⁻¹(d) v₂ − T_l⁻¹(d) v₁ − b'(t)                   its rate                             (2)
 ///     f₁ = −T_l⁻ᵀ K (e + η e'),  f₂ = T_r⁻ᵀ K (e + η e')       internal forces in the nodes' axes   (3)
 ///     M v' − ad(v)ᵀ M v                                        inertia forces, M constant           (4)
 ///
@@ -18,7 +18,12 @@
 ///
 ///     M = ∫ ρA N_uᵀ N_u + ρI N_θᵀ N_θ dx                                                            (6)
 ///
-/// of the shape functions that solve the unloaded static beam (cubic, with Φ). Since (1)-(4) see relative
+/// of the shape functions that solve the unloaded static beam (cubic, with Φ). A bow is a strain that needs
+/// no stress,
+///
+///     b(t) = b (1 − exp(−t/τ)),   b' = b exp(−t/τ)/τ           constant for τ = 0                   (7)
+///
+/// and a uniform curvature κ of it has b = L (0, 0, 0, 0, κ_y, κ_z) exactly. Since (1)-(4) see relative
 /// motion only, they do not change when the element moves as a rigid body. Units: SI. Sources:
 /// [Sonneville2014] for (1)-(4), [Friedman1993] for the shape functions of (6); docs/theory.md, section
 /// "Beams".
@@ -64,19 +69,25 @@ class BeamElement {
   const Matrix12d& mass() const { return M_; }       ///< equation (6)
   double mass_total() const { return mass_total_; }  ///< ρA L [kg]
 
+  /// Equation (7): b of this element and τ [s].
+  void set_bow(const Vector6d& b, double tau) { bow_ = b, bow_time_ = tau; }
+  bool grows() const { return bow_time_ > 0; }
+
   double damping_time() const { return eta_; }
   void set_damping_time(double eta) { eta_ = eta; }  ///< η of (3) [s]
 
-  /// Equation (1): e.
-  Vector6d deformation(const Frame& H1, const Frame& H2) const;
+  /// Equation (1): e. Here and below t is the time since the start of the run [s].
+  Vector6d deformation(const Frame& H1, const Frame& H2, double t = 0) const;
 
-  /// Equation (3); zero velocities give the elastic part.
+  /// Equation (3); zero velocities give the elastic part, but for the rate of a growing bow.
   struct EndForces {
     Vector6d f1, f2;
     double energy;       ///< ½ eᵀ K e [J]
     double dissipation;  ///< η e'ᵀ K e' [W]
+    double bow_power;    ///< −b'ᵀ K (e + η e'): what the growing bow gives [W]
   };
-  EndForces internal_forces(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2) const;
+  EndForces internal_forces(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2,
+                            double t = 0) const;
 
   /// M v, using that stretch, twist and the two bending planes do not couple.
   Vector12d momentum(const Vector12d& v) const;
@@ -85,7 +96,7 @@ class BeamElement {
   Vector12d inertia_forces(const Vector12d& v, const Vector12d& v_dot) const;
 
   /// ∂(3)/∂(increments of the nodes) at rest, geometric stiffness included.
-  Matrix12d stiffness_matrix(const Frame& H1, const Frame& H2) const;
+  Matrix12d stiffness_matrix(const Frame& H1, const Frame& H2, double t = 0) const;
 
   /// ∂(3)/∂(velocities) = η Bᵀ K B with B = [−T_l⁻¹, T_r⁻¹].
   Matrix12d damping_matrix(const Frame& H1, const Frame& H2) const;
@@ -107,12 +118,16 @@ class BeamElement {
 
  private:
   Matrix6d shape_matrix(double xi) const;
+  Vector6d rest(double t) const;      // d₀ + b(t)
+  Vector6d bow_rate(double t) const;  // b'(t)
 
   int node1_, node2_;
   double length_, mass_total_;
   double Phi_y_, Phi_z_;
   double eta_ = 0;
   Vector6d d0_, K_;
+  Vector6d bow_ = Vector6d::Zero();  // b
+  double bow_time_ = 0;              // τ
   Matrix12d M_;
 };
 

@@ -9,6 +9,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -37,7 +40,11 @@ struct BeamLink {
   Material material;
   BeamTheory theory = BeamTheory::timoshenko;
   int elements = 4;
-  double damping_ratio = 0;  ///< of the link alone, clamped, in its first mode [-]
+  double damping_ratio = 0;         ///< of the link alone, clamped, in its first mode [-]
+  double bending_scale = 1;         ///< on EI, both planes [-]
+  double mass_scale = 1;            ///< on ρA and ρI [-]
+  Vector3d bow = Vector3d::Zero();  ///< unloaded tip from `end`, uniform curvature, link axes [m]
+  double bow_time = 0;  ///< it grows as 1 − exp(−t/bow_time) from the start of a run [s]; 0: is there
 };
 
 /// A rigid body.
@@ -98,6 +105,16 @@ struct Gear {
   double ratio = 1;
 };
 
+/// A base that turns about an axis through its origin, on a spring and a damper; without mass. A moment
+/// A sin(2π f t + p) about the axis can shake it, at the times t of a run; it has no part in statics.
+struct Pedestal {
+  Vector3d axis = Vector3d::UnitZ();
+  double stiffness = 0, damping = 0;               ///< [N m/rad], [N m s/rad]
+  double amplitude = 0, frequency = 0, phase = 0;  ///< A [N m], f [Hz], p [rad]
+
+  double moment(double t) const { return amplitude * std::sin(2 * std::numbers::pi * frequency * t + phase); }
+};
+
 struct Arm {
   std::string name;
   Vector3d gravity{0, 0, -9.81};  ///< [m/s²]
@@ -106,6 +123,7 @@ struct Arm {
   std::vector<Payload> payloads;
   std::vector<Point> points;
   std::vector<Gear> gears;
+  std::optional<Pedestal> pedestal;  ///< without one the base stands still
 };
 
 }  // namespace flexarm::model

@@ -1,10 +1,10 @@
 /// @file
 /// Writes states of a run into columns, and sums losses and work from instant to instant.
 ///
-///     loss = ∫ P dt + Σ ∫ Q dx,   work = Σ ∫ T dφ + ∫ F · v dt        by the trapezoidal rule      (1)
+///     loss = ∫ P dt + Σ ∫ Q dx,   work = Σ ∫ T dφ + ∫ (F · v + B) dt  by the trapezoidal rule      (1)
 ///
 /// P: of the beams' damping [W], Q: dissipating force of a joint law over its deflection x, T: torque of a
-/// motor over its angle φ, F: point loads.
+/// motor over its angle φ, or of what shakes the base over its angle, F: point loads, B: of growing bows [W].
 #pragma once
 
 #include "flexarm/simulation/transient.hpp"

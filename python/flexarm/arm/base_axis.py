@@ -1,0 +1,39 @@
+"""The axis about which a compliant base turns: of the first joint that turns, through the base's origin."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexarm.arm.names import link_of
+from flexarm.arm.rotation import Vector, rotated
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arm.joint import Joint
+
+
+def first_turning_joint(arm: Arm) -> Joint | None:
+    """The revolute joint nearest to the base, of several the first in the file; None if no joint turns."""
+    reached, waiting = {"base"}, list(arm.joints)
+    while waiting:  # a tree: in every round the joints on links that were reached before
+        found = [joint for joint in waiting if link_of(joint.parent) in reached]
+        turning = next((joint for joint in found if joint.type == "revolute"), None)
+        if turning is not None:
+            return turning
+        reached |= {link_of(joint.child) for joint in found}
+        waiting = [joint for joint in waiting if joint not in found]
+    return None
+
+
+def base_axis(arm: Arm) -> Vector:
+    """That joint's axis at q = 0, base axes; of any length."""
+    from flexarm.arm.places import place_in_link
+    from flexarm.arm.rotation import chained
+    from flexarm.arm.weight import link_frames
+
+    joint = first_turning_joint(arm)
+    if joint is None:
+        return (0.0, 0.0, 1.0)
+    child = link_frames(arm)[link_of(joint.child)]
+    rotation, _ = chained(child, place_in_link(arm, joint.child))  # turning about the axis leaves it
+    return rotated(rotation, joint.axis)
