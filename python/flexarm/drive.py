@@ -2,7 +2,8 @@
 
 A record's drive is what an encoder showed and when its clock said so. Where the model has effects on them
 (`flexarm.measurement.effects_of`), the arm is driven by what was true: readings are turned into true angles
-and stamps into true time before the samples are smoothed, with the noise that the true angles then have.
+and stamps into true time before the samples are smoothed. How much they are smoothed follows from the
+readings and their noise, so that the drive depends smoothly on the parameters of these effects.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -221,10 +222,10 @@ class Drive:
                 )
             if signal.joint in joints:
                 raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
-            time, values, noise = _true_samples(signal, arm, start)
+            samples = _true_samples(signal, arm, start)
             command = signal.quantity == "joint_command"
             joints[signal.joint] = (
-                _held(time, values) if command else _smoothed(signal, arm, time, values, noise)
+                _held(samples.time, samples.values) if command else _smoothed(signal, arm, samples)
             )
         spans = [_span(signal, record, arm, start) for signal in record.signals.values() if len(signal.time)]
         known = [span for span in spans if span is not None]
@@ -275,30 +276,38 @@ def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float
     return float(instants[0]), float(instants[-1])
 
 
-def _true_samples(signal: Signal, arm: Arm, start: float) -> tuple[Floats, Floats, float]:
-    """True instants and values of a drive, without drop-outs and outliers, and the noise of the values."""
+class _Samples(NamedTuple):
+    """A drive's samples: true instants and values, the stamps and readings they were, noise of the latter."""
+
+    time: Floats
+    values: Floats
+    stamps: Floats
+    reading: Floats
+    noise: float
+
+
+def _true_samples(signal: Signal, arm: Arm, start: float) -> _Samples:
+    """The samples of a drive without drop-outs and outliers."""
     seen = effects_of(arm, signal)
-    reading, stated = signal.values, signal.noise_std or 0.0
-    true = seen.true(reading)
-    good = np.isfinite(true[:, 0])
+    reading, noise = signal.values[:, 0], float(seen.noise(signal.noise_std or 0.0)[0])
+    true = seen.true(signal.values)[:, 0]
+    good = np.isfinite(true)
     if (off := seen.outliers()) is not None:
-        good &= ~drive_outliers(reading[:, 0], float(seen.noise(stated)[0]), off)
+        good &= ~drive_outliers(reading, noise, off)
     if not good.any():
         names = ", ".join(effect.name for effect in (*seen.before, *seen.after)) or "drop-outs"
         raise InvalidParameter(
             f"signal {signal.name!r} cannot drive: {names} leave no value of it", where="drive"
         )
-    return (
-        true_time(signal, arm, start)[good],
-        true[good, 0],
-        seen.true_noise(reading[good], stated),
-    )
+    time = true_time(signal, arm, start)
+    return _Samples(time[good], true[good], signal.time[good], reading[good], noise)
 
 
-def _smoothed(signal: Signal, arm: Arm, time: Floats, values: Floats, noise: float) -> JointDrive:
+def _smoothed(signal: Signal, arm: Arm, samples: _Samples) -> JointDrive:
     """Joint angle of a signal, without its noise."""
     joint = arm.joint(str(signal.joint))
-    breaks, coefficients = smooth(time, values, noise)
+    shown = (samples.stamps, samples.reading)
+    breaks, coefficients = smooth(samples.time, samples.values, samples.noise, shown)
     return JointDrive(breaks, coefficients, "output" if signal.side == "output" and joint.moves else "motor")
 
 

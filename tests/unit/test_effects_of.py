@@ -175,22 +175,6 @@ def test_readings_tell_true_angles():
         encoder.true(encoder.reading(true))
 
 
-def test_noise_of_the_true_angle_is_that_of_the_reading_over_its_slope():
-    """slope = scale + amplitude cos(true + phase), at rest here; quantisation adds step/sqrt(12)."""
-    still = np.full((5, 1), 0.3)
-    model = ALL.replace(
-        effects=(
-            EncoderScale(at="hinge", scale=2.0),
-            EncoderEccentricity(at="hinge", amplitude=0.5, phase=-0.3),
-            EncoderQuantisation(at="hinge", step=6e-6),
-        )
-    )
-    encoder = effects_of(model, ENCODER)
-    noise = np.hypot(2e-6, 6e-6 / np.sqrt(12)) / (2.0 + 0.5 * np.cos(0.3 - 0.3))
-    found = encoder.true_noise(encoder.reading(still, rounded=False), 2e-6)
-    assert found == pytest.approx(noise, rel=1e-6)
-
-
 def test_faults_act_on_the_channels_that_they_name_in_the_order_of_a_sensor():
     """z: (1.5 + 0.002) clipped to 1.2, flipped, in mm; x: dead, whatever it was."""
     true = np.array([[0.7, 1.5], [0.8, -0.4]])

@@ -216,6 +216,55 @@ def test_predictions_have_derivatives_by_the_parameters_of_smooth_effects(effect
 # ------------------------------------------------------------ drives: runs of a model
 
 
+DRIVEN = [
+    (EncoderScale(at="encoder", scale=1.01), "scale", 1e-4),
+    (EncoderOffset(at="encoder", offset=0.02), "offset", 1e-3),
+    (EncoderEccentricity(at="encoder", amplitude=1e-3, phase=0.3), "amplitude", 1e-3),
+    (EncoderEccentricity(at="encoder", amplitude=0.01, phase=0.3), "phase", 1e-3),
+    (TimeDelay(at="encoder", delay=0.01), "delay", 2e-4),
+    (ClockDrift(at="plc", rate=1e-4), "rate", 1e-4),
+]
+
+
+def noisy_encoder():
+    """A record that holds nothing but a noisy encoder."""
+    t = np.arange(0, 20, 0.004)
+    noise = ENCODER * np.random.default_rng(4).standard_normal(len(t))
+    signal = Signal(name="encoder", quantity="joint_angle", joint="hinge", side="motor", clock="plc", time=t,
+                    values=smooth_swing(20.0).joints["hinge"](t) + noise, noise_std=ENCODER)  # fmt: skip
+    return Record(signals=[signal], drive="encoder", clocks={"plc": Clock()})
+
+
+def test_no_parameter_of_a_sensor_moves_a_break_of_the_smoothed_drive():
+    """Readings and stamps alone say where breaks lie; a break that comes or goes would be a jump of 1e-6."""
+    plain = Drive.from_record(noisy_encoder(), RIGID).joints["hinge"]
+    for effect in (EncoderEccentricity(at="encoder", amplitude=0.4), EncoderScale(at="encoder", scale=0.5)):
+        moved = Drive.from_record(noisy_encoder(), RIGID.with_effect(effect)).joints["hinge"]
+        assert np.array_equal(moved.breaks, plain.breaks)
+        assert np.abs(moved.coefficients - plain.coefficients).max() > 0.1
+    late = Drive.from_record(noisy_encoder(), RIGID.with_effect(TimeDelay(at="plc", delay=0.3)))
+    np.testing.assert_allclose(late.joints["hinge"].breaks, plain.breaks - 0.3, atol=1e-12)
+
+
+@pytest.mark.parametrize(("effect", "name", "h"), DRIVEN, ids=lambda x: str(getattr(x, "name", x)))
+def test_a_smoothed_drive_has_derivatives_by_the_parameters_of_its_sensor(effect, name, h):
+    """Central differences of h and h/2 agree to 1e-4 although the samples are noisy."""
+    record = noisy_encoder()
+    when = np.arange(0.5, 19.5, 0.01)
+    value = dict((key, x) for key, x, _ in effect.parameters())[name]
+
+    def slope(step):
+        ahead, behind = (
+            Drive.from_record(record, RIGID.with_effect(effect.with_parameters({name: value + s})))
+            for s in (step, -step)
+        )
+        return (ahead.joints["hinge"](when) - behind.joints["hinge"](when)) / (2 * step)
+
+    size = np.abs(slope(h)).max()
+    assert size > 1e-3
+    np.testing.assert_allclose(slope(h), slope(h / 2), atol=1e-4 * size)
+
+
 def smooth_swing(duration, turns=0.7, frequency=0.15):
     """A swing that starts and turns smoothly, exact at 4 ms."""
     t = np.arange(0, duration, 0.004)

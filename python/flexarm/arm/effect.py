@@ -117,8 +117,8 @@ class Effect(Table):
         return {"name": self.name, **super().to_plain()}
 
     def __str__(self) -> str:
-        values = ", ".join(f"{name} = {value:g} {unit}" for name, value, unit in self.parameters())
-        return f"{self.name} at {self.at}: {values}"
+        values = [f"{name} = {value:g} {unit}" for name, value, unit in self.parameters()]
+        return f"{self.name} at {self.at}" + (f": {', '.join(values)}" if values else "")
 
 
 def _is_vector(value: Any) -> TypeGuard[tuple[float, ...]]:

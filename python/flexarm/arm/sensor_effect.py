@@ -114,6 +114,9 @@ class ChannelEffect(SignalEffect):
             return f"names channel {unknown[0]!r}; {what.name!r} has {there}"
         return super().misfit(what)
 
+    def __str__(self) -> str:
+        return super().__str__() + (f", channels {', '.join(self.channels)}" if self.channels else "")
+
     def acts_on(self, channels: Channels) -> list[bool]:
         """Which channels of a signal it acts on."""
         return [not self.channels or name in self.channels for name in channels]

@@ -58,6 +58,7 @@ def simulate(
         raise InvalidFile("command line", "--alpha", f"must lie between -1/3 and 0, got {alpha:g}")
     from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help
     from flexarm.output import output_directory
+    from flexarm.record.against_arm import unplaced_effects
     from flexarm.record.save import write
 
     with output_directory(out, force) as directory:
@@ -67,6 +68,8 @@ def simulate(
         with blame(model):
             run = _run(arm, motion, record, step, alpha, forces)
             seen = sensed(run, arm, motion.joints, seed) if record is None else simulated(record, run, arm)
+        if record is None and not arm.sensors:  # with sensors or a record it has been said already
+            warn(model, unplaced_effects(seen, arm))
         run.save(directory / "simulation.nc")
         write(seen, directory)
     print(f"written to {out}: simulation.nc and a record")

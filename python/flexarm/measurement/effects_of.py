@@ -129,15 +129,6 @@ class SensorEffects:
             std = effect.noise(std, self.channels)
         return std
 
-    def true_noise(self, reading: Floats, stated: float) -> float:
-        """1 sigma of the true values of scalar readings, shape (n, 1): noise over the slope of (1)."""
-        noise = float(self.noise(stated)[0])
-        if not self.before and not self.after:
-            return noise
-        step = noise or 1e-9
-        slope = np.abs(self.true(reading + step) - self.true(reading - step)) / (2 * step)
-        return float(np.nanmedian(slope)) * noise
-
     def clock(self, clock: ClockError, start: float) -> ClockError:
         """A clock with the effects on its stamps, eq. (2), in a run that starts at `start` [s]."""
         if not self.delay and not self.rate:

@@ -46,7 +46,12 @@ Pieces = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Breaks (m + 1,) and coefficients (4, m), highest power first, as scipy.interpolate.PPoly has them."""
 
 
-def smooth(time: ArrayLike, values: ArrayLike, noise_std: float) -> Pieces:
+def smooth(
+    time: ArrayLike,
+    values: ArrayLike,
+    noise_std: float,
+    shown: tuple[ArrayLike, ArrayLike] | None = None,
+) -> Pieces:
     """Twice continuously differentiable drive through noisy samples.
 
     Parameters
@@ -58,6 +63,9 @@ def smooth(time: ArrayLike, values: ArrayLike, noise_std: float) -> Pieces:
     noise_std : float
         1 sigma of a sample, its quantisation included (step/sqrt(12)); 0 joins the samples as `interpolate`
         does.
+    shown : pair of array_like, shapes (n,) and (n,), optional
+        Stamps and readings, with this noise, that times and samples were made of. They then say where breaks
+        lie and whether the drive starts at rest, so that it depends smoothly on how it was made of them.
 
     Returns
     -------
@@ -82,11 +90,13 @@ def smooth(time: ArrayLike, values: ArrayLike, noise_std: float) -> Pieces:
         raise InvalidParameter(f"noise_std of a drive must be a number not below 0, got {noise_std}")
     if noise_std == 0 or len(t) < 2 * COARSEST:
         return interpolate(t, y)
-    steps = _steps(t, y / noise_std)
+    stamps, reading = (t, y) if shown is None else _finite(*shown)
+    steps = _steps(stamps, reading / noise_std)
     if np.all(steps == 0):
         return interpolate(t, y)
     breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
-    return _pieces(_start_at_rest(t, y, breaks, noise_std))
+    at_rest = _starts_at_rest(stamps, reading, breaks, noise_std)
+    return _pieces(fit_spline(t, y, breaks, at_rest)[0])
 
 
 def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:
@@ -187,14 +197,13 @@ def _breaks(need: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.flatnonzero(keep)
 
 
-def _start_at_rest(
+def _starts_at_rest(
     t: NDArray[np.float64], y: NDArray[np.float64], breaks: NDArray[np.intp], noise_std: float
-) -> BSpline:
-    """The fit that starts at rest, or the free one if chi-square tells them apart."""
-    resting, at_rest = fit_spline(t, y, breaks, at_rest=True)
-    free, fitted = fit_spline(t, y, breaks)
+) -> bool:
+    """Whether chi-square does not tell the fit that starts at rest from the free one."""
+    at_rest, fitted = (fit_spline(t, y, breaks, resting)[1] for resting in (True, False))
     increase = (np.sum((y - at_rest) ** 2) - np.sum((y - fitted) ** 2)) / noise_std**2
-    return resting if increase < REST_LIMIT else free
+    return bool(increase < REST_LIMIT)
 
 
 def _pieces(spline: BSpline) -> Pieces:
