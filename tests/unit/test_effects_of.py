@@ -27,6 +27,7 @@ from flexarm.effects import (
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.measurement import ClockError, Registration
 from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.outliers import drive_outliers
 from flexarm.record import Clock, Frame
 
 ENCODER = Sensor(name="hinge", quantity="joint_angle", joint="hinge", clock="controller", rate_hz=250)
@@ -323,3 +324,21 @@ def test_two_joints_have_encoders_of_their_own():
     for joint, offset in (("shoulder", 0.0), ("elbow", 0.01)):
         encoder = Sensor(name=joint, quantity="joint_angle", joint=joint, rate_hz=10)
         assert effects_of(arm, encoder).reading(np.zeros((1, 1))).item() == offset
+
+
+def test_outliers_of_a_moving_drive_are_found_and_cost_their_neighbours_at_most():
+    """Planted 1 mrad off samples that move by up to 3 mrad from one to the next, with a gap."""
+    rng = np.random.default_rng(8)
+    t = np.arange(0, 20, 0.004)
+    samples = 0.7 * np.sin(1.1 * t) + 1.5e-6 * rng.standard_normal(len(t))
+    planted = rng.choice(len(t), 40, replace=False)
+    samples[planted] += 1e-3 * rng.choice([-1.0, 1.0], 40)
+    samples[1000:1200] = np.nan
+    found = drive_outliers(samples, 1.5e-6, Outliers(at="hinge", share=0.01, size=1e-3))
+    seen = np.setdiff1d(planted, np.arange(1000, 1200))
+    assert found[seen].all()
+    assert not found[1000:1200].any()
+    near = np.unique([planted + k for k in range(-3, 4)])
+    far = np.setdiff1d(np.flatnonzero(found), [*near, *range(997, 1000), *range(1200, 1203)])
+    assert len(far) <= 5  # of 4600 samples: 4 sigma of the predictions' own noise
+    assert not drive_outliers(samples[:6], 1.5e-6, Outliers(at="hinge", share=0.01, size=1e-3)).any()

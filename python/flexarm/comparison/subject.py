@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
@@ -90,7 +90,9 @@ class Subject:
         return effects_of(self.arm, signal)
 
     def clock(self, signal: Signal, placement: Placement) -> ClockError:
-        """The clock of a signal, effects of the model included."""
+        """The clock of a signal, effects of the model included; numbers of poses are no stamps."""
+        if self.record.kind == "static":
+            return EXACT
         return self.effects(signal).clock(placement.clock(signal), float(self.simulation.time[0]))
 
     def frame(self, signal: Signal, placement: Placement) -> Registration:

@@ -138,6 +138,8 @@ class SensorEffects:
 
     def registration(self, frame: Registration) -> Registration:
         """A frame with the effects on it, eq. (3)."""
+        if not any((*self.translation, *self.rotation, *self.velocity)):
+            return frame
         return replace(
             frame,
             translation=np.add(frame.translation, self.translation),

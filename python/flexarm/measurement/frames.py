@@ -73,7 +73,8 @@ class Registration:
     def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
         """Positions in the base's axes, shape (n, 3), as measured: eq. (1), `elapsed` [s] being s."""
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
-        shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
+        if any(self.velocity):
+            shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
         measured: Floats = shifted @ self.frame_axes
         return measured
 

@@ -47,6 +47,7 @@ def predict(
     clock: ClockError = EXACT,
     registration: Registration = IDENTITY,
     *,
+    arm: Any = None,
     rounded: bool = True,
 ) -> Floats:
     """Values of a signal in a simulated motion, at the signal's own stamps, as the model's sensors show them.
@@ -61,6 +62,8 @@ def predict(
         How the signal's clock differs from the simulation's time; effects of the model add to it.
     registration : Registration
         The signal's frame; only positions and orientations have one. Effects of the model add to it.
+    arm : Arm, optional
+        The model whose effects on sensors, clocks and frames count; default: that of the simulation.
     rounded : bool
         Whether an effect `encoder_quantisation` rounds; without it readings have derivatives.
 
@@ -74,7 +77,7 @@ def predict(
     CannotMeasure
         If the simulation does not hold what the signal needs; says what is missing.
     """
-    seen = effects_of(getattr(simulation, "arm", None), signal)
+    seen = effects_of(getattr(simulation, "arm", None) if arm is None else arm, signal)
     instants = seen.clock(clock, float(simulation.time[0])).instants(signal.time)
     return seen.reading(read(simulation, signal, instants, seen.registration(registration)), rounded)
 
