@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
-from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.assembly import assemble, core_arm, joint_values, point_loads
 from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
 
@@ -267,13 +267,13 @@ def static(
     system = assemble(arm, held, loaded=forces or ())
     acting = _core.Loads(gravity=np.array(arm.gravity), points=loads)
     equilibrium = _core.static_equilibrium(system, values, acting)
-    state, rigid = equilibrium.state, system.rigid_state(values)
+    state = equilibrium.state
     position = _positions(system, state, len(arm.points))
     sections = [_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]
     return Statics(
         arm=arm,
         position=frozen(position),
-        displacement=frozen(position - _positions(system, rigid, len(arm.points))),
+        displacement=frozen(position - _rigid(arm, values)),
         rotation=frozen(_rotations(system, state, len(arm.points))),
         joint_torque=frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
         drive_angle=frozen(values),
@@ -292,6 +292,12 @@ def static(
 
 def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
     return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
+
+
+def _rigid(arm: Arm, values: list[float]) -> Floats:
+    """The points of the rigid arm without effects: what effects move counts as displacement."""
+    plain = _core.System(core_arm(arm, nominal=True), {})
+    return _positions(plain, plain.rigid_state(values), len(arm.points))
 
 
 def _rotations(system: _core.System, state: _core.State, count: int) -> Floats:

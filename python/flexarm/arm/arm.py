@@ -34,7 +34,7 @@ from flexarm.tables import (
     value_in,
 )
 
-Entry = TypeVar("Entry", Joint, Link, Point)
+Entry = TypeVar("Entry", Joint, Link, Payload, Point)
 AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(read_effect)]
 Sigmas = Annotated[dict[str, Number], AfterValidator(FrozenDict)]
 
@@ -188,6 +188,10 @@ class Arm(Table):
     def point(self, name: str) -> Point:
         """The point of that name; errors as `joint`."""
         return _named("point", self.points, name)
+
+    def payload(self, name: str) -> Payload:
+        """The payload of that name; errors as `joint`."""
+        return _named("payload", self.payloads, name)
 
     @property
     def moving_joints(self) -> tuple[Joint, ...]:

@@ -16,8 +16,9 @@ to the inertia about the reference (Steiner). Rotors turn and are no part of the
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.inertia import Matrix, inertia_matrix
@@ -57,6 +58,11 @@ class Body:
         inertia = times(times(rotation, self.inertia), transposed(rotation))
         return Body(self.mass, added(translation, rotated(rotation, self.centre)), inertia)
 
+    def scaled(self, factor: float) -> Body:
+        """The same body, `factor` times as heavy."""
+        rows = [scaled(factor, row) for row in self.inertia]
+        return Body(factor * self.mass, self.centre, (rows[0], rows[1], rows[2]))
+
     def to_json_dict(self) -> dict[str, Any]:
         """Plain lists for JSON."""
         return {
@@ -83,16 +89,30 @@ class WeightStatement:
         }
 
 
-def weight_statement(arm: Arm) -> WeightStatement:
-    """The weight statement of an arm.
+def weight_statement(
+    arm: Arm, tilt: Matrix = IDENTITY, mass_scale: Mapping[str, float] = MappingProxyType({})
+) -> WeightStatement:
+    """The weight statement of an arm without its effects; `flexarm.assembly.as_built` has one with them.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    tilt : (3, 3)
+        Rotation of everything that stands on the base.
+    mass_scale : dict of str to float
+        Factors on the mass of super-elements, whose tables cannot say it.
 
     Raises
     ------
     InvalidFile
         If the file of a super-element cannot be read.
     """
-    frames = link_frames(arm)
-    links = {link.name: body_of(link).moved(*frames[link.name]) for link in arm.links}
+    frames = {name: chained((tilt, (0.0, 0.0, 0.0)), frame) for name, frame in link_frames(arm).items()}
+    links = {
+        link.name: body_of(link).scaled(mass_scale.get(link.name, 1.0)).moved(*frames[link.name])
+        for link in arm.links
+    }
     payloads = {
         load.name: Body(load.mass, load.position, inertia_matrix(load.inertia))
         .moved(*place_in_link(arm, load.link))

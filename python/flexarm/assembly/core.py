@@ -15,7 +15,7 @@ from flexarm.arm.link import Beam, RigidLink, SuperElementLink
 from flexarm.arm.rotation import Frame, chained, from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
 from flexarm.assembly.base import pedestal, tilted
-from flexarm.assembly.machine import Load, Machine, Member, machine_of
+from flexarm.assembly.machine import Load, Machine, Member, machine_of, nominal_machine
 from flexarm.errors import InvalidParameter
 
 _THEORIES = {
@@ -24,7 +24,7 @@ _THEORIES = {
 }
 
 
-def core_arm(arm: Arm, loaded: Iterable[str] = ()) -> _core.Arm:
+def core_arm(arm: Arm, loaded: Iterable[str] = (), *, nominal: bool = False) -> _core.Arm:
     """The arm as the core takes it.
 
     Parameters
@@ -33,13 +33,16 @@ def core_arm(arm: Arm, loaded: Iterable[str] = ()) -> _core.Arm:
         The model, with its effects.
     loaded : iterable of str
         Points that carry point loads; on a beam they get a node of their own.
+    nominal : bool
+        Without effects: the arm from which displacements are counted.
 
     Raises
     ------
     InvalidFile, InvalidParameter
         If the file of a super-element cannot be read.
     """
-    machine, loads = machine_of(arm), set(loaded)
+    machine = nominal_machine(arm) if nominal else machine_of(arm)
+    loads = set(loaded)
     return _core.Arm(
         name=arm.name,
         gravity=np.array(arm.gravity),

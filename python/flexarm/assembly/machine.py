@@ -104,13 +104,13 @@ class Machine:
 
 def machine_of(arm: Arm) -> Machine:
     """The machine that an arm with its effects describes."""
-    machine = _nominal(arm)
+    machine = nominal_machine(arm)
     for effect in sorted(arm.effects, key=lambda effect: order_of(effect.name)):
         effect.patch(machine)
     return machine
 
 
-def _nominal(arm: Arm) -> Machine:
+def nominal_machine(arm: Arm) -> Machine:
     """The machine without effects."""
     return Machine(
         arm=arm,

@@ -65,17 +65,27 @@ def _plain(problem: Problem) -> dict[str, Any]:
 
 def _model(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
     from flexarm.arm import Arm
-    from flexarm.arm.weight import weight_statement
 
     arm = Arm.from_toml(path)
     warnings = list(arm.warnings)
     try:
-        weight = weight_statement(arm)
+        weight = _weight(arm)
     except InvalidParameter as error:
         warnings += error.problems
         return {"kind": "model", **_outline(arm)}, [arm.summary()], warnings
     told = {"kind": "model", **_outline(arm), "weight": weight.to_json_dict()}
     return told, [arm.summary(), "", *_weight_lines(weight)], warnings
+
+
+def _weight(arm: Arm) -> WeightStatement:
+    """Of the arm with its effects; without any that changes weights the core need not be loaded."""
+    if not any(effect.place in ("payload", "link", "base") for effect in arm.effects):
+        from flexarm.arm.weight import weight_statement
+
+        return weight_statement(arm)
+    from flexarm.assembly.as_built import weight_as_built
+
+    return weight_as_built(arm)
 
 
 def _outline(arm: Arm) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 
 if TYPE_CHECKING:
+    from flexarm.effects.base_compliance import BaseCompliance
+    from flexarm.effects.base_tilt import BaseTilt
     from flexarm.effects.clock_drift import ClockDrift
     from flexarm.effects.coulomb_friction import CoulombFriction
     from flexarm.effects.dead_channel import DeadChannel
@@ -19,11 +21,21 @@ if TYPE_CHECKING:
     from flexarm.effects.encoder_offset import EncoderOffset
     from flexarm.effects.encoder_quantisation import EncoderQuantisation
     from flexarm.effects.encoder_scale import EncoderScale
+    from flexarm.effects.external_vibration import ExternalVibration
     from flexarm.effects.frame_drift import FrameDrift
     from flexarm.effects.frame_registration import FrameRegistration
     from flexarm.effects.joint_compliance import JointCompliance
+    from flexarm.effects.link_bow import LinkBow
+    from flexarm.effects.link_damping import LinkDamping
+    from flexarm.effects.link_length import LinkLength
+    from flexarm.effects.link_mass import LinkMass
+    from flexarm.effects.link_stiffness import LinkStiffness
     from flexarm.effects.motor_friction import MotorFriction
     from flexarm.effects.outliers import Outliers
+    from flexarm.effects.payload_inertia import PayloadInertia
+    from flexarm.effects.payload_mass import PayloadMass
+    from flexarm.effects.payload_offset import PayloadOffset
+    from flexarm.effects.reflector_offset import ReflectorOffset
     from flexarm.effects.saturation import Saturation
     from flexarm.effects.sensor_offset import SensorOffset
     from flexarm.effects.sign_error import SignError
@@ -33,6 +45,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "KNOWN_EFFECTS",
+    "BaseCompliance",
+    "BaseTilt",
     "ClockDrift",
     "CoulombFriction",
     "DeadChannel",
@@ -41,11 +55,21 @@ __all__ = [
     "EncoderOffset",
     "EncoderQuantisation",
     "EncoderScale",
+    "ExternalVibration",
     "FrameDrift",
     "FrameRegistration",
     "JointCompliance",
+    "LinkBow",
+    "LinkDamping",
+    "LinkLength",
+    "LinkMass",
+    "LinkStiffness",
     "MotorFriction",
     "Outliers",
+    "PayloadInertia",
+    "PayloadMass",
+    "PayloadOffset",
+    "ReflectorOffset",
     "Saturation",
     "SensorOffset",
     "SignError",

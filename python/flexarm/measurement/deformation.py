@@ -6,16 +6,21 @@
 N, M_y, M_z are section forces in the section's axes (tension positive, moments on the nearer part); along the
 link they follow from those at its two ends, M' from the shear forces (M_y' = V_z, M_z' = -V_y), which is
 exact for loads that change linearly along it. R_L holds the axes and p_0 is the place that link and point
-would have if the link were rigid, at the simulated angle of its joint.
+would have if the link were rigid, at the simulated angle of its joint. EI, places and the base are those of
+the arm with its effects.
 """
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.assembly.as_built import as_built
+from flexarm.assembly.base import tilted
+from flexarm.assembly.machine import machine_of
 from flexarm.measurement.kinematics import chain_to, link_pose
 from flexarm.measurement.sampling import CannotMeasure, Described, columns, sample, stored
 from flexarm.measurement.tracker import base_position
@@ -37,8 +42,8 @@ def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
     normal, m_y, m_z = _along(ends, float(what.position), link.length)
     y, z = what.fibre
     i_y, i_z = link.section.second_moments
-    youngs_modulus = link.material.youngs_modulus
-    eps = (normal / link.section.area + z * m_y / i_y - y * m_z / i_z) / youngs_modulus  # eq. (1)
+    bending = (z * m_y / i_y - y * m_z / i_z) / machine_of(arm).links[link.name].bending_scale
+    eps = (normal / link.section.area + bending) / link.material.youngs_modulus  # eq. (1)
     return sample(simulation.time, eps[:, None], instants)
 
 
@@ -61,9 +66,16 @@ def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Float
 
 def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
     """Deflection (2) in the link's axes [m], shape (n, axes)."""
-    point = _point(simulation.arm, what)
+    machine = machine_of(simulation.arm)
+    arm = as_built(machine)
+    point = arm.point(_point(simulation.arm, what).name)
     link = point.link.split(":")[0]
-    for joint in chain_to(simulation.arm, link):
+    if machine.base.stiffness != inf:
+        raise CannotMeasure(
+            f"signal {what.name!r}: the deflection of {link!r} is measured from a frame that stands on a "
+            "compliant base (effect base_compliance); the base must be rigid"
+        )
+    for joint in chain_to(arm, link):
         if joint.at == "end" or ":" in joint.parent:
             raise CannotMeasure(
                 f"signal {what.name!r}: the deflection of {link!r} is measured from a frame "
@@ -72,8 +84,9 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
     angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
     theta = sample(simulation.time, angle, instants, rate)
     values = {name: theta[:, j] for j, name in enumerate(simulation.joints)}
-    frame = link_pose(simulation.arm, link, values)
-    rigid = link_pose(simulation.arm, point.link, values).of_point(np.asarray(point.position))
+    base = tilted(machine.base)
+    frame = link_pose(arm, link, values, base)
+    rigid = link_pose(arm, point.link, values, base).of_point(np.asarray(point.position))
     position = base_position(simulation, what, instants, point.name)
     offset: Floats = np.einsum("nji,nj->ni", frame.R, position - rigid)  # eq. (2)
     return offset[:, columns(what.axes)]

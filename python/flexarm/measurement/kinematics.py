@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
-from flexarm.arm.rotation import inverted
+from flexarm.arm.rotation import IDENTITY, inverted
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.frames import rotation_from_rpy
 
@@ -83,7 +83,7 @@ def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
     return parent.moved(rotation_from_rpy(*joint.origin.rpy), np.asarray(joint.origin.xyz))
 
 
-def link_pose(arm: Any, link: str, values: Mapping[str, Floats]) -> Pose:
+def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDENTITY) -> Pose:
     """Pose (1) of a link of the rigid arm, or of an interface.
 
     Parameters
@@ -94,10 +94,12 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats]) -> Pose:
         Name of the link, "base", or LINK:INTERFACE on a super-element.
     values : dict of str to ndarray, shape (m,)
         Values of the joints on the way [rad or m]; those left out are 0.
+    base : (3, 3)
+        Rotation of everything that stands on the base.
     """
     joints = chain_to(arm, link)
     count = max((np.size(values.get(joint.name, 0.0)) for joint in joints), default=1)
-    pose = Pose(np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3)))
+    pose = Pose(np.broadcast_to(np.asarray(base), (count, 3, 3)), np.zeros((count, 3)))
     for joint in joints:
         pose = _moved_by(
             joint_frame(arm, joint, _at(pose, place_in_link(arm, joint.parent))),

@@ -1,0 +1,62 @@
+r"""Something shakes the base: a pump, a crane, traffic.
+
+.. math:: M(t) = A \sin(2 \pi f t + p)                                                               (1)
+
+M [N m] is a moment on the compliant base (`base_compliance`), about the axis about which that turns; t is the
+time of the run, that of the records. It begins with the run: the equilibrium from which a motion starts is
+without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, pi
+from typing import TYPE_CHECKING, ClassVar
+
+from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
+
+
+class ExternalVibration(Effect):
+    """Harmonic moment on a compliant base.
+
+    Parameters
+    ----------
+    at : str
+        "base".
+    amplitude, frequency, phase : float
+        A [N m], f [Hz] and p [rad] of (1).
+    """
+
+    name: ClassVar[str] = "external_vibration"
+    amplitude: Number = value_in("N m", "amplitude of the moment", 0.0, ge=0)
+    frequency: Number = value_in("Hz", "its frequency", 0.0, ge=0)
+    phase: Number = value_in("rad", "its phase at t = 0", 0.0)
+
+    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
+        """A base that stands still cannot be shaken."""
+        base = arm.effect("base_compliance", self.at)
+        if getattr(base, "stiffness", inf) == inf:
+            yield (
+                "at",
+                "needs the effect base_compliance with a stiffness at the base, which else stands still",
+            )
+
+    def patch(self, machine: Machine) -> None:
+        """A moment, eq. (1)."""
+        machine.base.vibration = (self.amplitude, self.frequency, self.phase)  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Machines and people nearby."""
+        size = "engineering judgement: from hardly seen on a stiff base to a shaker's"
+        speed = "engineering judgement: floors swing at 2 to 10 Hz, machines turn at up to 50"
+        return {
+            "amplitude": Prior(0.5, 200.0, 10.0, "log", "N m", size),
+            "frequency": Prior(0.5, 60.0, 8.0, "log", "Hz", speed),
+            "phase": Prior(-pi, pi, 0.0, "uniform", "rad", "any phase is as likely"),
+        }

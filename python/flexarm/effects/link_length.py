@@ -1,0 +1,75 @@
+r"""Length of a beam that is not the nominal one.
+
+.. math:: L \leftarrow L + \text{error}                                                              (1)
+
+Payloads and points keep their fraction of the length (those beyond an end their distance from it), joints
+with `at = "end"` follow. Section and density stay, so the mass grows with the length. The nominal arm, from
+which displacements are counted, does not change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, ClassVar
+
+from flexarm.arm.effect import Effect
+from flexarm.arm.link import Beam
+from flexarm.arm.prior import Prior
+from flexarm.arm.rotation import Vector, added, dot, scaled
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Load, Machine, Place
+
+
+class LinkLength(Effect):
+    """Error of a beam's length.
+
+    Parameters
+    ----------
+    at : str
+        The link: a beam.
+    error : float
+        Of (1), positive where the link is longer than nominal [m].
+    """
+
+    name: ClassVar[str] = "link_length"
+    error: Number = value_in("m", "what the link is longer than nominal", 0.0)
+
+    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
+        """Only a beam has a length, and it stays positive."""
+        link = arm.link(self.at)
+        if not isinstance(link, Beam):
+            yield (
+                "at",
+                (
+                    f"{self.at!r} is a {link.type} link and has no length; "
+                    "what hangs on it stands where joints and positions say"
+                ),
+            )
+        elif link.length + self.error <= 0:
+            yield "error", f"must leave a length of {self.at!r}, {link.length:g} m long, got {self.error:g} m"
+
+    def patch(self, machine: Machine) -> None:
+        """Another end, eq. (1), and places that follow."""
+        member = machine.links[self.at]
+        beam = member.table
+        assert isinstance(beam, Beam)
+        carried: list[Load | Place] = [*machine.payloads.values(), *machine.points.values()]
+        for place in carried:
+            if place.link == self.at:
+                place.position = self._followed(beam, place.position)
+        member.table = beam.replace(end=scaled(1 + self.error / beam.length, beam.end))  # eq. (1)
+
+    def _followed(self, beam: Beam, position: Vector) -> Vector:
+        """A place at the same fraction of the stretched beam."""
+        fraction = min(max(dot(position, beam.end) / beam.length**2, 0.0), 1.0)
+        return added(position, scaled(fraction * self.error / beam.length, beam.end))
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Of a welded link."""
+        link = arm.link(self.at)
+        size = 2e-3 * (link.length if isinstance(link, Beam) else 1.0)
+        source = "ISO 2768-1, class c: 3 mm on 1 to 2 m, 4 mm on 2 to 4 m; joints sit no better than that"
+        return {"error": Prior(-size, size, 0.0, "linear", "m", source)}

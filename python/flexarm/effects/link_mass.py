@@ -1,0 +1,42 @@
+r"""Mass of a link that is not the nominal one.
+
+.. math:: \rho A \leftarrow \text{scale} \, \rho A, \quad \rho I \leftarrow \text{scale} \, \rho I   (1)
+
+of a beam; mass and inertia of a rigid link, and the mass matrix of a super-element, alike.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
+
+
+class LinkMass(Effect):
+    """Factor on the mass of a link.
+
+    Parameters
+    ----------
+    at : str
+        The link.
+    scale : float
+        Of (1) [-].
+    """
+
+    name: ClassVar[str] = "link_mass"
+    scale: Number = value_in("-", "factor on the mass per length", 1.0, gt=0)
+
+    def patch(self, machine: Machine) -> None:
+        """Another mass, eq. (1)."""
+        machine.links[self.at].mass_scale = self.scale  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """More often too light than too heavy in a model."""
+        source = "engineering judgement: walls of tubes within 10 %; cables, paint and flanges left out"
+        return {"scale": Prior(0.85, 1.4, 1.0, "log", "-", source)}

@@ -1,0 +1,45 @@
+r"""Mass of a payload that is not the nominal one.
+
+.. math:: m \leftarrow \text{mass}                                                                   (1)
+
+The total [kg], not a correction; inertia about the payload's own centre stays. What a record says it weighed
+takes precedence.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
+
+
+class PayloadMass(Effect):
+    """Another mass of a payload.
+
+    Parameters
+    ----------
+    at : str
+        The payload.
+    mass : float
+        Total mass of (1) [kg]. Left out: the nominal one.
+    """
+
+    name: ClassVar[str] = "payload_mass"
+    mass: Number | None = value_in("kg", "total mass of the payload", None, ge=0)
+
+    def patch(self, machine: Machine) -> None:
+        """Another mass, eq. (1)."""
+        load = machine.payloads[self.at]
+        load.mass = load.mass if self.mass is None else self.mass  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """About the nominal mass."""
+        nominal = arm.payload(self.at).mass or 1.0
+        source = "engineering judgement: stated payloads leave out adapters and cables, or guess the load"
+        return {"mass": Prior(0.75 * nominal, 1.35 * nominal, nominal, "log", "kg", source)}
