@@ -34,7 +34,7 @@ void bind_assembly(py::module_& m) {
       .def_readonly("frames", &State::frames, "Node frames in the base frame.")
       .def_readonly("v", &State::v)
       .def_readonly("multipliers", &State::multipliers);
-  py::class_<System>(m, "System", "An arm, assembled.")
+  py::class_<System, std::shared_ptr<System>>(m, "System", "An arm, assembled.")
       .def(py::init<const flexarm::model::Arm&, const std::map<std::string, DriveKind>&>(), py::arg("arm"),
            py::arg("drives"))
       .def_property_readonly("n_nodes", &System::n_nodes)

@@ -4,6 +4,7 @@
 
 #include "bindings.hpp"
 #include "flexarm/simulation/cubic_spline.hpp"
+#include "flexarm/simulation/differentiated_run.hpp"
 #include "flexarm/simulation/modal.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
@@ -25,6 +26,39 @@ Transient run(const System& system, const Equilibrium& equilibrium,
   };
   const py::gil_scoped_release unlock;
   return simulate(system, equilibrium, drives, options, poll);
+}
+
+/// Two models beside the system, p up and p down, and what drives them where that depends on p.
+struct Varied {
+  std::shared_ptr<System> plus, minus;
+  double up, down;
+  std::vector<PiecewisePolynomial> drives_plus, drives_minus;  // empty: as the system's
+};
+
+std::vector<Variation> variations(const State& state, const std::vector<Varied>& varied) {
+  std::vector<Variation> found;
+  for (const Varied& p : varied) {
+    Variation one{p.plus.get(), p.minus.get(), p.up, p.down, {}, {}};
+    if (!p.drives_plus.empty()) {
+      one.drive_plus = drives_of_joints(*p.plus, state, p.drives_plus);
+      one.drive_minus = drives_of_joints(*p.minus, state, p.drives_minus);
+    }
+    found.push_back(std::move(one));
+  }
+  return found;
+}
+
+DifferentiatedRun run_differentiated(const System& system, const Equilibrium& equilibrium,
+                                     const std::vector<PiecewisePolynomial>& drives,
+                                     const TransientOptions& options, const std::vector<Varied>& varied,
+                                     const StateDerivative& initial, const py::object& progress) {
+  const Progress poll = [&](double done) {
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return progress.is_none() || !progress(done).is(py::bool_(false));
+  };
+  const py::gil_scoped_release unlock;
+  return simulate(system, equilibrium, drives, options, variations(equilibrium.state, varied), initial, poll);
 }
 
 void bind_statics(py::module_& m) {
@@ -126,6 +160,27 @@ void bind_transient(py::module_& m) {
       .def_readonly("cancelled", &Transient::cancelled);
   m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),
         py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
+  py::class_<StateDerivative>(m, "StateDerivative", "Derivative of a state, one column a parameter.")
+      .def_readonly("position", &StateDerivative::position);
+  py::class_<Varied>(m, "Varied", "Models with a parameter a little up and a little down.")
+      .def(py::init<std::shared_ptr<System>, std::shared_ptr<System>, double, double,
+                    std::vector<PiecewisePolynomial>, std::vector<PiecewisePolynomial>>(),
+           py::arg("plus"), py::arg("minus"), py::arg("up"), py::arg("down"),
+           py::arg("drives_plus") = std::vector<PiecewisePolynomial>{},
+           py::arg("drives_minus") = std::vector<PiecewisePolynomial>{});
+  py::class_<DifferentiatedRun>(m, "DifferentiatedRun", "A run and the derivatives of its columns.")
+      .def_readonly("run", &DifferentiatedRun::run)
+      .def_readonly("derivatives", &DifferentiatedRun::derivatives);
+  m.def(
+      "static_derivative",
+      [](const System& system, const Equilibrium& equilibrium, const std::vector<Varied>& varied) {
+        return static_derivative(system, equilibrium, variations(equilibrium.state, varied));
+      },
+      "Derivative of an equilibrium.", py::arg("system"), py::arg("equilibrium"), py::arg("varied"),
+      py::call_guard<py::gil_scoped_release>());
+  m.def("simulate_differentiated", &run_differentiated, "A run with derivatives.", py::arg("system"),
+        py::arg("equilibrium"), py::arg("drives"), py::arg("options"), py::arg("varied"), py::arg("initial"),
+        py::arg("progress") = py::none());
   m.def("released", &released, "The equilibrium with motors let go.", py::arg("held"), py::arg("equilibrium"),
         py::arg("system"));
   py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")

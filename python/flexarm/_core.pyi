@@ -22,6 +22,7 @@ __all__: list[str] = [
     "CholeskyReport",
     "CubicSpring",
     "DahlFriction",
+    "DifferentiatedRun",
     "DriveKind",
     "DriveTrain",
     "Equilibrium",
@@ -51,10 +52,12 @@ __all__: list[str] = [
     "SolidMaterial",
     "SolidMesh",
     "State",
+    "StateDerivative",
     "SuperElementLink",
     "System",
     "Transient",
     "TransientOptions",
+    "Varied",
     "ViscousFriction",
     "assemble_solids",
     "base_wrench",
@@ -73,7 +76,9 @@ __all__: list[str] = [
     "round_section",
     "section_forces",
     "simulate",
+    "simulate_differentiated",
     "smallest_jacobians",
+    "static_derivative",
     "static_equilibrium",
     "stresses",
     "tube_section",
@@ -599,6 +604,36 @@ class Transient:
     @property
     def work(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
 
+class StateDerivative:
+    """
+    Derivative of a state, one column a parameter.
+    """
+    @property
+    def position(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+
+class Varied:
+    """
+    Models with a parameter a little up and a little down.
+    """
+    def __init__(
+        self,
+        plus: System,
+        minus: System,
+        up: typing.SupportsFloat | typing.SupportsIndex,
+        down: typing.SupportsFloat | typing.SupportsIndex,
+        drives_plus: collections.abc.Sequence[PiecewisePolynomial] = [],
+        drives_minus: collections.abc.Sequence[PiecewisePolynomial] = [],
+    ) -> None: ...
+
+class DifferentiatedRun:
+    """
+    A run and the derivatives of its columns.
+    """
+    @property
+    def derivatives(self) -> list[Transient]: ...
+    @property
+    def run(self) -> Transient: ...
+
 class SampledRun:
     """
     A run under a sampled controller.
@@ -961,11 +996,31 @@ def simulate(
     A run from equilibrium along drives.
     """
 
+def simulate_differentiated(
+    system: System,
+    equilibrium: Equilibrium,
+    drives: collections.abc.Sequence[PiecewisePolynomial],
+    options: TransientOptions,
+    varied: collections.abc.Sequence[Varied],
+    initial: StateDerivative,
+    progress: typing.Any = None,
+) -> DifferentiatedRun:
+    """
+    A run with derivatives.
+    """
+
 def smallest_jacobians(
     mesh: SolidMesh,
 ) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
     """
     Smallest scaled Jacobian of each cell, one array a block; 1 is ideal, 0 flat, below inverted.
+    """
+
+def static_derivative(
+    system: System, equilibrium: Equilibrium, varied: collections.abc.Sequence[Varied]
+) -> StateDerivative:
+    """
+    Derivative of an equilibrium.
     """
 
 def static_equilibrium(

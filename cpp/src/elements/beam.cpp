@@ -149,13 +149,21 @@ Vector12d BeamElement::inertia_forces(const Vector12d& v, const Vector12d& v_dot
   return f;
 }
 
-Matrix12d BeamElement::stiffness_matrix(const Frame& H1, const Frame& H2, double t) const {
+Matrix12d BeamElement::stiffness_matrix(const Frame& H1, const Frame& H2, const Vector6d& v1,
+                                        const Vector6d& v2, double t) const {
   const Vector6d d = log6(relative(H1, H2));
   Eigen::Matrix<double, 6, 12> B;
   B << -left_tangent_inverse(d), right_tangent_inverse(d);
-  const Vector6d stress = K_.cwiseProduct(d - rest(t));
+  Vector6d stress = K_.cwiseProduct(d - rest(t));
+  Matrix6d material = K_.asDiagonal();
+  if (eta_ > 0) {
+    Vector6d e_dot = InverseTangent(d).strain_rate(v1, v2);
+    if (grows()) e_dot -= bow_rate(t);
+    stress += eta_ * K_.cwiseProduct(e_dot);
+    material += eta_ * K_.asDiagonal() * strain_rate_gradient(d, v1, v2);
+  }
   const GeometricStiffness geometric = geometric_stiffness(d, stress);
-  Matrix12d K = B.transpose() * K_.asDiagonal() * B;
+  Matrix12d K = B.transpose() * material * B;
   K.topRows<6>() -= geometric.left * B;
   K.bottomRows<6>() += geometric.right * B;
   return K;

@@ -171,12 +171,19 @@ VectorXd SuperElement::inertia_forces(const VectorXd& V, const VectorXd& V_dot) 
   return f;
 }
 
-MatrixXd SuperElement::stiffness_matrix(const Configuration& at, const Vector3d& gravity) const {
+MatrixXd SuperElement::stiffness_matrix(const Configuration& at, const VectorXd& V,
+                                        const Vector3d& gravity) const {
   const VectorXd d = strains(at), epsilon = deformation(at);
   const Vector3d gamma = at.frames[0].R.transpose() * gravity;
   const MatrixXd B = strain_matrix(d);
-  const VectorXd sigma = K_ * epsilon - Gamma_ * gamma;
-  MatrixXd K = B.transpose() * K_ * B;
+  const VectorXd sigma = K_ * epsilon + C_ * (B * V) - Gamma_ * gamma;  // ε' = B V
+  MatrixXd material = K_;                                               // and C ∂ε'/∂ε
+  for (int i = 1; i < n_interfaces(); ++i) {
+    const int k = 6 * i - 6;
+    material.middleCols<6>(k) +=
+        C_.middleCols<6>(k) * strain_rate_gradient(d.segment<6>(k), V.head<6>(), V.segment<6>(6 * i));
+  }
+  MatrixXd K = B.transpose() * material * B;
   for (int i = 1; i < n_interfaces(); ++i) {
     const auto geometric = geometric_stiffness(d.segment<6>(6 * i - 6), sigma.segment<6>(6 * i - 6));
     const MatrixXd B_i = B.middleRows<6>(6 * i - 6);

@@ -193,6 +193,18 @@ Vector6d InverseTangent::strain_rate(const Vector6d& u1, const Vector6d& u2) con
   return difference + 0.5 * ad_product(d_, u1 + u2) + A_ * twice + B_ * four;
 }
 
+Matrix6d strain_rate_gradient(const Vector6d& d, const Vector6d& u1, const Vector6d& u2) {
+  const InverseTangentCoefficients k = inverse_tangent_coefficients(d.tail<3>().squaredNorm());
+  const Matrix6d N = ad(d);
+  const Vector6d difference = u2 - u1;
+  const Vector6d s1 = N * difference, s2 = N * s1, s3 = N * s2, s4 = N * s3;
+  // Product rule on N, N², N⁴ with d(ad(d) s) = −ad(s) dd, then on A(φ²) and B(φ²).
+  const Matrix6d twice = ad(s1) + N * ad(difference);
+  Matrix6d G = -0.5 * ad(u1 + u2) - k.A * twice - k.B * (ad(s3) + N * (ad(s2) + N * twice));
+  G.rightCols<3>() += 2 * (k.dA * s2 + k.dB * s4) * d.tail<3>().transpose();
+  return G;
+}
+
 GeometricStiffness geometric_stiffness(const Vector6d& d, const Vector6d& sigma) {
   const InverseTangentCoefficients k = inverse_tangent_coefficients(d.tail<3>().squaredNorm());
   const Matrix6d N = ad(d).transpose();

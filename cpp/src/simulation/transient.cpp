@@ -79,7 +79,7 @@ Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePo
 
 Transient simulate(const System& system, const Equilibrium& equilibrium,
                    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                   const Progress& progress) {
+                   const Progress& progress, const Companion& companion) {
   const Eigen::Index n_steps = number_of_steps(system, drives, options);
   Transient run;
   Recorder recorder(system, options, n_steps + 1, run);
@@ -88,16 +88,21 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
   const solvers::Drives drive = drives_of_joints(system, state, drives);
   solvers::HhtStepper stepper(system, solvers::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
                               {.tolerance = options.tolerance});
+  stepper.follow_with(companion.step);
+  const auto record = [&](Eigen::Index k, const Loads& loads) {
+    recorder.record(k, state, loads);
+    if (companion.record) companion.record(k, state, loads);
+  };
   const auto began = Clock::now();
   auto called = began;
   const auto seconds_since = [](Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
   };
-  recorder.record(0, state, equilibrium.loads);
+  record(0, equilibrium.loads);
   for (Eigen::Index k = 1; k <= n_steps; ++k) {
     stepper.advance(state, options.step, drive);
     state.t = options.start + static_cast<double>(k) * options.step;  // no drift from adding up
-    recorder.record(k, state, stepper.loads());
+    record(k, stepper.loads());
     if (progress && k % steps_between_looks == 0 && seconds_since(called) > seconds_between_calls) {
       called = Clock::now();
       if (!progress(static_cast<double>(k) / static_cast<double>(n_steps))) {

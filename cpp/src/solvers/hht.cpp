@@ -109,6 +109,7 @@ bool HhtStepper::step(State& state, double h, const Drives& drives) {
     state.laws[k] = {x, z};
   }
   ++statistics_.steps;
+  if (follower_) follower_(before_, state, exponent_, h, loads_);
   return true;
 }
 

@@ -163,6 +163,22 @@ TEST_CASE("The stiffness matrix is the derivative of the internal forces, rotati
   }
 }
 
+TEST_CASE("In motion the stiffness matrix counts how damping forces turn and change with the strain") {
+  Random random(7);
+  BeamElement beam = straight();
+  beam.set_damping_time(0.02);
+  const Placement p = deformed(random, 0.5);
+  const Vector6d v1 = random.twist(2, 2), v2 = random.twist(2, 2);
+  const auto f = [&](const VectorXd& h) -> VectorXd {
+    const Placement q = moved(p, h);
+    const auto found = beam.internal_forces(q.H1, q.H2, v1, v2);
+    Vector12d both;
+    both << found.f1, found.f2;
+    return both;
+  };
+  CHECK(relative_error(beam.stiffness_matrix(p.H1, p.H2, v1, v2), differences(f, 12)) < 1e-8);
+}
+
 TEST_CASE("The stiffness matrix is symmetric without load, and under load lacks the bracket of its forces") {
   Random random(6);
   const BeamElement beam = straight();

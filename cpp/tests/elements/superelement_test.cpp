@@ -89,13 +89,13 @@ TEST_CASE("Tangents of a super-element match differences") {
   const Configuration at = placed(part, link, random, 0.3);
   const VectorXd V = random.vector(part.size()), zero = VectorXd::Zero(part.size());
   const auto of_motion = [&](const VectorXd& h) -> VectorXd {
-    return part.internal_forces(moved(at, h), zero, g).f;
+    return part.internal_forces(moved(at, h), V, g).f;
   };
   const auto of_velocity = [&](const VectorXd& dV) -> VectorXd {
     return part.internal_forces(at, V + dV, g).f;
   };
   const auto inertia = [&](const VectorXd& dV) -> VectorXd { return part.inertia_forces(V + dV, zero); };
-  CHECK(relative_error(part.stiffness_matrix(at, g), differences(of_motion, part.size())) < 1e-9);
+  CHECK(relative_error(part.stiffness_matrix(at, V, g), differences(of_motion, part.size())) < 1e-9);
   CHECK(relative_error(part.damping_matrix(at), differences(of_velocity, part.size())) < 1e-9);
   CHECK(relative_error(part.gyroscopic_matrix(V), differences(inertia, part.size())) < 1e-9);
 }
@@ -206,7 +206,8 @@ TEST_CASE("A damping ratio is that of the part held at its first interface in it
   const double rho_A = beam.material.density * beam.section.area;
   const double omega = 1.8751 * 1.8751 / 0.64 * std::sqrt(EI / rho_A);
   const Configuration at{{link.frames[0], link.frames[1]}, VectorXd::Zero(6)};
-  const MatrixXd C = part.damping_matrix(at), K = part.stiffness_matrix(at, Vector3d::Zero());
+  const MatrixXd C = part.damping_matrix(at),
+                 K = part.stiffness_matrix(at, VectorXd::Zero(18), Vector3d::Zero());
   CHECK(relative_error(C, 2 * 0.01 / omega * K) < 2e-3);
 }
 

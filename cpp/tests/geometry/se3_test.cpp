@@ -192,3 +192,15 @@ TEST_CASE("The geometric stiffness is the derivative of the end forces at fixed 
     CHECK(relative_error(K.right, differences(right, 6)) < 1e-9);
   }
 }
+
+TEST_CASE("The strain rate's gradient is its derivative by the strain at fixed twists") {
+  Random random(11);
+  for (double angle : {0.0, 0.1, 0.45, 0.55, 1.0, 2.5}) {
+    const Vector6d d = twist_of_angle(angle, random), u1 = random.twist(2, 2), u2 = random.twist(2, 2);
+    const auto rate = [&](const VectorXd& x) -> VectorXd {
+      return InverseTangent(d + x).strain_rate(u1, u2);
+    };
+    CAPTURE(angle);
+    CHECK(relative_error(strain_rate_gradient(d, u1, u2), differences(rate, 6)) < 1e-9);
+  }
+}

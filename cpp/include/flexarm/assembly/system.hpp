@@ -210,7 +210,9 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
     elements::Vector12d v;
     v << state.v.segment<6>(n1), state.v.segment<6>(n2);
     elements::Matrix12d S = c.mass * beam.mass();
-    if (c.stiffness != 0) S += c.stiffness * beam.stiffness_matrix(H1, H2, state.elapsed());
+    if (c.stiffness != 0) {
+      S += c.stiffness * beam.stiffness_matrix(H1, H2, v.head<6>(), v.tail<6>(), state.elapsed());
+    }
     if (c.damping != 0) S += c.damping * (beam.damping_matrix(H1, H2) + beam.gyroscopic_matrix(v));
     block(n1, n1, S.topLeftCorner<6, 6>());
     block(n1, n2, S.topRightCorner<6, 6>());
@@ -226,10 +228,9 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
   for (const elements::SuperElement& part : superelements_) {
     const auto at = configuration(part, state);
     Eigen::MatrixXd S = c.mass * part.mass();
-    if (c.stiffness != 0) S += c.stiffness * part.stiffness_matrix(at, loads.gravity);
-    if (c.damping != 0) {
-      S += c.damping * (part.damping_matrix(at) + part.gyroscopic_matrix(velocities(part, state.v)));
-    }
+    const VectorXd V = velocities(part, state.v);
+    if (c.stiffness != 0) S += c.stiffness * part.stiffness_matrix(at, V, loads.gravity);
+    if (c.damping != 0) S += c.damping * (part.damping_matrix(at) + part.gyroscopic_matrix(V));
     for (int j = 0; j < part.size(); ++j)
       for (int i = 0; i < part.size(); ++i) add(row(part, i), row(part, j), S(i, j));
   }

@@ -95,8 +95,9 @@ class BeamElement {
   /// Equation (4).
   Vector12d inertia_forces(const Vector12d& v, const Vector12d& v_dot) const;
 
-  /// ∂(3)/∂(increments of the nodes) at rest, geometric stiffness included.
-  Matrix12d stiffness_matrix(const Frame& H1, const Frame& H2, double t = 0) const;
+  /// ∂(3)/∂(increments of the nodes), geometric stiffness included.
+  Matrix12d stiffness_matrix(const Frame& H1, const Frame& H2, const Vector6d& v1 = Vector6d::Zero(),
+                             const Vector6d& v2 = Vector6d::Zero(), double t = 0) const;
 
   /// ∂(3)/∂(velocities) = η Bᵀ K B with B = [−T_l⁻¹, T_r⁻¹].
   Matrix12d damping_matrix(const Frame& H1, const Frame& H2) const;

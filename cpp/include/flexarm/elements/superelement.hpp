@@ -88,8 +88,8 @@ class SuperElement {
   /// Equation (4).
   VectorXd inertia_forces(const VectorXd& V, const VectorXd& V_dot) const;
 
-  /// ∂(3)/∂(increments) at rest, geometric stiffness included.
-  MatrixXd stiffness_matrix(const Configuration& at, const Vector3d& gravity) const;
+  /// ∂(3)/∂(increments), geometric stiffness included.
+  MatrixXd stiffness_matrix(const Configuration& at, const VectorXd& V, const Vector3d& gravity) const;
 
   /// ∂(3)/∂V = Bᵀ C_ε B.
   MatrixXd damping_matrix(const Configuration& at) const;

@@ -105,6 +105,9 @@ class InverseTangent {
   double A_, B_;
 };
 
+/// Derivative of the strain rate T_r⁻¹(d) u₂ − T_l⁻¹(d) u₁ with respect to d at fixed twists.
+Matrix6d strain_rate_gradient(const Vector6d& d, const Vector6d& u1, const Vector6d& u2);
+
 /// Derivatives of T_l⁻ᵀ(d) σ and T_r⁻ᵀ(d) σ with respect to d at fixed σ: the geometric stiffness of an
 /// element.
 struct GeometricStiffness {

@@ -48,12 +48,18 @@ struct Transient {
 /// Told now and then how much is done, 0 to 1; returns false to cancel.
 using Progress = std::function<bool(double done)>;
 
+/// Somebody who walks along with a run: told of every step that is taken, and of every instant recorded.
+struct Companion {
+  solvers::Follower step;
+  std::function<void(Eigen::Index k, const State& state, const Loads& loads)> record;
+};
+
 /// @param drives one a joint: angle of driven joints [rad], torque of motors [N m]; not read for free and
 /// locked joints.
 /// @throws NotConverged
 Transient simulate(const System& system, const Equilibrium& equilibrium,
                    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                   const Progress& progress = {});
+                   const Progress& progress = {}, const Companion& companion = {});
 
 /// Number of steps from start to end.
 /// @throws InvalidParameter if step, end or the number of drives is wrong.

@@ -65,6 +65,11 @@ struct HhtOptions {
   double slow_contraction = 0.25;  ///< above this rate the matrix is factored anew
 };
 
+/// Told of every accepted step: states 0 and 1, the argument of exp in (3), its size and the loads at its
+/// end.
+using Follower = std::function<void(const State& before, const State& after, const VectorXd& exponent,
+                                    double h, const Loads& loads)>;
+
 /// Counts of a run.
 struct HhtStatistics {
   long steps = 0, iterations = 0, factorisations = 0, halvings = 0;
@@ -78,6 +83,9 @@ class HhtStepper {
   /// One step of size h; halved where Newton's iteration fails.
   /// @throws NotConverged naming time, iteration and residual; the state is then as before.
   void advance(State& state, double h, const Drives& drives);
+
+  /// Lets somebody walk along; steps that are halved are told half by half.
+  void follow_with(Follower follower) { follower_ = std::move(follower); }
 
   const HhtStatistics& statistics() const { return statistics_; }
   /// Motor torques in the state last reached were part of the loads; needed to evaluate forces there.
@@ -110,6 +118,7 @@ class HhtStepper {
   VectorXd kept_tangents_;         // of the laws, in the factors
   Eigen::MatrixXd law_solutions_;  // S⁻¹ times each law's direction
   DriveValues drive_;
+  Follower follower_;
 };
 
 }  // namespace flexarm::solvers

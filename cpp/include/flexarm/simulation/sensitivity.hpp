@@ -1,0 +1,68 @@
+/// @file
+/// Derivatives of a run with respect to parameters, by direct differentiation of every HHT step.
+///
+/// A step of solvers/hht.hpp takes state 0 to state 1. Let ξ be the twist by which a frame moves with the
+/// parameter p, H⁻¹ dH/dp (for scalar coordinates ds/dp), h the argument of exp, and T_r, T_l its tangent
+/// operators. Differentiation of the step gives
+///
+///     ξ₁ = T_r(h) dh/dp + Ad(exp(−h)) ξ₀      hence  dh/dp = T_r⁻¹ ξ₁ − T_l⁻¹ ξ₀                    (1)
+///     da₁ = (dh/dp − h dv₀)/(β h²) − (½ − β)/β da₀                                                    (2)
+///     dv₁ = dv₀ + h [(1 − γ) da₀ + γ da₁],   dv̇₁ = (da₁ + α dv̇₀)/(1 + α)                             (3)
+///     K ξ₁ + C dv₁ + M dv̇₁ + Φ_qᵀ dλ₁ = −∂r/∂p,   Φ_q ξ₁ = −∂Φ/∂p                                    (4)
+///
+/// a linear problem for (ξ₁, dλ₁) with the exact tangent at state 1,
+///
+///     S = K + [γ/(β h) C + M/(β h² (1 + α))] T_r⁻¹(h),                                                (5)
+///
+/// factored once a step for all parameters together. ∂r/∂p, at fixed free coordinates, is the difference of
+/// variation.hpp; prescribed coordinates and the memories of joint laws move along in it. What comes out is
+/// the derivative of the discrete motion, not of the exact one: it agrees with differences of whole runs to
+/// their own accuracy. Source: [Bruls2008]; docs/theory.md, section "Sensitivities".
+#pragma once
+
+#include <vector>
+
+#include "flexarm/assembly/tangent_parts.hpp"
+#include "flexarm/simulation/statics.hpp"
+#include "flexarm/simulation/variation.hpp"
+#include "flexarm/solvers/hht.hpp"
+#include "flexarm/solvers/sparse_factor.hpp"
+
+namespace flexarm::simulation {
+
+/// Derivative of an equilibrium at rest, drives held or moved as the variations say:
+/// K ξ + Φ_qᵀ dλ = −∂r/∂p, Φ_q ξ = −∂Φ/∂p with the tangent of statics.hpp.
+/// @throws NotConverged if the tangent is singular.
+StateDerivative static_derivative(const System& system, const Equilibrium& equilibrium,
+                                  const std::vector<Variation>& variations);
+
+/// Walks beside an HhtStepper and differentiates each step that it has taken.
+class Sensitivities {
+ public:
+  Sensitivities(const System& system, const solvers::HhtCoefficients& coefficients,
+                std::vector<Variation> variations, StateDerivative initial);
+
+  /// State 1 from state 0 by an accepted step of size h, with the argument `exponent` of exp in it.
+  /// @throws NotConverged if the tangent is singular.
+  void follow(const State& before, const State& after, const VectorXd& exponent, double h,
+              const Loads& loads);
+
+  const std::vector<Variation>& variations() const { return variations_; }
+  const StateDerivative& derivative() const { return now_; }
+
+ private:
+  void factor(const VectorXd& exponent, double h);
+  void remember(const State& before, const State& after);
+
+  const System& system_;
+  solvers::HhtCoefficients coefficients_;
+  std::vector<Variation> variations_;
+  StateDerivative now_, before_;
+  assembly::TangentParts parts_;
+  Eigen::SparseMatrix<double> S_;
+  solvers::SparseFactor factor_;
+  MatrixXd rhs_;    // of (4), one column a parameter
+  MatrixXd V_, A_;  // dv₁ and dv̇₁ at ξ₁ = 0
+};
+
+}  // namespace flexarm::simulation
