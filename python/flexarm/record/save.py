@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.arrays import Floats
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.tables.toml import toml_text
@@ -86,14 +87,17 @@ def _write_csv(path: Path, signals: list[Signal]) -> None:
     """Numbers in the shortest form that reads back exactly; drop-outs as empty cells."""
     first = signals[0]
     stamps = [repr(t) for t in first.time.tolist()] if first.pose is None else first.pose.tolist()
-    columns = [stamps] + [[_cell(v) for v in column.tolist()] for s in signals for column in s.values.T]
+    columns = [stamps] + [_cells(column) for s in signals for column in s.values.T]
     header = ",".join([first.time_column, *(c for s in signals for c in s.channels)])
     rows = map(",".join, zip(*columns, strict=True))
     path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
 
 
-def _cell(value: float) -> str:
-    return "" if value != value else repr(value)  # NaN differs from itself
+def _cells(column: Floats) -> list[str]:
+    cells = list(map(repr, column.tolist()))
+    for i in np.flatnonzero(np.isnan(column)):
+        cells[i] = ""
+    return cells
 
 
 def _record_table(record: Record, signals: list[dict[str, Any]]) -> dict[str, Any]:
