@@ -5,11 +5,12 @@ import pytest
 from arms import LENGTH, PAYLOAD, arm, beam, fixed, general, hinge, paper_arm, rigid
 from part_arms import tube_part
 
-from flexarm import Arm, InvalidFile, InvalidParameter, Record, static
+from flexarm import Arm, InvalidFile, InvalidParameter, Record, Signal, modes, static
 from flexarm.arm import KNOWN_EFFECTS
 from flexarm.arm.weight import weight_statement
 from flexarm.assembly import assemble, machine_of
 from flexarm.assembly.as_built import as_built, weight_as_built
+from flexarm.comparison.poses import solve_poses
 from flexarm.effects import (
     BaseCompliance,
     BaseTilt,
@@ -164,6 +165,9 @@ def test_only_a_beam_among_flexible_links_has_length_and_bow(tmp_path):
     heavy = model.with_effect(LinkMass(at="rod", scale=1.5))
     assert weight_as_built(heavy).whole.mass == pytest.approx(1.5 * weight)
     assert assemble(heavy).mass == pytest.approx(1.5 * weight)
+    held = model.with_effect(LinkDamping(at="rod", damping_ratio=0.03))
+    assert modes(model, count=1, gravity=False).damping_ratio[0] == 0
+    assert modes(held, count=1, gravity=False).damping_ratio[0] == pytest.approx(0.03, rel=1e-6)
     sag = np.abs(static(model).displacement).max()
     soft = np.abs(static(model.with_effect(LinkStiffness(at="rod", scale=0.5))).displacement).max()
     assert soft == pytest.approx(2 * sag, rel=1e-3)
@@ -258,6 +262,17 @@ def test_a_weighed_payload_wins_over_the_effect():
     assert machine_of(applied).payloads["load"].offset == EXAMPLES[1].offset
     unweighed = Record(signals=[], payloads={"load": CarriedPayload(position=(0, 0, 2.9))})
     assert machine_of(unweighed.applied_to(with_all(EXAMPLES[0]))).payloads["load"].mass == 15.0
+
+
+def test_a_payload_weighed_in_a_pose_wins_too():
+    """Poses with a known payload stand the same whatever mass the model has."""
+    pose = np.array(["a", "b"])
+    masses = Signal(name="m", quantity="payload_mass", payload="load", values=np.array([5.0, 9.0]), pose=pose)
+    angle = Signal(name="q", quantity="joint_angle", joint="hinge", values=np.array([0.5, 1.0]), pose=pose)
+    record = Record(kind="static", drive=("q",), signals=[masses, angle])
+    plain, wrong = (solve_poses(model, record) for model in (paper_arm(2), with_all(EXAMPLES[0])))
+    assert np.array_equal(wrong.position, plain.position)
+    assert np.ptp(plain.position[:, 0], axis=0).max() > 0.1
 
 
 def test_weight_counts_effects():

@@ -71,3 +71,20 @@ TEST_CASE("Let go, an arm of super-elements on a pedestal starts from where it w
   CHECK(free.state.s[system.pedestal().theta] == rest.state.s[held.pedestal().theta]);
   CHECK(energies(system, free.state, Loads{}).elastic == near(energies(held, rest.state, Loads{}).elastic));
 }
+
+TEST_CASE("A base is shaken in a sampled run as in a whole one, beside what the motors give") {
+  auto arm = on_pedestal(paper_arm({.elements = 2, .hub_stiffness = 1e5, .damping_ratio = 0.01}));
+  arm.pedestal->amplitude = 40, arm.pedestal->frequency = 7, arm.pedestal->phase = 0.5;
+  arm.joints[0].drive_train.rotor_inertia = 1e-3;
+  arm.joints[0].drive_train.gear_ratio = 120;
+  const System system(arm, {{"hinge", DriveKind::torque}});
+  const auto rest = static_equilibrium(system, {half_pi}, Loads{});
+  SampledRun sampled(system, rest, {{}}, {.end = 0.2, .step = 1e-3});
+  for (int k = 0; k < 20; ++k) sampled.advance(VectorXd::Constant(1, 150.0), 10);
+  const auto run = simulate(system, rest, {PiecewisePolynomial::constant(150)}, {.end = 0.2, .step = 1e-3});
+  CHECK(error(sampled.point_position(0), run.position.col(run.time.size() - 1)) < 1e-9);
+  arm.pedestal->amplitude = 0;
+  const System still(arm, {{"hinge", DriveKind::torque}});
+  const auto calm = simulate(still, rest, {PiecewisePolynomial::constant(150)}, {.end = 0.2, .step = 1e-3});
+  CHECK(error(calm.position, run.position) > 1e-4);
+}

@@ -90,6 +90,7 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
     """
     from scipy.spatial.transform import Rotation
 
+    from flexarm.record.against_arm import weighed
     from flexarm.statics import static
 
     at_link = {s.joint for name in record.drive if (s := record.signals[name]).side == "output" and s.joint}
@@ -101,11 +102,7 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
     }
     for pose in record.poses:
         angles, forces, masses = _inputs(record, pose, true)
-        loaded = arm.replace(
-            payloads=tuple(
-                load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads
-            )
-        )
+        loaded = weighed(arm, masses)
         found.append(static(loaded, joints={**record.joints, **angles}, forces=forces, at_link=at_link))
     position = np.array([s.position for s in found])
     turns = Rotation.from_matrix([np.eye(3), *(R for s in found for R in s.rotation)])[1:]  # may be none

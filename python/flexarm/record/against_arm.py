@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import hypot
 from typing import TYPE_CHECKING
 
@@ -78,9 +78,17 @@ def carrying(record: Record, arm: Arm) -> Arm:
         if name not in loads:
             raise InvalidParameter(missing("payload", name, loads), where=f"payloads.{name}")
         loads[name] = loads[name].replace(**carried.to_plain())
-    weighed = {name for name, carried in record.payloads.items() if carried.mass is not None}
-    effects = [e for e in arm.effects if not (e.name == "payload_mass" and e.at in weighed)]
-    return arm.replace(payloads=tuple(loads.values()), effects=tuple(effects))
+    masses = {name: carried.mass for name, carried in record.payloads.items() if carried.mass is not None}
+    return weighed(arm.replace(payloads=tuple(loads.values())), masses)
+
+
+def weighed(arm: Arm, masses: Mapping[str, float]) -> Arm:
+    """The arm with weighed payloads [kg], by name; an effect `payload_mass` there gives way to them."""
+    if not masses:
+        return arm
+    loads = (load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads)
+    effects = (e for e in arm.effects if not (e.name == "payload_mass" and e.at in masses))
+    return arm.replace(payloads=tuple(loads), effects=tuple(effects))
 
 
 def reach(arm: Arm) -> float:
