@@ -293,3 +293,17 @@ def test_an_arm_as_built_has_no_effects_and_the_changed_tables():
     assert built.link("rod").length == pytest.approx(LENGTH + 2e-3)
     assert built.link("rod").material.density == pytest.approx(1.1 * 7850)
     assert built.payload("load").inertia[:3] == (0.1, 0.12, 0.05)
+
+
+@by_name
+def test_a_system_keeps_its_structure_when_a_parameter_changes(effect):
+    """Sensitivities difference two systems: nodes and unknowns are the same a little up and a little down."""
+    base = with_all(BaseCompliance(at="base", stiffness=1e6))
+    nominal = assemble(base.with_effect(effect))
+    size = {(nominal.n_nodes, nominal.n_unknowns)}
+    for name, value, _ in effect.parameters():
+        for factor in (0.999, 1.001):
+            changed = effect.with_parameters({name: factor * value + (factor - 1) * 1e-3 * (value == 0)})
+            system = assemble(base.with_effect(changed))
+            size.add((system.n_nodes, system.n_unknowns))
+    assert len(size) == 1

@@ -8,7 +8,21 @@ load: horizontally they hold within 0.5 % (`FLAT`); leaning, the weight along th
 
 import numpy as np
 import pytest
-from arms import EI, LENGTH, PAYLOAD, RHO_A, G, drive, paper_arm, smooth_step
+from arms import (
+    EI,
+    LENGTH,
+    PAYLOAD,
+    RHO_A,
+    G,
+    arm,
+    drive,
+    fixed,
+    hinge,
+    paper_arm,
+    point,
+    rigid,
+    smooth_step,
+)
 
 from flexarm import modes, simulate, static
 from flexarm.arm import Measurement
@@ -344,6 +358,37 @@ def test_base_compliance_is_a_joint_compliance_for_the_tip_of_one_joint_but_the_
     base = static(column.with_effect(BaseCompliance(at="base", stiffness=k)), {"hinge": q})
     psi = G * np.sin(q) * (PAYLOAD * LENGTH + RHO_A * LENGTH**2 / 2) / k
     assert base.displacement[1, 0] - soft.displacement[1, 0] == pytest.approx(psi * 0.5, rel=0.03)
+
+
+def test_the_base_turns_about_the_first_axis_that_turns_whatever_stands_before_it():
+    """psi = n (r x F)/k moves the tip by psi n x r; n is y of a hinge behind a slide and a turned mount.
+
+    The mount's yaw of 0.5 and roll of 0.3 put n at Rz(0.5) Rx(0.3) y. Linear within psi = 1e-5.
+    """
+    k, r, force = 1e6, np.array([0.3, 0.2, 1.5]), np.array([4.0, -7.0, 2.0])
+    model = arm(
+        gravity=[0, 0, 0],
+        joints=[
+            hinge("hinge", "hand", "mount"),
+            {"name": "slide", "type": "prismatic", "parent": "base", "child": "car", "axis": [1, 0, 0]},
+            fixed("weld", "mount", "car", origin={"rpy": [0.3, 0, 0.5]}),
+        ],
+        links=[rigid("hand", 1.0), rigid("car", 1.0), rigid("mount", 1.0)],
+        points=[point("tip", "hand", (0.0, 0.0, 0.0))],
+        effects=[{"name": "base_compliance", "at": "base", "stiffness": k}],
+    )
+    n = np.array([-np.sin(0.5) * np.cos(0.3), np.cos(0.5) * np.cos(0.3), np.sin(0.3)])
+    turned = np.array(  # Rz(0.5) Rx(0.3): r seen from the hand
+        [
+            [np.cos(0.5), -np.sin(0.5) * np.cos(0.3), np.sin(0.5) * np.sin(0.3)],
+            [np.sin(0.5), np.cos(0.5) * np.cos(0.3), -np.cos(0.5) * np.sin(0.3)],
+            [0, np.sin(0.3), np.cos(0.3)],
+        ]
+    )
+    model = model.replace(points=(model.points[0].replace(position=tuple(turned.T @ r)),))
+    psi = n @ np.cross(r, force) / k
+    found = static(model, forces={"tip": force}).displacement[0]
+    assert found == pytest.approx(psi * np.cross(n, r), abs=10 * psi**2)
 
 
 def test_the_base_wrench_stays_what_the_arm_puts_on_the_base():
