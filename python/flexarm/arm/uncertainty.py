@@ -8,6 +8,7 @@ have absolute ones only.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexarm.tables.table import Path, Table, unit_of
@@ -43,10 +44,10 @@ def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:
     ValueError
         If the key means nothing in this model.
     """
-    owner, field, unit = _owner(arm, key)
-    nominal = getattr(owner, field)
+    place = owner_of(arm, key)
+    nominal = getattr(place.owner, place.field)
     given = arm.uncertainty[key]
-    if unit:
+    if place.unit:
         return nominal, given
     if isinstance(nominal, tuple):
         return nominal, tuple(abs(component) * given for component in nominal)
@@ -59,10 +60,11 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
         if sigma < 0:
             yield ("uncertainty", key), f"1 sigma must not be negative, got {sigma:g}"
         try:
-            owner, field, unit = _owner(arm, key)
+            place = owner_of(arm, key)
         except ValueError as error:
             yield ("uncertainty", key), str(error)
             continue
+        owner, field, unit = place.owner, place.field, place.unit
         measure = unit_of(type(owner).model_fields[field])
         if not unit and not (isinstance(getattr(owner, field), float) or measure in _SCALED):
             options = " or ".join(f"{field}_{s}" for s, u in _SUFFIXES.items() if u == measure)
@@ -75,12 +77,50 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
             )
 
 
-def _owner(arm: Arm, key: str) -> tuple[Table, str, str]:
-    """The table that holds the value, the field's name, and the unit (empty: relative)."""
+@dataclass(frozen=True)
+class Owner:
+    """The table that holds the value of a key.
+
+    Attributes
+    ----------
+    table, index : str and int
+        Of the arm, and the entry in it.
+    prefix : tuple of str
+        Words of the key before the value's own name.
+    fields : tuple of str
+        Names of the fields from the entry down to the value.
+    owner : Table
+        What holds the value.
+    unit : str
+        Unit at the end of the key; empty: relative.
+    """
+
+    table: str
+    index: int
+    prefix: tuple[str, ...]
+    fields: tuple[str, ...]
+    owner: Table
+    unit: str
+
+    @property
+    def field(self) -> str:
+        """Name of the value in its owner."""
+        return self.fields[-1]
+
+
+def owner_of(arm: Arm, key: str) -> Owner:
+    """Where the value of a key is.
+
+    Raises
+    ------
+    ValueError
+        If the key means nothing in this model.
+    """
     words = key.split(".")
     if len(words) < 3 or words[0] not in _TABLES:
         raise ValueError(f"must read TABLE.NAME.VALUE with TABLE one of {', '.join(_TABLES)}, got {key!r}")
-    owner, rest = _entry(arm, words)
+    index, rest = _entry(arm, words)
+    owner: Table = getattr(arm, words[0])[index]
     for step in rest[:-1]:
         inner = getattr(owner, step, None) if step in type(owner).model_fields else None
         if not isinstance(inner, Table):
@@ -88,22 +128,26 @@ def _owner(arm: Arm, key: str) -> tuple[Table, str, str]:
                 f"there is no {step!r} in {key!r}; there are {', '.join(type(owner).model_fields)}"
             )
         owner = inner
-    return owner, *_field(owner, rest[-1])
+    field, unit = _field(owner, rest[-1])
+    return Owner(words[0], index, tuple(words[:-1]), (*rest[:-1], field), owner, unit)
 
 
-def _entry(arm: Arm, words: list[str]) -> tuple[Table, list[str]]:
+def _entry(arm: Arm, words: list[str]) -> tuple[int, list[str]]:
+    """Number of the entry in its table, and the words after its name."""
     table, name, *rest = words
-    entries: dict[str, Table] = {}
-    for entry in getattr(arm, table):
-        if table == "effects":
-            entries[f"{entry.name}.{entry.at}"] = entry
-        else:
-            entries[entry.joint if table == "motors" else entry.name] = entry
+    names = [_name(table, entry) for entry in getattr(arm, table)]
     if table == "effects" and rest:
         name, rest = f"{name}.{rest[0]}", rest[1:]
-    if name not in entries or not rest:
-        raise ValueError(f"there is no {name!r} in {table}; there are {', '.join(entries) or 'none'}")
-    return entries[name], rest
+    if name not in names or not rest:
+        raise ValueError(f"there is no {name!r} in {table}; there are {', '.join(names) or 'none'}")
+    return names.index(name), rest
+
+
+def _name(table: str, entry: Any) -> str:
+    """By what a key names an entry."""
+    if table == "effects":
+        return f"{entry.name}.{entry.at}"
+    return str(entry.joint if table == "motors" else entry.name)
 
 
 def _field(owner: Table, word: str) -> tuple[str, str]:

@@ -1,0 +1,200 @@
+"""Parameters of a model: numbers that have a name, a unit and a value, and can be changed one by one.
+
+A key is a dotted path with names, as in `[uncertainty]`: `links.rod.material.youngs_modulus`,
+`payloads.load.mass`, `effects.backlash.hinge.gap`. A component of a vector ends in .x, .y or .z, as in
+`points.tip.position.z`; a vector without one means all its components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.effect import Effect
+from flexarm.arm.uncertainty import owner_of
+from flexarm.errors import InvalidParameter
+from flexarm.tables import Table, unit_of
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+_STEP = 3e-5
+"""Step of differences, in parts of the parameter's size: errors of its square and of 1e-16 over it balance."""
+_COMPONENTS = ("x", "y", "z", "xy", "xz", "yz")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a model.
+
+    Attributes
+    ----------
+    key : str
+        Its path, with the component of a vector.
+    value : float
+        Its value in the model [unit].
+    unit : str
+        Unit of the value.
+    one_sided : bool
+        Whether what the model predicts has different derivatives to its left and right.
+    """
+
+    key: str
+    value: float
+    unit: str
+    one_sided: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.key} = {self.value:g} {self.unit}"
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where a key leads: the entry of a table of the arm, the fields inside, and the component."""
+
+    table: str
+    index: int
+    fields: tuple[str, ...]
+    component: int | None
+
+    def owner(self, arm: Arm) -> Table:
+        """The table that holds the value."""
+        found: Any = getattr(arm, self.table)[self.index]
+        for name in self.fields[:-1]:
+            found = getattr(found, name)
+        return found  # type: ignore[no-any-return]
+
+    def get(self, arm: Arm) -> float:
+        """The value."""
+        whole = getattr(self.owner(arm), self.fields[-1])
+        return float(whole if self.component is None else whole[self.component])
+
+    def put(self, arm: Arm, value: float) -> Arm:
+        """A copy of the arm with another value, of which only the table that holds it is checked."""
+        entries = getattr(arm, self.table)
+        changed = self._put(entries[self.index], self.fields, value)
+        return arm.model_copy(
+            update={self.table: (*entries[: self.index], changed, *entries[self.index + 1 :])}
+        )
+
+    def _put(self, table: Table, fields: tuple[str, ...], value: float) -> Table:
+        name, *inner = fields
+        old = getattr(table, name)
+        if inner:
+            return table.model_copy(update={name: self._put(old, tuple(inner), value)})
+        k = self.component
+        return table.replace(**{name: value if k is None else (*old[:k], value, *old[k + 1 :])})
+
+
+def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
+    """The parameters that keys mean, vectors spelt out.
+
+    Raises
+    ------
+    InvalidParameter
+        If a key means nothing in this arm, or the model's predictions have no derivative by it.
+    """
+    found: dict[str, Parameter] = {}
+    for key in [keys] if isinstance(keys, str) else keys:
+        for parameter in _parameters(arm, key):
+            found.setdefault(parameter.key, parameter)
+    return tuple(found.values())
+
+
+def uncertain(arm: Arm) -> tuple[Parameter, ...]:
+    """All parameters to which the arm's `[uncertainty]` gives a sigma, vectors spelt out."""
+    return parameters(arm, arm.uncertainty)
+
+
+def path_of(arm: Arm, key: str) -> Path:
+    """Where the key of a `Parameter` leads."""
+    return _paths(arm, key)[0][1]
+
+
+def with_value(arm: Arm, key: str, value: float) -> Arm:
+    """A copy of the arm in which one parameter has another value.
+
+    Raises
+    ------
+    InvalidParameter
+        If the key means nothing, or the value is not allowed.
+    """
+    return path_of(arm, key).put(arm, float(value))
+
+
+def neighbours(arm: Arm, parameter: Parameter) -> tuple[tuple[Arm, float], tuple[Arm, float]]:
+    """The arm with the parameter a little up and a little down, each with the change.
+
+    At the limit of what is allowed one of them is the arm itself, with a change of zero.
+    """
+    path = path_of(arm, parameter.key)
+    step = _STEP * _size(arm, parameter, path)
+
+    def moved(change: float) -> tuple[Arm, float]:
+        value = parameter.value + change
+        try:
+            return path.put(arm, value), value - parameter.value
+        except InvalidParameter:
+            return arm, 0.0
+
+    return moved(step), moved(-step)
+
+
+def _parameters(arm: Arm, key: str) -> list[Parameter]:
+    found = []
+    for name, path in _paths(arm, key):
+        owner = path.owner(arm)
+        rule = "smooth"
+        if isinstance(owner, Effect):
+            rule = owner.derivative(name.split(".", 3)[3])
+        if rule == "none":
+            raise InvalidParameter(
+                f"{key} has no derivative: the law jumps with it; change its value in finite steps instead",
+                where="sensitivities",
+            )
+        unit = unit_of(type(owner).model_fields[path.fields[-1]])
+        found.append(Parameter(name, path.get(arm), unit, rule == "one-sided"))
+    return found
+
+
+def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
+    """Full keys and paths; several for a vector without a component."""
+    stem, _, last = key.rpartition(".")
+    component = _COMPONENTS.index(last) if last in _COMPONENTS and stem.count(".") >= 2 else None
+    try:
+        place = owner_of(arm, key if component is None else stem)
+    except ValueError as error:
+        raise InvalidParameter(str(error), where="sensitivities") from None
+    value = getattr(place.owner, place.field)
+    size = len(value) if isinstance(value, tuple) else None
+    stem = ".".join((*place.prefix, place.field))
+    if size is None and (component is not None or not isinstance(value, float)):
+        raise InvalidParameter(f"{key} is not a number with components", where="sensitivities")
+    if size is not None and component is not None and component >= size:
+        raise InvalidParameter(f"{key}: {stem} has {size} components", where="sensitivities")
+    if size is None or component is not None:
+        name = stem if component is None else f"{stem}.{_COMPONENTS[component]}"
+        return [(name, Path(place.table, place.index, place.fields, component))]
+    return [
+        (f"{stem}.{_COMPONENTS[k]}", Path(place.table, place.index, place.fields, k)) for k in range(size)
+    ]
+
+
+def _size(arm: Arm, parameter: Parameter, path: Path) -> float:
+    """What counts as large for the parameter: itself, its vector, what is plausible, or one unit."""
+    owner = path.owner(arm)
+    whole = getattr(owner, path.fields[-1])
+    if path.component is not None:
+        length = sum(item * item for item in whole) ** 0.5
+        if length > 0:
+            return float(length)
+    if parameter.value != 0:
+        return abs(parameter.value)
+    if isinstance(owner, Effect):
+        prior = owner.priors(arm).get(parameter.key.split(".", 3)[3])
+        if prior is not None and prior.typical != 0:
+            return abs(prior.typical)
+        if prior is not None:
+            return max(abs(prior.low), abs(prior.high))
+    return 1.0
