@@ -6,6 +6,7 @@
 #include "flexarm/simulation/cubic_spline.hpp"
 #include "flexarm/simulation/differentiated_run.hpp"
 #include "flexarm/simulation/modal.hpp"
+#include "flexarm/simulation/modal_derivative.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
 #include "flexarm/simulation/transient.hpp"
@@ -35,13 +36,18 @@ struct Varied {
   std::vector<PiecewisePolynomial> drives_plus, drives_minus;  // empty: as the system's
 };
 
-std::vector<Variation> variations(const State& state, const std::vector<Varied>& varied) {
+/// @param drives the system's own; needed where a moment on the base may depend on the parameter.
+std::vector<Variation> variations(const State& state, const std::vector<Varied>& varied,
+                                  const std::vector<PiecewisePolynomial>& drives = {}) {
   std::vector<Variation> found;
   for (const Varied& p : varied) {
     Variation one{p.plus.get(), p.minus.get(), p.up, p.down, {}, {}};
     if (!p.drives_plus.empty()) {
       one.drive_plus = drives_of_joints(*p.plus, state, p.drives_plus);
       one.drive_minus = drives_of_joints(*p.minus, state, p.drives_minus);
+    } else if (!drives.empty() && p.plus->pedestal().theta >= 0) {
+      one.drive_plus = drives_of_joints(*p.plus, state, drives);
+      one.drive_minus = drives_of_joints(*p.minus, state, drives);
     }
     found.push_back(std::move(one));
   }
@@ -58,7 +64,8 @@ DifferentiatedRun run_differentiated(const System& system, const Equilibrium& eq
     return progress.is_none() || !progress(done).is(py::bool_(false));
   };
   const py::gil_scoped_release unlock;
-  return simulate(system, equilibrium, drives, options, variations(equilibrium.state, varied), initial, poll);
+  return simulate(system, equilibrium, drives, options, variations(equilibrium.state, varied, drives),
+                  initial, poll);
 }
 
 void bind_statics(py::module_& m) {
@@ -167,22 +174,40 @@ void bind_transient(py::module_& m) {
                     std::vector<PiecewisePolynomial>, std::vector<PiecewisePolynomial>>(),
            py::arg("plus"), py::arg("minus"), py::arg("up"), py::arg("down"),
            py::arg("drives_plus") = std::vector<PiecewisePolynomial>{},
-           py::arg("drives_minus") = std::vector<PiecewisePolynomial>{});
+           py::arg("drives_minus") = std::vector<PiecewisePolynomial>{})
+      .def_readonly("plus", &Varied::plus)
+      .def_readonly("minus", &Varied::minus)
+      .def_readonly("up", &Varied::up)
+      .def_readonly("down", &Varied::down);
   py::class_<DifferentiatedRun>(m, "DifferentiatedRun", "A run and the derivatives of its columns.")
       .def_readonly("run", &DifferentiatedRun::run)
       .def_readonly("derivatives", &DifferentiatedRun::derivatives);
   m.def(
       "static_derivative",
-      [](const System& system, const Equilibrium& equilibrium, const std::vector<Varied>& varied) {
+      [](const System& system, Equilibrium equilibrium, const std::vector<Varied>& varied, double t) {
+        equilibrium.state.t = equilibrium.state.start = t;
         return static_derivative(system, equilibrium, variations(equilibrium.state, varied));
       },
-      "Derivative of an equilibrium.", py::arg("system"), py::arg("equilibrium"), py::arg("varied"),
+      "Derivative of an equilibrium with drives as they are at time t.", py::arg("system"),
+      py::arg("equilibrium"), py::arg("varied"), py::arg("t") = 0.0,
       py::call_guard<py::gil_scoped_release>());
+  m.def(
+      "frequency_derivatives",
+      [](const System& system, const Equilibrium& equilibrium, int count, const std::vector<Varied>& varied) {
+        return frequency_derivatives(system, equilibrium, count, variations(equilibrium.state, varied));
+      },
+      "df/dp of the lowest modes, (mode, parameter) [Hz per unit].", py::arg("system"),
+      py::arg("equilibrium"), py::arg("count"), py::arg("varied"), py::call_guard<py::gil_scoped_release>());
+  m.def("moved", &moved, "The state moved along its derivative by an amount of the k-th parameter.",
+        py::arg("system"), py::arg("state"), py::arg("derivative"), py::arg("k"), py::arg("amount"));
+  m.def("released_derivative",
+        py::overload_cast<const System&, const StateDerivative&, const System&>(&released),
+        "The derivative with motors let go.", py::arg("held"), py::arg("derivative"), py::arg("system"));
   m.def("simulate_differentiated", &run_differentiated, "A run with derivatives.", py::arg("system"),
         py::arg("equilibrium"), py::arg("drives"), py::arg("options"), py::arg("varied"), py::arg("initial"),
         py::arg("progress") = py::none());
-  m.def("released", &released, "The equilibrium with motors let go.", py::arg("held"), py::arg("equilibrium"),
-        py::arg("system"));
+  m.def("released", py::overload_cast<const System&, const Equilibrium&, const System&>(&released),
+        "The equilibrium with motors let go.", py::arg("held"), py::arg("equilibrium"), py::arg("system"));
   py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")
       .def(py::init<const System&, const Equilibrium&, std::vector<PiecewisePolynomial>,
                     const TransientOptions&>(),

@@ -64,15 +64,18 @@ __all__: list[str] = [
     "build_info",
     "cubic_spline",
     "exp6",
+    "frequency_derivatives",
     "joint_angles",
     "joint_torque",
     "log6",
     "mass_properties",
     "modes",
     "motor_torques",
+    "moved",
     "rectangle_section",
     "reduce_part",
     "released",
+    "released_derivative",
     "round_section",
     "section_forces",
     "simulate",
@@ -624,6 +627,14 @@ class Varied:
         drives_plus: collections.abc.Sequence[PiecewisePolynomial] = [],
         drives_minus: collections.abc.Sequence[PiecewisePolynomial] = [],
     ) -> None: ...
+    @property
+    def down(self) -> float: ...
+    @property
+    def minus(self) -> System: ...
+    @property
+    def plus(self) -> System: ...
+    @property
+    def up(self) -> float: ...
 
 class DifferentiatedRun:
     """
@@ -906,6 +917,16 @@ def exp6(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -
     Exponential of SE(3).
     """
 
+def frequency_derivatives(
+    system: System,
+    equilibrium: Equilibrium,
+    count: typing.SupportsInt | typing.SupportsIndex,
+    varied: collections.abc.Sequence[Varied],
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    """
+    df/dp of the lowest modes, (mode, parameter) [Hz per unit].
+    """
+
 def joint_angles(
     system: System, state: State
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -948,6 +969,17 @@ def motor_torques(
     Motor torques, output-referred.
     """
 
+def moved(
+    system: System,
+    state: State,
+    derivative: StateDerivative,
+    k: typing.SupportsInt | typing.SupportsIndex,
+    amount: typing.SupportsFloat | typing.SupportsIndex,
+) -> State:
+    """
+    The state moved along its derivative by an amount of the k-th parameter.
+    """
+
 def rectangle_section(
     width: typing.SupportsFloat | typing.SupportsIndex, height: typing.SupportsFloat | typing.SupportsIndex
 ) -> Section:
@@ -971,6 +1003,11 @@ def reduce_part(
 def released(held: System, equilibrium: Equilibrium, system: System) -> Equilibrium:
     """
     The equilibrium with motors let go.
+    """
+
+def released_derivative(held: System, derivative: StateDerivative, system: System) -> StateDerivative:
+    """
+    The derivative with motors let go.
     """
 
 def round_section(diameter: typing.SupportsFloat | typing.SupportsIndex) -> Section:
@@ -1017,10 +1054,13 @@ def smallest_jacobians(
     """
 
 def static_derivative(
-    system: System, equilibrium: Equilibrium, varied: collections.abc.Sequence[Varied]
+    system: System,
+    equilibrium: Equilibrium,
+    varied: collections.abc.Sequence[Varied],
+    t: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> StateDerivative:
     """
-    Derivative of an equilibrium.
+    Derivative of an equilibrium with drives as they are at time t.
     """
 
 def static_equilibrium(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,11 +11,13 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
+from flexarm.sensitivity import Sensitivities, collected, varied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +39,8 @@ class Modes(Result):
         Translation and rotation of the points, base axes, unit modal mass [m, rad per sqrt(kg) m].
     solver : dict
         Backend and iterations.
+    sensitivities : Sensitivities or None
+        Derivatives of `frequency`, (mode, parameter) [Hz per unit], where they were asked for.
     """
 
     arm: Arm
@@ -45,6 +49,7 @@ class Modes(Result):
     damping_ratio: Floats
     shape: Floats
     solver: dict[str, Any]
+    sensitivities: Sensitivities | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm modes --json`."""
@@ -58,7 +63,7 @@ class Modes(Result):
     def contents(self) -> Contents:
         """What is stored: frequencies, damping, shapes, and where they come from."""
         number = np.arange(1, len(self.frequency_hz) + 1)
-        return Contents(
+        contents = Contents(
             {
                 "frequency": (("mode",), self.frequency_hz, {"units": "Hz"}),
                 "damped_frequency": (("mode",), self.damped_frequency_hz, {"units": "Hz"}),
@@ -73,6 +78,7 @@ class Modes(Result):
             {"kind": "modes", **provenance(self.arm), **self.solver},
             {"mode": (("mode",), number, {})},
         )
+        return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
 
     @classmethod
     def load(cls, path: str | Path) -> Modes:
@@ -84,13 +90,15 @@ class Modes(Result):
             If the file does not hold modes.
         """
         data = load(path, "modes")
+        arm = model_of(data)
         return cls(
-            arm=model_of(data),
+            arm=arm,
             frequency_hz=data["frequency"].values,
             damped_frequency_hz=data["damped_frequency"].values,
             damping_ratio=data["damping_ratio"].values,
             shape=data["shape"].values,
             solver={k: data.attrs[k] for k in ("backend", "iterations")},
+            sensitivities=Sensitivities.stored(arm, data),
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -121,7 +129,14 @@ class Modes(Result):
         return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
 
 
-def modes(arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, gravity: bool = True) -> Modes:
+def modes(
+    arm: Arm,
+    joints: Mapping[str, float] | None = None,
+    count: int = 6,
+    gravity: bool = True,
+    *,
+    sensitivities: Iterable[str] = (),
+) -> Modes:
     """Modes about the equilibrium with the joints' drives held.
 
     Parameters
@@ -134,6 +149,9 @@ def modes(arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, g
         How many; fewer come where the model has fewer.
     gravity : bool
         With gravity, which deforms the arm and changes its stiffness.
+    sensitivities : iterable of str
+        Keys of parameters by which the undamped frequencies are differentiated, as in `simulate`. Modes of
+        one frequency count together: their derivatives rise.
 
     Raises
     ------
@@ -156,4 +174,20 @@ def modes(arm: Arm, joints: Mapping[str, float] | None = None, count: int = 6, g
         damping_ratio=frozen(found.damping_ratio),
         shape=frozen(shape),
         solver={"backend": _core.build_info().solver, "iterations": found.iterations},
+        sensitivities=_derivatives(arm, parameters(arm, sensitivities), system, equilibrium, count),
     )
+
+
+def _derivatives(
+    arm: Arm,
+    wanted: tuple[Parameter, ...],
+    system: _core.System,
+    equilibrium: _core.Equilibrium,
+    count: int,
+) -> Sensitivities | None:
+    if not wanted:
+        return None
+    beside, places = varied(arm, wanted, assemble)
+    slopes = np.asarray(_core.frequency_derivatives(system, equilibrium, count, beside))
+    columns = list(slopes.T) if beside else [np.zeros(len(slopes))]
+    return collected(wanted, places, {"frequency": columns})

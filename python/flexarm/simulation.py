@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,18 +13,21 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen, read_only
 from flexarm.assembly import assemble, joint_values
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
-from flexarm.netcdf import Contents
+from flexarm.netcdf import Contents, Variable
 from flexarm.record import Record
 from flexarm.result import Result, load, model_of, provenance
+from flexarm.sensitivity import Redrive, Sensitivities, collected, varied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Progress = bool | Callable[[float], object] | None
+Report = Callable[[float], object] | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,6 +59,8 @@ class Simulation(Result):
     joint_command, motor_voltage : ndarray, shape (n, joint), or None
         What controllers were asked for [rad] and the voltages they set [V], NaN where there is none; of runs
         along a command.
+    sensitivities : Sensitivities or None
+        Derivatives of the arrays by parameters of the model; of runs with `sensitivities=`.
     solver : dict
         Backend, step, alpha, counts of steps, iterations and factorisations, seconds.
     """
@@ -81,6 +86,7 @@ class Simulation(Result):
     base_wrench: Floats | None = None
     joint_command: Floats | None = None
     motor_voltage: Floats | None = None
+    sensitivities: Sensitivities | None = None
     solver: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -119,7 +125,7 @@ class Simulation(Result):
 
     def contents(self) -> Contents:
         """What is stored: all arrays with units, and where they come from."""
-        variables = {
+        variables: dict[str, Variable] = {
             name: (dims, getattr(self, name), {"units": unit, "long_name": text})
             for name, (dims, unit, text) in _VARIABLES.items()
             if getattr(self, name) is not None
@@ -135,7 +141,9 @@ class Simulation(Result):
             "quaternion": ["x", "y", "z", "w"],
         }
         attributes = {"kind": "simulation", **provenance(self.arm), **self.solver}
-        return Contents(variables, labels, attributes, {"time": (("time",), self.time, {"units": "s"})})
+        time: Variable = (("time",), self.time, {"units": "s"})
+        contents = Contents(variables, labels, attributes, {"time": time})
+        return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
 
     @classmethod
     def load(cls, path: str | Path) -> Simulation:
@@ -149,7 +157,14 @@ class Simulation(Result):
         data = load(path, "simulation")
         arrays = {name: frozen(data[name].values) for name in _VARIABLES if name in data}
         solver = {name: data.attrs[name] for name in _COUNTS if name in data.attrs}
-        return cls(model_of(data), frozen(data["time"].values), **arrays, solver=solver)
+        arm = model_of(data)
+        return cls(
+            arm,
+            frozen(data["time"].values),
+            **arrays,
+            sensitivities=Sensitivities.stored(arm, data),
+            solver=solver,
+        )
 
     def plot(self, ax: Axes | None = None, point: str | None = None) -> Axes:
         """Coordinates of a point (default: the last one) against time; all joints' angles without points."""
@@ -219,6 +234,7 @@ def simulate(
     end: float | None = None,
     forces: bool = False,
     rotations: bool = False,
+    sensitivities: Iterable[str] = (),
     progress: Progress = None,
 ) -> Simulation:
     """A run from equilibrium at rest along the drives.
@@ -237,6 +253,10 @@ def simulate(
         End of the run [s]; default: of the drive.
     forces, rotations : bool
         Record section forces and base reaction; orientations and angular rates of the points.
+    sensitivities : iterable of str
+        Keys of parameters, such as "links.rod.material.youngs_modulus" or
+        "effects.backlash.hinge.gap": what the arrays are differentiated by in the same run. The result is the
+        derivative of the computed motion, not a difference of runs.
     progress : bool or callable, optional
         True shows a bar on standard error; a callable gets the share done and may return False to stop.
 
@@ -247,7 +267,8 @@ def simulate(
     Raises
     ------
     InvalidParameter
-        If the drive does not fit the arm, or step or alpha is out of range.
+        If the drive does not fit the arm, step or alpha is out of range, or there is no derivative by a
+        parameter.
     NotConverged
         With time, iteration and residual.
     KeyboardInterrupt
@@ -259,9 +280,23 @@ def simulate(
     >>> run = flexarm.simulate(arm, drive)  # doctest: +SKIP
     """
     if isinstance(drive, Record):
-        return simulate(
-            drive.applied_to(arm),
-            Drive.from_record(drive, arm),
+        record, carried = drive, drive.applied_to(arm)
+        run = _prepared(carried, Drive.from_record(record, carried), step, alpha, end, forces, rotations)
+        redrive = Redrive(
+            {*record.drive, *(record.signals[name].clock for name in record.drive)},
+            lambda other: _motions(other, Drive.from_record(record, other).at_inputs(other)),
+        )
+    else:
+        run, redrive = _prepared(arm, drive, step, alpha, end, forces, rotations), None
+    wanted = parameters(run.arm, sensitivities)
+    if any(joint.side == "command" for joint in run.drive.joints.values()):
+        from flexarm.control import simulate_closed_loop
+
+        if wanted:
+            raise InvalidParameter("a run under a controller has no derivatives yet", where="sensitivities")
+        return simulate_closed_loop(
+            run.arm,
+            run.drive,
             step=step,
             alpha=alpha,
             end=end,
@@ -269,6 +304,29 @@ def simulate(
             rotations=rotations,
             progress=progress,
         )
+    with reported(progress, run.arm.name) as report:
+        found = _differentiated(run, wanted, redrive, report) if wanted else _plain(run, report)
+    found.solver["drive_sha256"] = run.drive.sha256()
+    return found
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What the core is asked for."""
+
+    arm: Arm
+    drive: Drive
+    options: _core.TransientOptions
+
+    @property
+    def kinds(self) -> dict[str, _core.DriveKind]:
+        return {name: joint.kind for name, joint in self.drive.joints.items()}
+
+
+def _prepared(
+    arm: Arm, drive: Drive, step: float, alpha: float, end: float | None, forces: bool, rotations: bool
+) -> _Run:
+    """The run, checked."""
     if not isinstance(drive, Drive):
         raise InvalidParameter(
             f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}",
@@ -280,45 +338,107 @@ def simulate(
             raise InvalidParameter(
                 f"the drive moves {name!r}, which is no moving joint; there are {', '.join(moving)}"
             )
-    if any(joint.side == "command" for joint in drive.joints.values()):
-        from flexarm.control import simulate_closed_loop
-
-        return simulate_closed_loop(
-            arm, drive, step=step, alpha=alpha, end=end, forces=forces, rotations=rotations, progress=progress
-        )
-    drive = drive.at_inputs(arm)
+    if all(joint.side != "command" for joint in drive.joints.values()):
+        drive = drive.at_inputs(arm)
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = float(step), float(alpha)
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
+    return _Run(arm, drive, options)
 
-    system = assemble(arm, {name: joint.kind for name, joint in drive.joints.items()})
-    motions = {name: joint.polynomial() for name, joint in drive.joints.items()}
-    equilibrium = _start(arm, drive, system, motions)
+
+def _motions(arm: Arm, drive: Drive) -> list[_core.PiecewisePolynomial]:
+    """What moves every joint; joints that nothing drives are not read."""
     hold = _core.PiecewisePolynomial.constant(0.0)
-    drives = [motions.get(joint.name, hold) for joint in arm.joints]
-    with _reported(progress, arm.name) as report:
-        run = _core.simulate(system, equilibrium, drives, options, report)
-    found = _simulation(arm, run, options)
-    found.solver["drive_sha256"] = drive.sha256()
-    return found
+    return [
+        drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints
+    ]
 
 
-def _start(
-    arm: Arm, drive: Drive, system: _core.System, motions: Mapping[str, _core.PiecewisePolynomial]
-) -> _core.Equilibrium:
+def _plain(run: _Run, report: Report) -> Simulation:
+    system, motions = assemble(run.arm, run.kinds), _motions(run.arm, run.drive)
+    held = _held(run, system)
+    equilibrium = _start(run, held, motions)
+    if held is not system:
+        equilibrium = _core.released(held, equilibrium, system)
+    return _simulation(
+        run.arm, _core.simulate(system, equilibrium, motions, run.options, report), run.options
+    )
+
+
+def _differentiated(
+    run: _Run, wanted: tuple[Parameter, ...], redrive: Redrive | None, report: Report
+) -> Simulation:
+    """The run with the derivatives of its arrays."""
+    system, motions = assemble(run.arm, run.kinds), _motions(run.arm, run.drive)
+    held = _held(run, system)
+    equilibrium = _start(run, held, motions)
+    varied_systems, places = varied(run.arm, wanted, lambda arm: assemble(arm, run.kinds), redrive)
+    if held is system:
+        initial = _core.static_derivative(held, equilibrium, varied_systems, run.options.start)
+    else:
+        kinds = _prescribed(run)
+        still, _ = varied(run.arm, wanted, lambda arm: assemble(arm, kinds), redrive)
+        initial = _core.static_derivative(held, equilibrium, still, run.options.start)
+        initial = _core.released_derivative(held, initial, system)
+        equilibrium = _core.released(held, equilibrium, system)
+    run.options.tolerance = _DIFFERENTIATED
+    both = _core.simulate_differentiated(
+        system, equilibrium, motions, run.options, varied_systems, initial, report
+    )
+    found = _simulation(run.arm, both.run, run.options)
+    shapes = {name: value.shape for name in _DERIVED if (value := getattr(found, name)) is not None}
+    arrays = {
+        name: [getattr(each, name).T.reshape(shape) for each in both.derivatives] or [np.zeros(shape)]
+        for name, shape in shapes.items()
+    }
+    return replace(found, sensitivities=collected(wanted, places, arrays))
+
+
+_DIFFERENTIATED = 1e-13
+"""Newton's tolerance: accelerations, h^2 less exact than positions, enter derivatives by masses."""
+
+_DERIVED = (
+    "position",
+    "velocity",
+    "joint_angle",
+    "joint_rate",
+    "drive_angle",
+    "drive_rate",
+    "joint_torque",
+    "motor_torque",
+    "orientation",
+    "angular_rate",
+    "section_forces",
+    "base_wrench",
+)
+"""Arrays of a run that have derivatives."""
+
+
+def _prescribed(run: _Run) -> dict[str, _core.DriveKind]:
+    """Joints whose angle is told from the start; motors driven by torque are held until then."""
+    return {name: joint.kind for name, joint in run.drive.joints.items() if joint.side != "torque"}
+
+
+def _held(run: _Run, system: _core.System) -> _core.System:
+    kinds = _prescribed(run)
+    return system if len(kinds) == len(run.drive.joints) else assemble(run.arm, kinds)
+
+
+def _start(run: _Run, held: _core.System, motions: list[_core.PiecewisePolynomial]) -> _core.Equilibrium:
     """Equilibrium under the first drive values; motors driven by torque stand where they rest until then."""
-    prescribed = {name: joint for name, joint in drive.joints.items() if joint.side != "torque"}
-    released = len(prescribed) < len(drive.joints)
-    held = assemble(arm, {name: joint.kind for name, joint in prescribed.items()}) if released else system
-    first = {name: motions[name](drive.start)[0] for name in prescribed}
-    values = joint_values(arm, {**drive.rest, **first})
-    equilibrium = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
-    return _core.released(held, equilibrium, system) if released else equilibrium
+    told = _prescribed(run)
+    first = {
+        joint.name: motion(run.drive.start)[0]
+        for joint, motion in zip(run.arm.joints, motions, strict=True)
+        if joint.name in told
+    }
+    values = joint_values(run.arm, {**run.drive.rest, **first})
+    return _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(run.arm.gravity)))
 
 
 @contextmanager
-def _reported(progress: Progress, name: str) -> Iterator[Callable[[float], object] | None]:
+def reported(progress: Progress, name: str) -> Iterator[Callable[[float], object] | None]:
     """The callback for the core: a bar, the caller's own, or none."""
     if progress is None or progress is False or callable(progress):
         yield progress if callable(progress) else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, core_arm, joint_values, point_loads
 from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
+from flexarm.sensitivity import Sensitivities, collected, varied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,6 +71,8 @@ class Statics(Result):
         Backend, iterations, load steps, largest unbalanced force left.
     parts : dict of str to PartShape
         Where each super-element is and how it is deformed.
+    sensitivities : Sensitivities or None
+        Derivatives of the arrays by parameters of the model, where they were asked for.
     """
 
     arm: Arm
@@ -82,6 +86,7 @@ class Statics(Result):
     base_wrench: Floats
     solver: dict[str, Any]
     parts: dict[str, PartShape] = field(default_factory=dict)
+    sensitivities: Sensitivities | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `flexarm static --json`."""
@@ -121,7 +126,7 @@ class Statics(Result):
             for name, shape in self.parts.items()
             for what, axes, units in _PART_VARIABLES
         }
-        return Contents(
+        contents = Contents(
             {
                 **parts,
                 "position": (("point", "axis"), self.position, {"units": "m"}),
@@ -149,6 +154,7 @@ class Statics(Result):
             },
             {"kind": "statics", **provenance(self.arm), **self.solver},
         )
+        return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
 
     @classmethod
     def load(cls, path: str | Path) -> Statics:
@@ -180,7 +186,9 @@ class Statics(Result):
             for link in arm.links
             if link.type == "superelement"
         }
-        return cls(arm=arm, solver=solver, parts=parts, **arrays)
+        return cls(
+            arm=arm, solver=solver, parts=parts, sensitivities=Sensitivities.stored(arm, data), **arrays
+        )
 
     def plot(self, ax: Axes | None = None, scale: float = 1.0) -> Axes:
         """Rigid and deformed places of the points in the x-z plane, displacements times `scale`."""
@@ -235,6 +243,7 @@ def static(
     forces: Mapping[str, ArrayLike] | None = None,
     *,
     at_link: Collection[str] = (),
+    sensitivities: Iterable[str] = (),
 ) -> Statics:
     """Equilibrium under gravity and point forces, the joints' drives held.
 
@@ -249,6 +258,8 @@ def static(
     at_link : collection of str
         Joints whose angle in `joints` is the link's, as an encoder behind the reducer gives it. What their
         motor's own angle must then be is not computed: `drive_angle` is the link's.
+    sensitivities : iterable of str
+        Keys of parameters by which the arrays are differentiated, as in `simulate`.
 
     Raises
     ------
@@ -267,27 +278,63 @@ def static(
     system = assemble(arm, held, loaded=forces or ())
     acting = _core.Loads(gravity=np.array(arm.gravity), points=loads)
     equilibrium = _core.static_equilibrium(system, values, acting)
-    state = equilibrium.state
-    position = _positions(system, state, len(arm.points))
-    sections = [_ends(system, state, acting, i, link.type) for i, link in enumerate(arm.links)]
+    found = _outputs(arm, system, equilibrium.state, acting)
+    wanted = parameters(arm, sensitivities)
     return Statics(
         arm=arm,
-        position=frozen(position),
-        displacement=frozen(position - _rigid(arm, values)),
-        rotation=frozen(_rotations(system, state, len(arm.points))),
-        joint_torque=frozen([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
+        displacement=frozen(found["position"] - _rigid(arm, values)),
         drive_angle=frozen(values),
-        link_angle=frozen(_core.joint_angles(system, state)),
-        section_forces=frozen(sections),
-        base_wrench=frozen(_core.base_wrench(system, state)),
+        **{name: frozen(array) for name, array in found.items()},
         solver={
             "backend": _core.build_info().solver,
             "iterations": equilibrium.iterations,
             "load_steps": equilibrium.load_steps,
             "residual_N": equilibrium.residual,
         },
-        parts=_parts(arm, system, state),
+        parts=_parts(arm, system, equilibrium.state),
+        sensitivities=_derivatives(arm, wanted, system, equilibrium, acting, held, forces or ()),
     )
+
+
+def _outputs(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads) -> dict[str, Floats]:
+    """What is seen of a state."""
+    return {
+        "position": _positions(system, state, len(arm.points)),
+        "rotation": _rotations(system, state, len(arm.points)),
+        "joint_torque": np.array([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
+        "link_angle": np.array(_core.joint_angles(system, state)),
+        "section_forces": np.array(
+            [_ends(system, state, loads, i, link.type) for i, link in enumerate(arm.links)]
+        ),
+        "base_wrench": np.array(_core.base_wrench(system, state)),
+    }
+
+
+def _derivatives(
+    arm: Arm,
+    wanted: tuple[Parameter, ...],
+    system: _core.System,
+    equilibrium: _core.Equilibrium,
+    loads: _core.Loads,
+    held: Mapping[str, _core.DriveKind],
+    loaded: Iterable[str],
+) -> Sensitivities | None:
+    """Derivatives of the outputs: along the state's own derivative, in the models beside this one."""
+    if not wanted:
+        return None
+    beside, places = varied(arm, wanted, lambda other: assemble(other, held, loaded))
+    state = equilibrium.state
+    moving = _core.static_derivative(system, equilibrium, beside)
+    arrays: dict[str, list[Floats]] = {
+        name: [np.zeros_like(array)] if not beside else []
+        for name, array in _outputs(arm, system, state, loads).items()
+    }
+    for k, pair in enumerate(beside):
+        up = _outputs(arm, pair.plus, _core.moved(system, state, moving, k, pair.up), loads)
+        down = _outputs(arm, pair.minus, _core.moved(system, state, moving, k, pair.down), loads)
+        for name, array in up.items():
+            arrays[name].append((array - down[name]) / (pair.up - pair.down))
+    return collected(wanted, places, arrays)
 
 
 def _positions(system: _core.System, state: _core.State, count: int) -> Floats:

@@ -6,27 +6,31 @@
 
 namespace flexarm::simulation {
 
+std::vector<int> scalar_origins(const System& held, const System& system) {
+  std::vector<int> origin(system.n_scalars(), -1);
+  for (std::size_t j = 0; j < system.joints().size(); ++j) {
+    const auto &from = held.joints()[j], &to = system.joints()[j];
+    if (to.phi < 0) continue;
+    origin[to.phi] = from.phi;
+    if (to.theta == to.phi) continue;
+    const auto stages = static_cast<int>(system.arm().joints[j].drive_train.stages.size());
+    for (int k = 0; k < stages; ++k) origin[to.theta - k] = from.theta - k;
+  }
+  if (system.pedestal().theta >= 0) origin[system.pedestal().theta] = held.pedestal().theta;
+  for (std::size_t k = 0; k < system.superelements().size(); ++k) {
+    const auto &from = held.superelements()[k], &to = system.superelements()[k];
+    for (int mode = 0; mode < to.n_modes(); ++mode) origin[to.mode(mode)] = from.mode(mode);
+  }
+  return origin;
+}
+
 Equilibrium released(const System& held, const Equilibrium& equilibrium, const System& system) {
   Equilibrium result = equilibrium;
   State& state = result.state;
   state.s = Eigen::VectorXd::Zero(system.n_scalars());
-  for (std::size_t j = 0; j < system.joints().size(); ++j) {
-    const auto &from = held.joints()[j], &to = system.joints()[j];
-    if (to.phi < 0) continue;
-    state.s[to.phi] = equilibrium.state.s[from.phi];
-    if (to.theta == to.phi) continue;
-    const auto stages = static_cast<int>(system.arm().joints[j].drive_train.stages.size());
-    state.s.segment(to.theta - stages + 1, stages) =
-        equilibrium.state.s.segment(from.theta - stages + 1, stages);
-  }
-  if (system.pedestal().theta >= 0) {
-    state.s[system.pedestal().theta] = equilibrium.state.s[held.pedestal().theta];
-  }
-  for (std::size_t k = 0; k < system.superelements().size(); ++k) {
-    const auto &from = held.superelements()[k], &to = system.superelements()[k];
-    for (int mode = 0; mode < to.n_modes(); ++mode) {
-      state.s[to.mode(mode)] = equilibrium.state.s[from.mode(mode)];
-    }
+  const std::vector<int> origin = scalar_origins(held, system);
+  for (int k = 0; k < system.n_scalars(); ++k) {
+    if (origin[k] >= 0) state.s[k] = equilibrium.state.s[origin[k]];
   }
   system.remember(state);
   return result;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/sampled_run.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -75,6 +76,16 @@ MatrixXd partial_residuals(const System& system, const std::vector<Variation>& v
   return partial;
 }
 
+/// At rest the laws remember the deflections there.
+void remember_deflections(const System& system, StateDerivative& d) {
+  for (std::size_t k = 0; k < system.laws().size(); ++k) {
+    const auto& law = system.laws()[k];
+    const int offset = system.scalar_offset();
+    d.law_x.row(k) = d.position.row(offset + law.plus);
+    if (law.minus >= 0) d.law_x.row(k) -= d.position.row(offset + law.minus);
+  }
+}
+
 }  // namespace
 
 StateDerivative static_derivative(const System& system, const Equilibrium& equilibrium,
@@ -96,12 +107,20 @@ StateDerivative static_derivative(const System& system, const Equilibrium& equil
   factor.solve(x);
   d.position.topRows(system.n_free()) = x.topRows(system.n_free());
   d.multipliers = scale * x.bottomRows(system.n_constraints());
-  for (std::size_t k = 0; k < system.laws().size(); ++k) {
-    const auto& law = system.laws()[k];
-    const int offset = system.scalar_offset();
-    d.law_x.row(k) = d.position.row(offset + law.plus);
-    if (law.minus >= 0) d.law_x.row(k) -= d.position.row(offset + law.minus);
+  remember_deflections(system, d);
+  return d;
+}
+
+StateDerivative released(const System& held, const StateDerivative& derivative, const System& system) {
+  StateDerivative d(system, derivative.size());
+  const int nodes = system.scalar_offset();
+  d.position.topRows(nodes) = derivative.position.topRows(nodes);
+  const std::vector<int> origin = scalar_origins(held, system);
+  for (int k = 0; k < system.n_scalars(); ++k) {
+    if (origin[k] >= 0) d.position.row(nodes + k) = derivative.position.row(nodes + origin[k]);
   }
+  d.multipliers = derivative.multipliers;
+  remember_deflections(system, d);
   return d;
 }
 

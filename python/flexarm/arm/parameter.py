@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.link import Beam
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table, unit_of
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 _STEP = 3e-5
-"""Step of differences, in parts of the parameter's size: errors of its square and of 1e-16 over it balance."""
+"""Step of differences in parts of the parameter's size: its square and 1e-16 over it are both near 1e-9."""
 _COMPONENTS = ("x", "y", "z", "xy", "xz", "yz")
 
 
@@ -129,6 +130,7 @@ def neighbours(arm: Arm, parameter: Parameter) -> tuple[tuple[Arm, float], tuple
     At the limit of what is allowed one of them is the arm itself, with a change of zero.
     """
     path = path_of(arm, parameter.key)
+    arm = _with_fixed_axes(arm, path)
     step = _STEP * _size(arm, parameter, path)
 
     def moved(change: float) -> tuple[Arm, float]:
@@ -179,6 +181,20 @@ def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
     return [
         (f"{stem}.{_COMPONENTS[k]}", Path(place.table, place.index, place.fields, k)) for k in range(size)
     ]
+
+
+def _with_fixed_axes(arm: Arm, path: Path) -> Arm:
+    """The same arm, but a beam whose end moves keeps its section's axes: they would else jump with it.
+
+    Without `up` the axes lean to the base direction that is furthest from the beam.
+    """
+    owner = path.owner(arm)
+    if not isinstance(owner, Beam) or path.fields[-1] != "end" or owner.up is not None:
+        return arm
+    furthest = min(range(3), key=lambda k: abs(owner.end[k]))
+    up = tuple(float(k == furthest) for k in range(3))
+    links = tuple(link.model_copy(update={"up": up}) if link is owner else link for link in arm.links)
+    return arm.model_copy(update={"links": links})
 
 
 def _size(arm: Arm, parameter: Parameter, path: Path) -> float:

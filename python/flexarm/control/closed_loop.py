@@ -111,7 +111,7 @@ def simulate_closed_loop(
     >>> command = Drive.from_samples([0, 1, 2], {"hinge": [0, 0.1, 0.1]}, side="command")  # doctest: +SKIP
     >>> run = simulate_closed_loop(arm, command)  # doctest: +SKIP
     """
-    from flexarm.simulation import _reported, _simulation
+    from flexarm.simulation import _simulation, reported
 
     if not step > 0:
         raise InvalidParameter(f"step must be positive, got {step:g} s")
@@ -147,7 +147,7 @@ def simulate_closed_loop(
     times = options.start + tick * (np.arange(n_ticks + 1) + 1e-6)
     commands = {name: loop.command(times) for name, loop in loops.items()}
     torque, voltage = np.zeros(len(names)), np.full((n_ticks, len(names)), np.nan)
-    with _reported(progress, arm.name) as report:
+    with reported(progress, arm.name) as report:
         for k in range(n_ticks):
             for name, loop in loops.items():
                 if k % every[name] == 0:

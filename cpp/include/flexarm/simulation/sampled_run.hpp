@@ -8,6 +8,9 @@
 
 namespace flexarm::simulation {
 
+/// For each scalar coordinate of an arm the one of the same arm with its motors held; −1 where there is none.
+std::vector<int> scalar_origins(const System& held, const System& system);
+
 /// The equilibrium of an arm whose motors are held, as one of the same arm with some of them let go; what
 /// the motors gave is not part of it.
 Equilibrium released(const System& held, const Equilibrium& equilibrium, const System& system);

@@ -36,6 +36,9 @@ namespace flexarm::simulation {
 StateDerivative static_derivative(const System& system, const Equilibrium& equilibrium,
                                   const std::vector<Variation>& variations);
 
+/// That derivative for the same arm with some of its motors let go; see `released` of sampled_run.hpp.
+StateDerivative released(const System& held, const StateDerivative& derivative, const System& system);
+
 /// Walks beside an HhtStepper and differentiates each step that it has taken.
 class Sensitivities {
  public:

@@ -1,0 +1,198 @@
+"""Derivatives of runs and equilibria with respect to parameters of the model.
+
+The core differentiates every step; it takes two models for each parameter, one with a little more of it and
+one with a little less (`flexarm.arm.parameter`), and what moves them where the drive depends on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arm.parameter import Parameter, neighbours, parameters, path_of
+from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
+from flexarm.arrays import Floats, frozen
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexarm.netcdf import Contents, Variable
+
+Motions = list[_core.PiecewisePolynomial]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivities:
+    """Derivatives of a result's arrays by parameters of its model.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        By what was differentiated.
+    arrays : dict of str to ndarray
+        Under the name of each array its derivatives: its shape and, as last axis, the parameter. Units are
+        the array's over the parameter's.
+
+    Examples
+    --------
+    >>> run.sensitivities["position"][:, 0, :, 1]  # of point 0 by parameter 1  # doctest: +SKIP
+    >>> run.sensitivities.by("payloads.load.mass")["position"]  # m/kg  # doctest: +SKIP
+    """
+
+    parameters: tuple[Parameter, ...]
+    arrays: Mapping[str, Floats]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the parameters, in the order of the last axis."""
+        return tuple(parameter.key for parameter in self.parameters)
+
+    def __getitem__(self, name: str) -> Floats:
+        """Derivatives of the array of that name."""
+        if name not in self.arrays:
+            raise InvalidParameter(f"no derivatives of {name!r}; there are those of {', '.join(self.arrays)}")
+        return self.arrays[name]
+
+    def by(self, key: str) -> dict[str, Floats]:
+        """Derivatives of every array by one parameter.
+
+        Raises
+        ------
+        InvalidParameter
+            If there are none by it.
+        """
+        if key not in self.keys:
+            raise InvalidParameter(
+                f"no derivative by {key!r} was computed; there are {', '.join(self.keys) or 'none'}"
+            )
+        k = self.keys.index(key)
+        return {name: array[..., k] for name, array in self.arrays.items()}
+
+    def add_to(self, contents: Contents) -> Contents:
+        """The contents of the result's file with the derivatives: d_NAME beside NAME."""
+        derivatives: dict[str, Variable] = {
+            f"d_{name}": (
+                (*contents.variables[name][0], "parameter"),
+                array,
+                {"long_name": f"derivative of {name}"},
+            )
+            for name, array in self.arrays.items()
+        }
+        units: Variable = (("parameter",), [p.unit for p in self.parameters], {})
+        return replace(
+            contents,
+            variables={**contents.variables, **derivatives, "parameter_unit": units},
+            labels={**contents.labels, "parameter": self.keys},
+        )
+
+    @classmethod
+    def stored(cls, arm: Arm, data: xr.Dataset) -> Sensitivities | None:
+        """What `add_to` put into a file; None if it holds no derivatives."""
+        if "parameter" not in data.coords:
+            return None
+        arrays = {
+            str(name)[2:]: frozen(data[name].values) for name in data.data_vars if str(name).startswith("d_")
+        }
+        return cls(parameters(arm, [str(key) for key in data["parameter"].values]), arrays)
+
+    def __repr__(self) -> str:
+        return f"<Sensitivities of {', '.join(self.arrays)} to {', '.join(self.keys) or 'nothing'}>"
+
+
+def moves_arm(arm: Arm, parameter: Parameter) -> bool:
+    """Whether a parameter belongs to the mechanics; else it only changes what sensors show, or drives."""
+    path = path_of(arm, parameter.key)
+    entry = getattr(arm, path.table)[path.index]
+    return not isinstance(entry, SignalEffect | ClockEffect | FrameEffect)
+
+
+@dataclass(frozen=True)
+class Redrive:
+    """How a record drives an arm whose effects on sensors are others.
+
+    Attributes
+    ----------
+    places : collection of str
+        Signals that drive, and their clocks.
+    motions : callable
+        Motions of an arm's joints.
+    """
+
+    places: Collection[str]
+    motions: Callable[[Arm], Motions]
+
+
+def varied(
+    arm: Arm,
+    wanted: Sequence[Parameter],
+    assembled: Callable[[Arm], _core.System],
+    redrive: Redrive | None = None,
+) -> tuple[list[_core.Varied], list[int]]:
+    """What the core differentiates by.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    wanted : sequence of Parameter
+        Of the model.
+    assembled : callable
+        Makes the system of an arm.
+    redrive : Redrive, optional
+        Of a run along a record.
+
+    Returns
+    -------
+    varied : list of Varied
+        One for each parameter that moves the arm or its drives.
+    places : list of int
+        Their places among the parameters.
+    """
+    found, places = [], []
+    for k, parameter in enumerate(wanted):
+        moves = moves_arm(arm, parameter)
+        drives = redrive is not None and not moves and _place(arm, parameter) in redrive.places
+        if not moves and not drives:
+            continue
+        (above, up), (below, down) = neighbours(arm, parameter)
+        plus, minus = (assembled(above), assembled(below)) if moves else [assembled(arm)] * 2
+        motions: list[Motions] = []
+        if redrive is not None and drives:
+            motions = [redrive.motions(above), redrive.motions(below)]
+        found.append(_core.Varied(plus, minus, up, down, *motions))
+        places.append(k)
+    return found, places
+
+
+def collected(
+    wanted: tuple[Parameter, ...], places: Sequence[int], arrays: Mapping[str, Sequence[Floats]]
+) -> Sensitivities:
+    """Derivatives by some of the wanted parameters, with zeros for those that move nothing.
+
+    Parameters
+    ----------
+    wanted : tuple of Parameter
+        All of them.
+    places : sequence of int
+        Those of which there are derivatives.
+    arrays : dict of str to sequence of ndarray
+        One derivative a place.
+    """
+    whole = {}
+    for name, derivatives in arrays.items():
+        array = np.zeros((*derivatives[0].shape, len(wanted)))
+        for k, derivative in zip(places, derivatives, strict=False):
+            array[..., k] = derivative
+        whole[name] = frozen(array)
+    return Sensitivities(wanted, whole)
+
+
+def _place(arm: Arm, parameter: Parameter) -> str:
+    path = path_of(arm, parameter.key)
+    return str(getattr(arm, path.table)[path.index].at)
