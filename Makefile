@@ -34,10 +34,10 @@ build/%/build.ninja: CMakePresets.json .venv/stamps/python
 build: build/release/build.ninja
 	@$(BIN)/cmake --build --preset release
 
-## C++ tests, Python tests and notebooks
+## C++ tests, Python tests and notebooks; a file's tests share what it makes, so they stay in one process
 test: build
 	@$(BIN)/ctest --preset release
-	@$(BIN)/python -m pytest
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile
 
 ## The figures of the paper, into results/
 reproduce: build
