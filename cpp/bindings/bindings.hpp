@@ -9,5 +9,6 @@ void bind_joints(pybind11::module_& m);
 void bind_model(pybind11::module_& m);
 void bind_assembly(pybind11::module_& m);
 void bind_simulation(pybind11::module_& m);
+void bind_stepping(pybind11::module_& m);
 void bind_solids(pybind11::module_& m);
 void bind_reduction(pybind11::module_& m);

@@ -55,6 +55,7 @@ PYBIND11_MODULE(_core, m) {
   bind_model(m);
   bind_assembly(m);
   bind_simulation(m);
+  bind_stepping(m);
   bind_solids(m);
   bind_reduction(m);
 }

@@ -26,6 +26,11 @@ const Eigen::SparseMatrix<double>& IterationMatrix::assemble(const State& state,
   return matrix_;
 }
 
+void IterationMatrix::forget() {
+  slots_.clear();
+  matrix_ = {};
+}
+
 void IterationMatrix::find_slots(const State& state, const Loads& loads, const TangentFactors& factors,
                                  const VectorXd& law_tangents) {
   std::vector<Eigen::Triplet<double>> entries;

@@ -110,6 +110,7 @@ bool HhtStepper::step(State& state, double h, const Drives& drives) {
   }
   ++statistics_.steps;
   if (follower_) follower_(before_, state, exponent_, h, loads_);
+  ++memory_.steps;
   return true;
 }
 
@@ -144,7 +145,7 @@ bool HhtStepper::iterate(State& state, double h) {
   const int n = system_.n_free();
   const double beta_h2 = coefficients_.beta * h * h;
   const double tolerance = std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2);
-  const bool cautious = has_memory(system_) || statistics_.steps % trusted_steps == 0;
+  const bool cautious = has_memory(system_) || memory_.steps % trusted_steps == 0;
   bool fresh = false;
   double previous = 0;
   for (int k = 0; k < options_.max_iterations; ++k) {
@@ -159,10 +160,10 @@ bool HhtStepper::iterate(State& state, double h) {
     state.multipliers += mass_scale_ / beta_h2 * dx_.tail(system_.n_constraints());
     configure(state, h);
 
-    const double rate = previous > 0 ? size / previous : contraction_;
+    const double rate = previous > 0 ? size / previous : memory_.contraction;
     const double error = rate < 1 ? rate / (1 - rate) * size : size;
     if (error < tolerance && (k > 0 || !cautious)) {
-      if (previous > rounding_floor) contraction_ = std::clamp(rate, 1e-4, 0.9);
+      if (previous > rounding_floor) memory_.contraction = std::clamp(rate, 1e-4, 0.9);
       return true;
     }
     if (size < rounding_floor || (k > 1 && rate > 0.5 && size < options_.tolerance))
@@ -171,7 +172,7 @@ bool HhtStepper::iterate(State& state, double h) {
       if (!factor(state, h)) return false;
       fresh = true;
       previous = 0;
-      contraction_ = 0.5;
+      memory_.contraction = 0.5;
       continue;
     }
     if (rate > 2) return false;
@@ -180,12 +181,38 @@ bool HhtStepper::iterate(State& state, double h) {
   return false;
 }
 
+HhtMemory HhtStepper::memory() const {
+  HhtMemory memory = memory_;
+  if (factored_h_ == 0) memory.factored = nullptr;
+  return memory;
+}
+
+void HhtStepper::recall(const HhtMemory& memory) {
+  const bool at_hand = factored_h_ != 0 && memory.factored == memory_.factored;
+  memory_ = memory;
+  if (at_hand) return;
+  factored_h_ = 0;
+  if (memory.factored == nullptr) return;
+  const Linearisation& at = *memory.factored;
+  loads_ = at.loads;
+  if (!factor(at.state, at.h)) {
+    throw NotConverged("the matrix that was factored at t = " + std::to_string(at.state.t) + " s is singular",
+                       at.state.t, 0, 0);
+  }
+  memory_.factored = memory.factored;
+}
+
 bool HhtStepper::factor(const State& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const double per_h2 = 1 / (beta * h * h);
   const assembly::TangentFactors c{per_h2 / (1 + alpha), gamma / (beta * h), 1, mass_scale_ * per_h2};
   kept_tangents_ = system_.law_tangents(state, c, true);
   ++statistics_.factorisations;
+  if (options_.reproducible) {  // neither the pattern nor the pivots of earlier numbers
+    memory_.factored = std::make_shared<const Linearisation>(state, loads_, h);
+    matrix_.forget();
+    factor_ = SparseFactor();
+  }
   if (!factor_.factor(matrix_.assemble(state, loads_, c, kept_tangents_))) {
     factored_h_ = 0;
     return false;

@@ -21,6 +21,9 @@ class IterationMatrix {
   const Eigen::SparseMatrix<double>& assemble(const State& state, const Loads& loads,
                                               const TangentFactors& factors, const VectorXd& law_tangents);
 
+  /// The next pattern is that of the next numbers, whatever came before.
+  void forget();
+
  private:
   void find_slots(const State& state, const Loads& loads, const TangentFactors& factors,
                   const VectorXd& law_tangents);

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/assembly/system.hpp"
@@ -63,6 +64,22 @@ struct HhtOptions {
   int max_iterations = 12;               ///< before new factors, or a smaller step
   int max_halvings = 8;
   double slow_contraction = 0.25;  ///< above this rate the matrix is factored anew
+  bool reproducible = false;       ///< see HhtMemory; factoring then costs an analysis of the pattern too
+};
+
+/// Where factors were made.
+struct Linearisation {
+  State state;
+  Loads loads;
+  double h = 0;
+};
+
+/// What a stepper carries from one step to the next beside the state. A reproducible stepper that recalls it
+/// makes the same step to the last bit, whatever it did in between, and so does another one.
+struct HhtMemory {
+  std::shared_ptr<const Linearisation> factored;  ///< null: no factors yet
+  double contraction = 0.5;  ///< of the last steps, for the first iterate's error estimate
+  long steps = 0;            ///< accepted so far
 };
 
 /// Told of every accepted step: states 0 and 1, the argument of exp in (3), its size and the loads at its
@@ -87,6 +104,13 @@ class HhtStepper {
   /// Lets somebody walk along; steps that are halved are told half by half.
   void follow_with(Follower follower) { follower_ = std::move(follower); }
 
+  /// Loads that act from now on, beside gravity and motors.
+  void set_point_loads(const std::vector<assembly::PointLoad>& points) { loads_.points = points; }
+
+  /// @throws NotConverged if the factors cannot be made again.
+  void recall(const HhtMemory& memory);
+  HhtMemory memory() const;
+
   const HhtStatistics& statistics() const { return statistics_; }
   /// Motor torques in the state last reached were part of the loads; needed to evaluate forces there.
   const Loads& loads() const { return loads_; }
@@ -108,8 +132,8 @@ class HhtStepper {
 
   assembly::IterationMatrix matrix_;
   SparseFactor factor_;
-  double factored_h_ = 0;     // step for which the factors hold; 0: none
-  double contraction_ = 0.5;  // of the last steps, for the first iterate's error estimate
+  double factored_h_ = 0;  // step for which the factors hold; 0: none
+  HhtMemory memory_;
   double mass_scale_;
 
   State before_;       // state 0
