@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flexarm.simulation import Simulation, simulate
     from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics import Statics, static
+    from flexarm.stepping import State, Stepper
     from flexarm.superelement import SuperElement
     from flexarm.superelement.foreign import accept_matrices
 
@@ -36,7 +37,9 @@ _EXPORTS = {
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
     "SolidMesh": "flexarm.solids",
+    "State": "flexarm.stepping",
     "Statics": "flexarm.statics",
+    "Stepper": "flexarm.stepping",
     "SuperElement": "flexarm.superelement",
     "accept_matrices": "flexarm.superelement.foreign",
     "compare": "flexarm.comparison",
@@ -64,7 +67,9 @@ __all__ = [
     "Signal",
     "Simulation",
     "SolidMesh",
+    "State",
     "Statics",
+    "Stepper",
     "SuperElement",
     "accept_matrices",
     "compare",

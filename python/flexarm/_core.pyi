@@ -34,9 +34,11 @@ __all__: list[str] = [
     "Joint",
     "JointType",
     "LinearSpring",
+    "Linearisation",
     "Loads",
     "Material",
     "Modes",
+    "Moment",
     "Payload",
     "Pedestal",
     "PiecewisePolynomial",
@@ -49,10 +51,12 @@ __all__: list[str] = [
     "SampledRun",
     "Section",
     "SectionForces",
+    "Snapshots",
     "SolidMaterial",
     "SolidMesh",
     "State",
     "StateDerivative",
+    "Stepping",
     "SuperElementLink",
     "System",
     "Transient",
@@ -63,15 +67,20 @@ __all__: list[str] = [
     "base_wrench",
     "build_info",
     "cubic_spline",
+    "displaced",
     "exp6",
     "frequency_derivatives",
     "joint_angles",
+    "joint_coordinates",
+    "joint_reading",
     "joint_torque",
     "log6",
     "mass_properties",
     "modes",
+    "moment",
     "motor_torques",
     "moved",
+    "point_reading",
     "rectangle_section",
     "reduce_part",
     "released",
@@ -82,8 +91,10 @@ __all__: list[str] = [
     "simulate_differentiated",
     "smallest_jacobians",
     "static_derivative",
+    "snapshots",
     "static_equilibrium",
     "stresses",
+    "tangents",
     "tube_section",
     "von_mises",
 ]
@@ -691,6 +702,73 @@ class SampledRun:
     @property
     def time(self) -> float: ...
 
+class Linearisation:
+    """
+    Where factors were made.
+    """
+
+class Moment:
+    """
+    An instant to go on from.
+    """
+    def arrays(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+        """
+        The state as named arrays.
+        """
+    def counts(self) -> tuple[int, int, float, float]:
+        """
+        Steps, accepted steps, contraction, step of the kept matrix.
+        """
+    def factored_arrays(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+        """
+        The state at which the kept matrix was factored; empty without.
+        """
+    def factored_forces(self) -> dict[int, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
+        """
+        Forces at points that were part of that matrix.
+        """
+    @property
+    def state(self) -> State: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def time(self) -> float: ...
+
+class Stepping:
+    """
+    One step at a time.
+    """
+    def __init__(
+        self,
+        system: System,
+        step: typing.SupportsFloat | typing.SupportsIndex,
+        alpha: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def advance(
+        self,
+        moment: Moment,
+        inputs: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]", "flags.c_contiguous"],
+        points: collections.abc.Sequence[PointLoad] = [],
+    ) -> Moment:
+        """
+        The next moment; rows of inputs: value, rate, acceleration.
+        """
+    def start(self, equilibrium: Equilibrium) -> Moment:
+        """
+        The moment of an equilibrium, at t = 0.
+        """
+    @property
+    def statistics(self) -> HhtStatistics: ...
+
+class Snapshots:
+    """
+    States looked at one by one.
+    """
+    @property
+    def acceleration(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def run(self) -> Transient: ...
+
 class CellType(enum.Enum):
     hex20 = ...
     hex8 = ...
@@ -912,6 +990,17 @@ def cubic_spline(
     Coefficients of the not-a-knot spline through samples.
     """
 
+def displaced(
+    system: System,
+    state: State,
+    increment: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+    v: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+    v_dot: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+) -> State:
+    """
+    A state moved, with velocities and accelerations.
+    """
+
 def exp6(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> Frame:
     """
     Exponential of SE(3).
@@ -932,6 +1021,18 @@ def joint_angles(
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     Angle of every link about its joint.
+    """
+
+def joint_coordinates(system: System) -> list[tuple[int, int]]:
+    """
+    Row of theta and phi of each joint among the velocities, -1 without.
+    """
+
+def joint_reading(
+    system: System, state: State, joint: typing.SupportsInt | typing.SupportsIndex
+) -> tuple[float, float, float, float, float, float]:
+    """
+    Angle and rate of link and drive, torque on the child and of the motor.
     """
 
 def joint_torque(system: System, state: State, joint: typing.SupportsInt | typing.SupportsIndex) -> float:
@@ -962,6 +1063,25 @@ def modes(
     Lowest modes about an equilibrium.
     """
 
+def moment(
+    system: System,
+    state: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]],
+    factored: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]],
+    forces: collections.abc.Mapping[
+        typing.SupportsInt | typing.SupportsIndex,
+        typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+    ],
+    counts: tuple[
+        typing.SupportsInt | typing.SupportsIndex,
+        typing.SupportsInt | typing.SupportsIndex,
+        typing.SupportsFloat | typing.SupportsIndex,
+        typing.SupportsFloat | typing.SupportsIndex,
+    ],
+) -> Moment:
+    """
+    The moment of stored arrays.
+    """
+
 def motor_torques(
     system: System, state: State, friction: bool
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -978,6 +1098,19 @@ def moved(
 ) -> State:
     """
     The state moved along its derivative by an amount of the k-th parameter.
+    """
+
+def point_reading(
+    system: System, state: State, point: typing.SupportsInt | typing.SupportsIndex
+) -> tuple[
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+]:
+    """
+    Position, velocity, rotation, angular rate (own axes) and acceleration of a point.
     """
 
 def rectangle_section(
@@ -1053,6 +1186,11 @@ def smallest_jacobians(
     Smallest scaled Jacobian of each cell, one array a block; 1 is ideal, 0 flat, below inverted.
     """
 
+def snapshots(system: System, states: collections.abc.Sequence[State], loads: Loads) -> Snapshots:
+    """
+    What a run would have recorded in these states.
+    """
+
 def static_derivative(
     system: System,
     equilibrium: Equilibrium,
@@ -1077,6 +1215,18 @@ def stresses(
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 6]"]:
     """
     Stresses of the points: xx, yy, zz, xy, yz, zx.
+    """
+
+def tangents(
+    system: System, equilibrium: Equilibrium
+) -> tuple[
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+]:
+    """
+    M, C, K of the free coordinates and the constraint Jacobian, dense.
     """
 
 def tube_section(

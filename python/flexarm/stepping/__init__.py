@@ -1,0 +1,6 @@
+"""One step at a time, for users with a controller of their own."""
+
+from flexarm.stepping.state import State
+from flexarm.stepping.stepper import JointReading, PointReading, Stepper
+
+__all__ = ["JointReading", "PointReading", "State", "Stepper"]

@@ -1,0 +1,348 @@
+"""An arm that is stepped by its user, who decides from step to step what joints are told.
+
+    state = sim.start(joints={"hinge": 0.5})
+    state = sim.step(state, {"hinge": torque})
+
+A torque and a force are held over the step. An angle is the one at the end of the step; its rate and
+acceleration follow from the angles by the formulas of the time stepping itself, with alpha = -1/3, so that
+they neither ring nor drift, or are given with it: {"hinge": (angle, rate, acceleration)}.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Mapping, Sequence
+from math import isfinite, nan
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.instants import Instants
+from flexarm.stepping.state import State
+from flexarm.tables import toml_text
+
+Input = float | Sequence[float]
+
+_KINDS = {
+    "motor": _core.DriveKind.motor_angle,
+    "output": _core.DriveKind.link_angle,
+    "torque": _core.DriveKind.torque,
+    "free": _core.DriveKind.free,
+}
+
+
+class JointReading(NamedTuple):
+    """A joint at an instant.
+
+    Attributes
+    ----------
+    angle, rate : float
+        theta of the link about the joint [rad, m if prismatic], and its rate.
+    drive_angle, drive_rate : float
+        phi of the motor over the ratio, and its rate.
+    torque, motor_torque : float
+        On the child about +axis; of the motor with rotor inertia and friction; output side [N m].
+    """
+
+    angle: float
+    rate: float
+    drive_angle: float
+    drive_rate: float
+    torque: float
+    motor_torque: float
+
+
+class PointReading(NamedTuple):
+    """A point at an instant.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : ndarray, shape (3,)
+        Base axes [m], [m/s], [m/s2].
+    rotation : ndarray, shape (3, 3)
+        Body axes as columns, base axes.
+    angular_rate : ndarray, shape (3,)
+        Body axes [rad/s].
+    """
+
+    position: Floats
+    velocity: Floats
+    acceleration: Floats
+    rotation: Floats
+    angular_rate: Floats
+
+
+class Stepper:
+    """Steps an arm for a controller of the user's own.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    told : dict of str to {"motor", "output", "torque", "free"}
+        What each joint is told: the motor's angle over the ratio, the link's own angle, the motor's torque
+        times the ratio, or nothing. Joints left out stay where they start; those that a gear couples to a
+        told one follow it.
+    forces : collection of str
+        Points that forces will act on; on a beam they get a node of their own.
+    step : float
+        Time step [s].
+    alpha : float
+        Of the HHT method, -1/3 to 0; 0 damps nothing, negative values damp high frequencies.
+
+    Raises
+    ------
+    InvalidParameter
+        If a joint or point does not exist, or step or alpha is out of range.
+
+    Examples
+    --------
+    >>> sim = flexarm.Stepper(arm, {"hinge": "torque"}, step=1e-3)  # doctest: +SKIP
+    >>> state = sim.start(joints={"hinge": 0.5})  # doctest: +SKIP
+    >>> state = sim.step(state, {"hinge": sim.joint(state, "hinge").motor_torque})  # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        told: Mapping[str, str],
+        *,
+        forces: Collection[str] = (),
+        step: float = 2e-3,
+        alpha: float = -0.05,
+    ) -> None:
+        self._arm = arm
+        self._told = dict(told)
+        self._joints = {joint.name: i for i, joint in enumerate(arm.joints)}
+        self._points = {point.name: i for i, point in enumerate(arm.points)}
+        self._sensors = {sensor.name: sensor for sensor in arm.sensors}
+        self._check_told()
+        point_loads(arm, {name: np.zeros(3) for name in forces})
+        self._forces = tuple(forces)
+        self._inputs = {name: self._place(name) for name, what in self._told.items() if what != "free"}
+        self._system = assemble(arm, self._kinds(self._told), loaded=self._forces)
+        self._core = _core.Stepping(self._system, float(step), float(alpha))
+        self._key = self._hash()
+        self._step = float(step)
+
+    @property
+    def arm(self) -> Arm:
+        """The model."""
+        return self._arm
+
+    @property
+    def time_step(self) -> float:
+        """Time step [s]."""
+        return self._step
+
+    def start(
+        self, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
+    ) -> State:
+        """Equilibrium at rest, all joints held; those told a torque or nothing are then let go.
+
+        The torque that held a joint is `joint(state, name).motor_torque`.
+
+        Parameters
+        ----------
+        joints : dict of str to float, optional
+            Where drives stand, output side [rad, m if prismatic]; default 0. Where a joint
+            is told "output", its link.
+        forces : dict of str to (3,), optional
+            Forces in that equilibrium, base axes [N].
+
+        Raises
+        ------
+        InvalidParameter
+            If a joint or point does not exist.
+        NotConverged
+            If there is no stable equilibrium.
+        """
+        held = {name: what if what == "output" else "motor" for name, what in self._told.items()}
+        system = assemble(self._arm, self._kinds(held), loaded=self._forces)
+        loads = _core.Loads(gravity=np.array(self._arm.gravity), points=self._loads(forces or {}))
+        equilibrium = _core.static_equilibrium(system, joint_values(self._arm, joints or {}), loads)
+        return State(self._key, self._core.start(_core.released(system, equilibrium, self._system)))
+
+    def step(
+        self, state: State, inputs: Mapping[str, Input], forces: Mapping[str, ArrayLike] | None = None
+    ) -> State:
+        """The state one step later; the one given stays as it is.
+
+        Parameters
+        ----------
+        state : State
+            Where to start.
+        inputs : dict of str to float
+            For each joint that is told something: the torque over the step, output side [N m, N if
+            prismatic], or the angle at its end [rad, m], or (angle, rate, acceleration) there.
+        forces : dict of str to (3,), optional
+            Forces over the step at points that may have some, base axes [N]; default none.
+
+        Raises
+        ------
+        InvalidParameter
+            If an input is missing, unknown or not finite, or the state belongs to another arm.
+        NotConverged
+            With time, iteration and residual.
+        """
+        points = self._loads(forces) if forces else []
+        return State(self._key, self._core.advance(self._moment(state), self._rows(inputs), points))
+
+    def joint(self, state: State, name: str) -> JointReading:
+        """Angles, rates and torques of a joint.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such joint.
+        """
+        at = _index(self._joints, name, "joint")
+        return JointReading(*_core.joint_reading(self._system, self._moment(state).state, at))
+
+    def point(self, state: State, name: str) -> PointReading:
+        """Position, velocity, acceleration, rotation and angular rate of a point.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such point.
+        """
+        at = _index(self._points, name, "point")
+        x, v, R, omega, a = _core.point_reading(self._system, self._moment(state).state, at)
+        return PointReading(x, v, a, R, omega)
+
+    def sensor(self, state: State, name: str) -> Floats:
+        """What a sensor of the model reads, without noise, rounding or delay: one number a channel, SI.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such sensor, or it measures what no state holds, such as a voltage.
+        """
+        if name not in self._sensors:
+            raise InvalidParameter(_unknown(name, "sensor", self._sensors))
+        instant = Instants.of(self._arm, self._system, [self._moment(state).state])
+        values: Floats = instant.readings(self._sensors[name])[0]
+        return values
+
+    def _check_told(self) -> None:
+        moving = [joint.name for joint in self._arm.moving_joints]
+        for name, what in self._told.items():
+            if name not in moving:
+                raise InvalidParameter(
+                    f"there is no moving joint {name!r}; there are {', '.join(moving) or 'none'}",
+                    where="told",
+                )
+            if what not in _KINDS:
+                raise InvalidParameter(
+                    f"must be one of {', '.join(_KINDS)}, got {what!r}", where=f"told.{name}"
+                )
+
+    def _place(self, name: str) -> tuple[int, float, bool]:
+        """Row of a joint's input and the factor to it, through gears to the motor; whether it is an angle."""
+        factor = 1.0
+        if self._told[name] == "motor":
+            drivers = {gear.output: gear for gear in self._arm.gears if gear.input not in self._told}
+            while name in drivers:
+                factor *= drivers[name].ratio
+                name = drivers[name].input
+        return self._joints[name], factor, self._told.get(name, "motor") != "torque"
+
+    def _kinds(self, told: Mapping[str, str]) -> dict[str, _core.DriveKind]:
+        """What the core's joints are told; a motor's angle at the input of the gears before it."""
+        names = list(self._joints)
+        return {
+            names[self._inputs[name][0]] if what == "motor" and name in self._inputs else name: _KINDS[what]
+            for name, what in told.items()
+        }
+
+    def _loads(self, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:
+        for name in forces:
+            if name in self._points and name not in self._forces:
+                raise InvalidParameter(
+                    f"no force may act on {name!r}; name it in `forces` of the Stepper, "
+                    f"which has {', '.join(self._forces) or 'none'}",
+                    where="forces",
+                )
+        return point_loads(self._arm, forces)
+
+    def _rows(self, inputs: Mapping[str, Input]) -> Floats:
+        """Value, rate and acceleration of every joint; NaN for rates that follow from the angles."""
+        rows = np.zeros((len(self._joints), 3))
+        rows[:, 1:] = nan
+        if inputs.keys() != self._inputs.keys():
+            wrong = sorted(inputs.keys() ^ self._inputs.keys())
+            raise InvalidParameter(
+                f"must be given for exactly {', '.join(self._inputs) or 'no joint'}; "
+                f"missing or unknown: {', '.join(wrong)}",
+                where="inputs",
+            )
+        for name, value in inputs.items():
+            row, factor, is_angle = self._inputs[name]
+            if isinstance(value, float) and isfinite(value):
+                rows[row, 0] = factor * value
+            else:
+                rows[row] = _checked(name, value, is_angle)
+                rows[row] *= factor
+        return rows
+
+    def _moment(self, state: State) -> _core.Moment:
+        if state.key != self._key:
+            raise InvalidParameter(
+                "belongs to another arm, or to one whose joints are told something else; "
+                f"its key is {state.key[:12]}, needed is {self._key[:12]}",
+                where="state",
+            )
+        return state.moment(self._system)
+
+    def _hash(self) -> str:
+        """Of the model, its parts, and what is told and pushed: all that decides what a state is made of."""
+        found = hashlib.sha256(toml_text(self._arm.to_dict()).encode())
+        for link in self._arm.links:
+            if link.type == "superelement" and Path(link.file).is_file():
+                found.update(Path(link.file).read_bytes())
+        found.update(repr((sorted(self._told.items()), sorted(self._forces))).encode())
+        return found.hexdigest()
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}: {what}" for name, what in self._told.items())
+        return f"<Stepper of {self._arm.name!r}: {told or 'nothing is told'}, step {self._step:g} s>"
+
+
+def _checked(name: str, value: Input, is_angle: bool) -> Floats:
+    """A number that is no float, or an angle with rate and acceleration, as a row.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is neither, or not finite.
+    """
+    allowed = "a finite number" + (
+        " or (angle, rate, acceleration)" if is_angle else " [N m, N if prismatic]"
+    )
+    try:
+        row = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        row = np.array(nan)
+    if row.shape == () and np.isfinite(row):
+        return np.array([float(row), nan, nan])
+    if is_angle and row.shape == (3,) and np.isfinite(row).all():
+        return row
+    raise InvalidParameter(f"must be {allowed}, got {value!r}", where=f"inputs.{name}")
+
+
+def _index(places: Mapping[str, int], name: str, kind: str) -> int:
+    if name not in places:
+        raise InvalidParameter(_unknown(name, kind, places))
+    return places[name]
+
+
+def _unknown(name: str, kind: str, known: Collection[str]) -> str:
+    return f"there is no {kind} {name!r}; there are {', '.join(known) or 'none'}"
