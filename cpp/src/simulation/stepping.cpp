@@ -45,7 +45,7 @@ std::vector<Path> paths(const System& system, const State& state, const std::vec
 Stepping::Stepping(const System& system, double step, double alpha)
     : system_(system),
       step_(step),
-      stepper_(system, solvers::HhtCoefficients::from_alpha(alpha), Loads{.gravity = system.arm().gravity},
+      stepper_(system, solvers::HhtCoefficients::from_alpha(alpha), Loads{system.arm().gravity, {}, {}},
                {.reproducible = true}) {
   if (!(step > 0)) throw InvalidParameter("step must be positive, got " + std::to_string(step) + " s");
 }
