@@ -282,7 +282,7 @@ def static(
     wanted = parameters(arm, sensitivities)
     return Statics(
         arm=arm,
-        displacement=frozen(found["position"] - _rigid(arm, values)),
+        displacement=frozen(found["position"] - _rigid(arm, system, values)),
         drive_angle=frozen(values),
         **{name: frozen(array) for name, array in found.items()},
         solver={
@@ -341,9 +341,9 @@ def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
     return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
 
 
-def _rigid(arm: Arm, values: list[float]) -> Floats:
+def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
     """The points of the rigid arm without effects: what effects move counts as displacement."""
-    plain = _core.System(core_arm(arm, nominal=True), {})
+    plain = _core.System(core_arm(arm, nominal=True), {}) if arm.effects else system
     return _positions(plain, plain.rigid_state(values), len(arm.points))
 
 
