@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.campaign import simulate_all
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
     from flexarm.configuration import config, show_config
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
     from flexarm.reduction import InterfaceSet, reduce_mesh
+    from flexarm.sensitivity import Sensitivities
     from flexarm.simulation import Simulation, simulate
     from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics import Statics, static
@@ -34,6 +36,7 @@ _EXPORTS = {
     "Modes": "flexarm.modal",
     "NotConverged": "flexarm.errors",
     "Record": "flexarm.record",
+    "Sensitivities": "flexarm.sensitivity",
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
     "SolidMesh": "flexarm.solids",
@@ -50,6 +53,7 @@ _EXPORTS = {
     "reduce_mesh": "flexarm.reduction",
     "show_config": "flexarm.configuration",
     "simulate": "flexarm.simulation",
+    "simulate_all": "flexarm.campaign",
     "static": "flexarm.statics",
 }
 
@@ -64,6 +68,7 @@ __all__ = [
     "Modes",
     "NotConverged",
     "Record",
+    "Sensitivities",
     "Signal",
     "Simulation",
     "SolidMesh",
@@ -80,6 +85,7 @@ __all__ = [
     "reduce_mesh",
     "show_config",
     "simulate",
+    "simulate_all",
     "static",
 ]
 

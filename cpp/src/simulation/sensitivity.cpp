@@ -94,6 +94,8 @@ StateDerivative static_derivative(const System& system, const Equilibrium& equil
   const State& state = equilibrium.state;
   StateDerivative d(system, static_cast<Eigen::Index>(variations.size()));
   prescribe(system, variations, state.t, d);
+  d.velocity.setZero();  // at rest, however the drives begin
+  d.v_dot.setZero();
   assembly::TangentParts parts(system);
   parts.assemble(state, equilibrium.loads, 1.0, false);
   const double scale = largest_diagonal(parts.K(), system.n_free());
