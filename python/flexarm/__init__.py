@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from flexarm.configuration import config, show_config
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+    from flexarm.linear import LinearModel
+    from flexarm.linear.linearise import linearise
     from flexarm.measurement.measure import measure
     from flexarm.modal import Modes, modes
     from flexarm.record import Record, Signal
@@ -33,6 +35,7 @@ _EXPORTS = {
     "InvalidFile": "flexarm.errors",
     "InvalidParameter": "flexarm.errors",
     "JointDrive": "flexarm.drive",
+    "LinearModel": "flexarm.linear",
     "Modes": "flexarm.modal",
     "NotConverged": "flexarm.errors",
     "Record": "flexarm.record",
@@ -47,6 +50,7 @@ _EXPORTS = {
     "accept_matrices": "flexarm.superelement.foreign",
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
+    "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
     "read_mesh": "flexarm.solids",
@@ -65,6 +69,7 @@ __all__ = [
     "InvalidFile",
     "InvalidParameter",
     "JointDrive",
+    "LinearModel",
     "Modes",
     "NotConverged",
     "Record",
@@ -79,6 +84,7 @@ __all__ = [
     "accept_matrices",
     "compare",
     "config",
+    "linearise",
     "measure",
     "modes",
     "read_mesh",

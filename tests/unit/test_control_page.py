@@ -1,10 +1,14 @@
 """docs/control.md: its programs run and do what the page says."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
 from pytest import approx
+
+from flexarm import LinearModel
+from flexarm.cli.run import run
 
 TEXT = (Path(__file__).parents[2] / "docs" / "control.md").read_text(encoding="utf-8")
 PROGRAMS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
@@ -22,3 +26,27 @@ def test_the_closed_loop_of_ten_lines_brings_the_arm_to_its_command(
     assert 4000 * (0.3 - hinge.drive_angle) == approx(hinge.motor_torque, rel=0.05)
     assert hinge.drive_angle == approx(0.34, abs=0.005)  # the weight pulls it beyond its command
     assert capsys.readouterr().out.startswith("[1.0")
+
+
+def test_the_linear_model_of_the_page_is_that_of_its_arm(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The motor let go at 0.5 rad, rotor and all, falls as a pendulum on its bearing would."""
+    monkeypatch.chdir(tmp_path)
+    exec(PROGRAMS[1], {})
+    model = LinearModel.load("arm.mat")
+    assert model.input_names == ("hinge.torque",)
+    assert model.output_names == ("hinge", "tip.x", "tip.y", "tip.z")
+    assert model.poles.real.max() > 0.5
+    assert "hinge.torque" in capsys.readouterr().out
+
+
+def test_the_commands_of_the_page_run(model_file: Path, tmp_path: Path) -> None:
+    """On a model of the tests in place of arm.toml."""
+    commands = re.findall(r"^    flexarm (linearise .*)$", TEXT, re.MULTILINE)
+    assert len(commands) == 2
+    for command in commands:
+        words = shlex.split(command.replace("arm.toml", str(model_file)))
+        words[words.index("--out") + 1] = str(tmp_path / words[words.index("--out") + 1])
+        assert run(words) == 0
+    assert len(LinearModel.load(tmp_path / "arm.nc").A) == 6

@@ -9,6 +9,7 @@ import typer
 
 from flexarm.cli.check import check
 from flexarm.cli.compare import compare
+from flexarm.cli.linearise import linearise
 from flexarm.cli.modes import modes
 from flexarm.cli.reduce import reduce
 from flexarm.cli.reproduce import reproduce
@@ -24,6 +25,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm check arm.toml                          what is it, what does it weigh
     flexarm static arm.toml --joint hinge=0.5       how far does it sag
     flexarm modes arm.toml                          how does it vibrate
+    flexarm linearise arm.toml --out arm.mat        matrices for control design
     flexarm simulate arm.toml --drive swing.csv --out run
     flexarm compare arm.toml measured               how far is the model off
     flexarm reduce hub.inp --interface ...          a solid part as a link
@@ -63,5 +65,5 @@ def _help(text: str) -> str:
 
 
 app.callback(help=_help(HELP))(_common)
-for command in (check, static, modes, simulate, compare, reduce, reproduce):
+for command in (check, static, modes, linearise, simulate, compare, reduce, reproduce):
     app.command(help=_help(command.__doc__ or ""))(command)

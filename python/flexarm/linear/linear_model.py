@@ -1,0 +1,225 @@
+"""State equations with named inputs and outputs, and the files that other programs read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats, frozen
+from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.linear import matlab
+from flexarm.netcdf import Contents
+from flexarm.result import Result, load, model_of, provenance
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from scipy.signal import StateSpace
+
+Complex = NDArray[np.complex128]
+
+MATRICES = {"A": ("state", "from_state"), "B": ("state", "input"), "C": ("output", "from_state")}
+MATRICES |= {"D": ("output", "input")}
+AT_REST = {"input_at_rest": "input", "output_at_rest": "output", "joint_values": "joint"}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LinearModel(Result):
+    """Small motions about an equilibrium: x' = A x + B u, y = C x + D u. Arrays are read-only.
+
+    u and y are deviations from `input_at_rest` and `output_at_rest`.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    A, B, C, D : ndarray
+        Of states, inputs and outputs in the order of their names.
+    input_names, input_units, output_names, output_units, state_names, state_units : tuple of str
+        "hinge.angle", "hinge.acceleration", "hinge.torque", "tip.force.x"; a sensor's name, with its axis.
+    input_at_rest : ndarray, shape (input,)
+        Angles and holding torques of the equilibrium; zero for accelerations and forces.
+    output_at_rest : ndarray, shape (output,)
+        Readings there.
+    joint_values : ndarray, shape (joint,)
+        Drive angles there [rad, m for a prismatic joint].
+    """
+
+    arm: Arm
+    A: Floats
+    B: Floats
+    C: Floats
+    D: Floats
+    input_names: tuple[str, ...]
+    input_units: tuple[str, ...]
+    output_names: tuple[str, ...]
+    output_units: tuple[str, ...]
+    state_names: tuple[str, ...]
+    state_units: tuple[str, ...]
+    input_at_rest: Floats
+    output_at_rest: Floats
+    joint_values: Floats
+
+    @property
+    def poles(self) -> Complex:
+        """Eigenvalues of A, by size [1/s]."""
+        values = np.linalg.eigvals(self.A).astype(complex) if len(self.A) else np.zeros(0, complex)
+        return np.asarray(values[np.argsort(np.abs(values), kind="stable")])
+
+    def frequency_response(self, frequency_hz: ArrayLike) -> Complex:
+        """C (i omega - A)^-1 B + D: shape (frequency, output, input)."""
+        omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=float))
+        one, B = np.eye(len(self.A)), self.B.astype(complex)
+        found = [self.C @ np.asarray(np.linalg.solve(1j * w * one - self.A, B)) + self.D for w in omega]
+        return np.array(found, dtype=complex).reshape(
+            len(omega), len(self.output_names), len(self.input_names)
+        )
+
+    def static_gain(self) -> Floats:
+        """D - C A^-1 B, what outputs come to under constant inputs: shape (output, input).
+
+        Raises
+        ------
+        InvalidParameter
+            If a pole is zero, as it is with an acceleration as input.
+        """
+        if len(self.A) and np.linalg.cond(self.A) > 1e15:
+            raise InvalidParameter("the model has a pole at zero: under constant inputs it comes to no rest")
+        return np.asarray(self.D - self.C @ np.linalg.solve(self.A, self.B))
+
+    def to_scipy(self) -> StateSpace:
+        """The same as scipy.signal.StateSpace."""
+        from scipy.signal import StateSpace
+
+        return StateSpace(self.A, self.B, self.C, self.D)
+
+    def contents(self) -> Contents:
+        """What is stored: matrices over named states, inputs and outputs with their units."""
+        named = {"state": self.state_names, "input": self.input_names, "output": self.output_names}
+        units = {"state": self.state_units, "input": self.input_units, "output": self.output_units}
+        return Contents(
+            {
+                **{name: (axes, getattr(self, name), {}) for name, axes in MATRICES.items()},
+                **{f"{axis}_unit": ((axis,), list(texts), {}) for axis, texts in units.items()},
+                **{name: ((axis,), getattr(self, name), {}) for name, axis in AT_REST.items()},
+            },
+            {**named, "from_state": self.state_names, "joint": self.joints},
+            {"kind": "linear model", "equations": "x' = A x + B u, y = C x + D u", **provenance(self.arm)},
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Writes the model: as a MAT file where the name ends in .mat, else as NetCDF.
+
+        Raises
+        ------
+        InvalidFile
+            If the file cannot be written.
+        """
+        if Path(path).suffix == ".mat":
+            matlab.save(self.contents(), path)
+        else:
+            super().save(path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> LinearModel:
+        """Reads what `save` wrote, by the ending of its name.
+
+        Raises
+        ------
+        InvalidFile
+            If the file holds no linear model.
+        """
+        data = matlab.load(path) if Path(path).suffix == ".mat" else load(path, "linear model")
+        try:
+            arrays = {name: frozen(data[name].values) for name in (*MATRICES, *AT_REST)}
+            texts = {
+                f"{axis}_{what}s": tuple(str(text) for text in data[variable].values)
+                for axis in ("input", "output", "state")
+                for what, variable in (("name", axis), ("unit", f"{axis}_unit"))
+            }
+            fields: dict[str, Any] = {**arrays, **texts}
+            return cls(arm=model_of(data), **fields)
+        except KeyError as error:
+            raise InvalidFile(path, "file", f"is no linear model: {error} is missing") from None
+
+    def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
+        """Size of the frequency response from an input (default: first) to an output, or all of its unit."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        k = 0 if input is None else _position(self.input_names, input, "input")
+        first = 0 if output is None else _position(self.output_names, output, "output")
+        unit, frequency = self.output_units[first], self._range_hz()
+        response = np.abs(self.frequency_response(frequency)[:, :, k])
+        for i, name in enumerate(self.output_names):
+            if name == output or (output is None and self.output_units[i] == unit):
+                axes.loglog(frequency, response[:, i], label=name)
+        axes.set(xlabel="frequency [Hz]", ylabel=f"output over {self.input_names[k]} {self._per(unit, k)}")
+        axes.legend()
+        return axes
+
+    def _per(self, unit: str, k: int) -> str:
+        return f"[{unit}/({self.input_units[k]})]"
+
+    def _range_hz(self) -> Floats:
+        """From a tenth of the lowest frequency to twice the tenth one, dense enough for peaks."""
+        own = np.abs(self.poles) / (2 * np.pi)
+        own = np.unique(own[own > 1e-6])
+        low, high = (own[0], own[min(len(own), 10) - 1]) if len(own) else (0.1, 10.0)
+        return np.asarray(np.geomspace(low / 10, 2 * high, 2000))
+
+    def summary(self) -> str:
+        """The result in lines that a person reads."""
+        lines = [f"linear model of {self.arm.name}: {len(self.A)} states"]
+        at_rest = ", ".join(f"{n} {v:g}" for n, v in zip(self.joints, self.joint_values, strict=True))
+        lines.append(f"about the equilibrium with drives at {at_rest}")
+        for title, names, units, values in (
+            ("input", self.input_names, self.input_units, self.input_at_rest),
+            ("output", self.output_names, self.output_units, self.output_at_rest),
+        ):
+            lines.append(f"{title:<24}{'unit':>8}{'at rest':>18}")
+            lines += [f"{n:<24}{u:>8}{v:18.8g}" for n, u, v in zip(names, units, values, strict=True)]
+        lines.append(f"{'pole [1/s]':<32}{'frequency [Hz]':>18}{'damping ratio [-]':>20}")
+        lines += [_told(pole) for pole in self.poles[: 2 * _SHOWN] if pole.imag >= 0][:_SHOWN]
+        return "\n".join(lines)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `flexarm linearise --json`."""
+        ports = {
+            "inputs": (self.input_names, self.input_units, self.input_at_rest),
+            "outputs": (self.output_names, self.output_units, self.output_at_rest),
+        }
+        return {
+            **{
+                title: [{"name": n, "unit": u, "at_rest": float(v)} for n, u, v in zip(*columns, strict=True)]
+                for title, columns in ports.items()
+            },
+            "states": list(self.state_names),
+            "poles": [[float(pole.real), float(pole.imag)] for pole in self.poles],
+        }
+
+    def __repr__(self) -> str:
+        return (
+            f"<LinearModel of {self.arm.name!r}: {len(self.A)} states, inputs "
+            f"{', '.join(self.input_names)}, outputs {', '.join(self.output_names)}>"
+        )
+
+
+_SHOWN = 8
+"""Poles of a summary."""
+
+
+def _position(names: tuple[str, ...], name: str, kind: str) -> int:
+    if name not in names:
+        raise InvalidParameter(f"there is no {kind} {name!r}; there are {', '.join(names)}")
+    return names.index(name)
+
+
+def _told(pole: complex) -> str:
+    size = abs(pole)
+    zeta = -pole.real / size if size > 0 else 0.0
+    return f"{pole.real:14.6g} {pole.imag:+14.6g}i  {size / (2 * np.pi):18.6f}{zeta:20.6f}"

@@ -1,0 +1,87 @@
+"""Linear models as MAT files (level 5), which MATLAB, Octave and SciPy read.
+
+Matrices under their names, names and units as columns of cells, texts as texts:
+
+    m = load('arm.mat');  sys = ss(m.A, m.B, m.C, m.D, 'InputName', m.input, 'OutputName', m.output)
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.errors import InvalidFile
+from flexarm.netcdf import Contents
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def save(contents: Contents, path: str | Path) -> None:
+    """Writes variables, labels and attributes; the file appears when it is whole.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be written.
+    """
+    from scipy.io import savemat
+
+    target = Path(path)
+    partial = target.with_name(f".{target.name}.partial")
+    arrays = {**{name: values for name, (_, values, _) in contents.variables.items()}, **contents.labels}
+    try:
+        with partial.open("wb") as file:
+            columns = {name: _column(values) for name, values in arrays.items()}
+            savemat(file, {**columns, **contents.attributes}, long_field_names=True)
+        partial.replace(target)
+    except OSError as error:
+        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """The dataset that `save` got.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is missing or no MAT file of a linear model.
+    """
+    import xarray as xr
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        found = loadmat(path, appendmat=False)
+    except (OSError, ValueError, NotImplementedError, TypeError, MatReadError) as error:
+        raise InvalidFile(path, "file", f"cannot be read as a MAT file: {error}") from None
+    data = xr.Dataset()
+    for name, values in found.items():
+        if name.startswith("__"):
+            continue
+        if values.dtype.kind == "U":
+            data.attrs[name] = str(values[0]) if values.size else ""
+        elif values.dtype.kind == "O":
+            data[name] = ((f"{name}_row",), [str(cell[0]) if cell.size else "" for cell in values[:, 0]])
+        else:
+            column = name.endswith(("_at_rest", "_values"))
+            data[name] = (
+                ((f"{name}_row",), values[:, 0]) if column else ((f"{name}_row", f"{name}_column"), values)
+            )
+    if data.attrs.get("kind") != "linear model":
+        raise InvalidFile(path, "kind", f"must be 'linear model', got {data.attrs.get('kind', 'none')!r}")
+    return data
+
+
+def _column(values: object) -> object:
+    """Texts as a column of cells, numbers along one axis as a column."""
+    if isinstance(values, list | tuple):
+        cells = np.empty((len(values), 1), dtype=object)
+        cells[:, 0] = [str(text) for text in values]
+        return cells
+    array = np.asarray(values)
+    return array[:, None] if array.ndim == 1 else array

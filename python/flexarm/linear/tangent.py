@@ -1,0 +1,123 @@
+r"""The motion of an arm near its loaded equilibrium.
+
+Coordinates x of all nodes and joints, motors' angles included, move as
+
+.. math:: M x'' + C x' + K x + J^T \lambda = F u,   J x = 0                                          (1)
+
+with the true tangent K (geometric stiffness and gravity in it). Motions that joints and gears allow, in which
+the angles w of driven motors are coordinates of their own, are
+
+.. math:: x = N z + G w,   J N = 0,   J G = 0,   N_{driven} = 0,   (G w)_{driven} = w                (2)
+
+A motor behind a spring turns alone: its column of G has no other entry. With a motor that holds its link, G
+is how the arm moves when that turns slowly, N^T K G = 0, where the arm has stiffness without it. z is what
+the arm does beyond. The projection of (1) on N and G,
+
+.. math:: M_z z'' + C_z z' + K_z z = N^T F u - N^T (M G w'' + C G w' + K G w)                         (3)
+.. math:: T = G^T (M x'' + C x' + K x - F u)                                                          (4)
+
+moves the arm and gives the torques T of the motors that hold w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexarm import _core
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter
+
+MOST_COORDINATES = 3000
+"""Beyond, dense matrices take minutes."""
+_RANK = 1e-10
+"""Relative size below which a pivot of the constraints or a stiffness is zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """Equations (1) and (2).
+
+    Attributes
+    ----------
+    M, C, K : ndarray, shape (n, n)
+        Of the coordinates x.
+    N, G : ndarray, shapes (n, z) and (n, driven)
+        Motions that the joints allow, (2).
+    """
+
+    M: Floats
+    C: Floats
+    K: Floats
+    N: Floats
+    G: Floats
+
+    @property
+    def motions(self) -> Floats:
+        """Columns of N, then of G."""
+        return np.hstack([self.N, self.G])
+
+
+def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequence[int]) -> Tangent:
+    """The tangent of a system whose motors are all free.
+
+    Parameters
+    ----------
+    system : System
+        Motors told their torques.
+    equilibrium : Equilibrium
+        Of that system.
+    driven : sequence of int
+        Rows of the coordinates that are prescribed.
+
+    Raises
+    ------
+    InvalidParameter
+        If driven joints are not independent, or the arm is too large.
+    """
+    if system.n_unknowns > MOST_COORDINATES:
+        raise InvalidParameter(
+            f"the arm has {system.n_unknowns} unknowns; a linear model is made of up to {MOST_COORDINATES}; "
+            "take fewer elements",
+            where="links",
+        )
+    M, C, K, J = _core.tangents(system, equilibrium)
+    allowed = _null_space(J)
+    selected = allowed[list(driven)]
+    if np.linalg.matrix_rank(selected, tol=_RANK) < len(driven):
+        raise InvalidParameter("driven joints depend on one another through gears; drive fewer of them")
+    N = allowed @ _null_space(selected)
+    N[list(driven)] = 0
+    G = _quasi_static(N, allowed @ np.linalg.pinv(selected), K)
+    for k, row in enumerate(driven):
+        if not J[:, row].any():  # a motor behind a spring turns alone
+            G[:, k] = 0
+            G[row, k] = 1
+    return Tangent(M, C, K, N, G)
+
+
+def _quasi_static(N: Floats, G: Floats, K: Floats) -> Floats:
+    """G with N^T K G = 0; as it is where the arm has a motion without stiffness."""
+    from scipy.linalg import eigvalsh
+
+    stiffness = N.T @ K @ N
+    if not len(stiffness):
+        return G
+    values = np.abs(eigvalsh(0.5 * (stiffness + stiffness.T)))
+    if values.min() < 1e-13 * values.max():
+        return G
+    return G - N @ np.linalg.solve(stiffness, N.T @ K @ G)
+
+
+def _null_space(J: Floats) -> Floats:
+    """Orthonormal columns that span the null space."""
+    from scipy.linalg import qr
+
+    if not len(J):
+        return np.eye(J.shape[1])
+    Q, R, _ = qr(J.T, pivoting=True)
+    pivots = np.abs(np.diag(R))
+    rank = int(np.sum(pivots > _RANK * pivots[0]))
+    return np.asarray(Q[:, rank:])
