@@ -107,6 +107,23 @@ def test_a_massless_motor_behind_a_spring_and_damper_relaxes() -> None:
     assert response == approx(-1 / (1e6 * (2 * np.pi) ** 2), rel=1e-3)
 
 
+def test_the_relaxation_of_a_massless_motor_is_that_of_the_nonlinear_arm() -> None:
+    """The paper's arm hanging, its motor without inertia behind spring and damper, pulsed with 5 N m."""
+    model, step = paper_arm(elements=2), 1e-3
+    model = flexarm.Arm.from_dict(model.to_dict() | {"effects": [compliance("hinge", 1e4, 500.0)]})
+    found = linearise(model, {"hinge": 2.5}, inputs={"hinge": "torque"}, outputs=["hinge"])
+    t = step * np.arange(401)
+    u = 5 * pulse(t)[:, None]
+    sim = flexarm.Stepper(model, {"hinge": "torque"}, step=step, alpha=0.0)
+    state, seen = sim.start(joints={"hinge": 2.5}), []
+    for k in range(1, len(t)):
+        middle = float(0.5 * (u[k, 0] + u[k - 1, 0]))
+        state = sim.step(state, {"hinge": float(found.input_at_rest[0]) + middle})
+        seen.append(sim.joint(state, "hinge").angle)
+    y = step_response(found, u, step)[1:, 0]
+    assert y + found.output_at_rest[0] == approx(np.array(seen), abs=0.01 * np.abs(y).max())
+
+
 def test_a_massless_motor_behind_a_spring_follows_at_once() -> None:
     """Without rotor and damper the torque acts on the link: theta'' = T/J, phi - theta = T/k."""
     motor = Sensor(name="phi", quantity="joint_angle", joint="hinge", side="motor", rate_hz=1.0)

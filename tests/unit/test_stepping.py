@@ -9,6 +9,7 @@ import pytest
 from arms import arm, beam, compliance, general, hinge, paper_arm, point, rigid, swing_angle
 from arms import drive as drive_along
 from numpy.typing import NDArray
+from part_arms import arm_of_parts
 from pytest import approx
 
 import flexarm
@@ -234,6 +235,36 @@ def test_a_force_at_the_tip_bends_the_arm_as_statics_says() -> None:
     wanted = flexarm.static(model, forces=push).position[0]
     assert sim.point(state, "tip").position == approx(wanted, abs=1e-6)
     assert sim.point(sim.start(forces=push), "tip").position == approx(wanted, abs=1e-10)
+
+
+def test_a_shaken_base_and_a_growing_bow_step_as_they_run() -> None:
+    """What depends on time itself goes on from state to state."""
+    table = paper_arm(elements=2).to_dict()
+    effects = [
+        {"name": "base_compliance", "at": "base", "stiffness": 1e6, "damping": 1e3},
+        {"name": "external_vibration", "at": "base", "amplitude": 50.0, "frequency": 4.0, "phase": 0.3},
+        {"name": "link_bow", "at": "rod", "tip_offset": [0.01, 0.0, 0.0], "time_constant": 0.2},
+    ]
+    model = flexarm.Arm.from_dict(table | {"effects": effects})
+    still = flexarm.Drive.from_samples([0, 1], {"hinge": [0.2, 0.2]})
+    run = flexarm.simulate(model, still, step=2e-3, end=0.5)
+    sim = Stepper(model, {"hinge": "motor"}, step=2e-3)
+    state = sim.start(joints={"hinge": 0.2})
+    for _ in range(250):
+        state = sim.step(state, {"hinge": 0.2})
+    assert np.abs(np.ptp(run.position[:, 0], axis=0)).max() > 5e-3
+    assert sim.point(state, "tip").position == approx(run.position[-1, 0], abs=1e-9)
+
+
+def test_an_arm_of_super_elements_let_go_rests_under_its_holding_torque(tmp_path: Path) -> None:
+    model = arm(**arm_of_parts(tmp_path, segments=2), effects=[compliance("hinge", 1e5)])
+    sim = Stepper(model, {"hinge": "torque"}, step=2e-3)
+    state = sim.start(joints={"hinge": 0.6})
+    tip, holding = sim.point(state, "tip").position, sim.joint(state, "hinge").motor_torque
+    for _ in range(20):
+        state = sim.step(state, {"hinge": holding})
+    assert sim.point(state, "tip").position == approx(tip, abs=1e-8)
+    assert abs(holding) > 100
 
 
 # ---------------------------------------------------------------------------- readings

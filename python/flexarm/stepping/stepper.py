@@ -11,10 +11,8 @@ they neither ring nor drift, or are given with it: {"hinge": (angle, rate, accel
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Mapping, Sequence
-from math import isfinite, nan
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,58 +23,10 @@ from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.instants import Instants
+from flexarm.stepping.inputs import Input, Inputs
+from flexarm.stepping.readings import JointReading, PointReading
 from flexarm.stepping.state import State
 from flexarm.tables import toml_text
-
-Input = float | Sequence[float]
-
-_KINDS = {
-    "motor": _core.DriveKind.motor_angle,
-    "output": _core.DriveKind.link_angle,
-    "torque": _core.DriveKind.torque,
-    "free": _core.DriveKind.free,
-}
-
-
-class JointReading(NamedTuple):
-    """A joint at an instant.
-
-    Attributes
-    ----------
-    angle, rate : float
-        theta of the link about the joint [rad, m if prismatic], and its rate.
-    drive_angle, drive_rate : float
-        phi of the motor over the ratio, and its rate.
-    torque, motor_torque : float
-        On the child about +axis; of the motor with rotor inertia and friction; output side [N m].
-    """
-
-    angle: float
-    rate: float
-    drive_angle: float
-    drive_rate: float
-    torque: float
-    motor_torque: float
-
-
-class PointReading(NamedTuple):
-    """A point at an instant.
-
-    Attributes
-    ----------
-    position, velocity, acceleration : ndarray, shape (3,)
-        Base axes [m], [m/s], [m/s2].
-    rotation : ndarray, shape (3, 3)
-        Body axes as columns, base axes.
-    angular_rate : ndarray, shape (3,)
-        Body axes [rad/s].
-    """
-
-    position: Floats
-    velocity: Floats
-    acceleration: Floats
-    rotation: Floats
-    angular_rate: Floats
 
 
 class Stepper:
@@ -119,15 +69,13 @@ class Stepper:
         alpha: float = -0.05,
     ) -> None:
         self._arm = arm
-        self._told = dict(told)
+        self._inputs = Inputs(arm, told)
         self._joints = {joint.name: i for i, joint in enumerate(arm.joints)}
         self._points = {point.name: i for i, point in enumerate(arm.points)}
         self._sensors = {sensor.name: sensor for sensor in arm.sensors}
-        self._check_told()
         point_loads(arm, {name: np.zeros(3) for name in forces})
         self._forces = tuple(forces)
-        self._inputs = {name: self._place(name) for name, what in self._told.items() if what != "free"}
-        self._system = assemble(arm, self._kinds(self._told), loaded=self._forces)
+        self._system = assemble(arm, self._inputs.kinds(), loaded=self._forces)
         self._core = _core.Stepping(self._system, float(step), float(alpha))
         self._key = self._hash()
         self._step = float(step)
@@ -164,8 +112,7 @@ class Stepper:
         NotConverged
             If there is no stable equilibrium.
         """
-        held = {name: what if what == "output" else "motor" for name, what in self._told.items()}
-        system = assemble(self._arm, self._kinds(held), loaded=self._forces)
+        system = assemble(self._arm, self._inputs.kinds(held=True), loaded=self._forces)
         loads = _core.Loads(gravity=np.array(self._arm.gravity), points=self._loads(forces or {}))
         equilibrium = _core.static_equilibrium(system, joint_values(self._arm, joints or {}), loads)
         return State(self._key, self._core.start(_core.released(system, equilibrium, self._system)))
@@ -193,7 +140,7 @@ class Stepper:
             With time, iteration and residual.
         """
         points = self._loads(forces) if forces else []
-        return State(self._key, self._core.advance(self._moment(state), self._rows(inputs), points))
+        return State(self._key, self._core.advance(self._moment(state), self._inputs.rows(inputs), points))
 
     def joint(self, state: State, name: str) -> JointReading:
         """Angles, rates and torques of a joint.
@@ -232,37 +179,6 @@ class Stepper:
         values: Floats = instant.readings(self._sensors[name])[0]
         return values
 
-    def _check_told(self) -> None:
-        moving = [joint.name for joint in self._arm.moving_joints]
-        for name, what in self._told.items():
-            if name not in moving:
-                raise InvalidParameter(
-                    f"there is no moving joint {name!r}; there are {', '.join(moving) or 'none'}",
-                    where="told",
-                )
-            if what not in _KINDS:
-                raise InvalidParameter(
-                    f"must be one of {', '.join(_KINDS)}, got {what!r}", where=f"told.{name}"
-                )
-
-    def _place(self, name: str) -> tuple[int, float, bool]:
-        """Row of a joint's input and the factor to it, through gears to the motor; whether it is an angle."""
-        factor = 1.0
-        if self._told[name] == "motor":
-            drivers = {gear.output: gear for gear in self._arm.gears if gear.input not in self._told}
-            while name in drivers:
-                factor *= drivers[name].ratio
-                name = drivers[name].input
-        return self._joints[name], factor, self._told.get(name, "motor") != "torque"
-
-    def _kinds(self, told: Mapping[str, str]) -> dict[str, _core.DriveKind]:
-        """What the core's joints are told; a motor's angle at the input of the gears before it."""
-        names = list(self._joints)
-        return {
-            names[self._inputs[name][0]] if what == "motor" and name in self._inputs else name: _KINDS[what]
-            for name, what in told.items()
-        }
-
     def _loads(self, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:
         for name in forces:
             if name in self._points and name not in self._forces:
@@ -272,26 +188,6 @@ class Stepper:
                     where="forces",
                 )
         return point_loads(self._arm, forces)
-
-    def _rows(self, inputs: Mapping[str, Input]) -> Floats:
-        """Value, rate and acceleration of every joint; NaN for rates that follow from the angles."""
-        rows = np.zeros((len(self._joints), 3))
-        rows[:, 1:] = nan
-        if inputs.keys() != self._inputs.keys():
-            wrong = sorted(inputs.keys() ^ self._inputs.keys())
-            raise InvalidParameter(
-                f"must be given for exactly {', '.join(self._inputs) or 'no joint'}; "
-                f"missing or unknown: {', '.join(wrong)}",
-                where="inputs",
-            )
-        for name, value in inputs.items():
-            row, factor, is_angle = self._inputs[name]
-            if isinstance(value, float) and isfinite(value):
-                rows[row, 0] = factor * value
-            else:
-                rows[row] = _checked(name, value, is_angle)
-                rows[row] *= factor
-        return rows
 
     def _moment(self, state: State) -> _core.Moment:
         if state.key != self._key:
@@ -308,34 +204,12 @@ class Stepper:
         for link in self._arm.links:
             if link.type == "superelement" and Path(link.file).is_file():
                 found.update(Path(link.file).read_bytes())
-        found.update(repr((sorted(self._told.items()), sorted(self._forces))).encode())
+        found.update(repr((sorted(self._inputs.told.items()), sorted(self._forces))).encode())
         return found.hexdigest()
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}: {what}" for name, what in self._told.items())
+        told = ", ".join(f"{name}: {what}" for name, what in self._inputs.told.items())
         return f"<Stepper of {self._arm.name!r}: {told or 'nothing is told'}, step {self._step:g} s>"
-
-
-def _checked(name: str, value: Input, is_angle: bool) -> Floats:
-    """A number that is no float, or an angle with rate and acceleration, as a row.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is neither, or not finite.
-    """
-    allowed = "a finite number" + (
-        " or (angle, rate, acceleration)" if is_angle else " [N m, N if prismatic]"
-    )
-    try:
-        row = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        row = np.array(nan)
-    if row.shape == () and np.isfinite(row):
-        return np.array([float(row), nan, nan])
-    if is_angle and row.shape == (3,) and np.isfinite(row).all():
-        return row
-    raise InvalidParameter(f"must be {allowed}, got {value!r}", where=f"inputs.{name}")
 
 
 def _index(places: Mapping[str, int], name: str, kind: str) -> int:
