@@ -442,6 +442,52 @@ def test_names_that_do_not_exist_are_told(options: dict[str, object], message: s
         linearise(two_links(), **options)  # type: ignore[arg-type]
 
 
+def bar(**more: object) -> flexarm.Arm:
+    """A rigid bar without weight on a hinge."""
+    return arm(
+        gravity=[0, 0, 0],
+        joints=[hinge("hinge", "bar")],
+        links=[rigid("bar", 3.0, [0, 0, 0.5], [0.1, 0.1, 0.1])],
+        points=[point("end", "bar", [0, 0, 1])],
+        **more,
+    )
+
+
+def test_a_weightless_bar_let_go_is_a_double_integrator() -> None:
+    found = linearise(bar(), inputs={"hinge": "torque"}, outputs=["hinge"])
+    assert found.poles == approx([0, 0], abs=1e-9)
+    response = found.frequency_response(1.0)[0, 0, 0]
+    assert response == approx(-1 / ((0.1 + 3 * 0.25) * (2 * np.pi) ** 2), rel=1e-9)
+    with pytest.raises(InvalidParameter, match="pole at zero"):
+        found.static_gain()
+    with pytest.raises(InvalidParameter, match="modes: leave out 1 motions without stiffness"):
+        linearise(bar(), inputs={"hinge": "torque"}, modes=0)
+
+
+def test_an_arm_in_which_nothing_moves_or_too_much_is_refused() -> None:
+    for inputs in ({}, {"hinge": "locked"}, {"hinge": "locked", "end": "force"}):
+        with pytest.raises(InvalidParameter, match="inputs: move nothing"):
+            linearise(bar(), inputs=inputs)
+    with pytest.raises(InvalidParameter, match=r"links: the arm has \d+ unknowns; .* take fewer elements"):
+        linearise(paper_arm(elements=600))
+    shafts = arm(
+        joints=[hinge("motor", "rotor"), hinge("hinge", "bar")],
+        links=[rigid("rotor", 0.5, inertia=[1e-3] * 3), rigid("bar", 3.0, [0, 0, -0.5], [0.1] * 3)],
+        gears=[{"name": "reducer", "input": "motor", "output": "hinge", "ratio": 50}],
+    )
+    with pytest.raises(InvalidParameter, match="two inputs drive the same motor through gears"):
+        linearise(shafts, inputs=[("motor", "angle"), ("hinge", "angle")])
+
+
+def test_a_model_without_inputs_is_stored_too(tmp_path: Path) -> None:
+    found = linearise(two_links(), POSE, inputs={"shoulder": "free"}, outputs=["tip"])
+    for name in ("arm.mat", "arm.nc"):
+        found.save(tmp_path / name)
+        read = LinearModel.load(tmp_path / name)
+        assert (read.B.shape, read.D.shape) == ((len(found.A), 0), (3, 0))
+        assert np.array_equal(read.A, found.A)
+
+
 def test_files_that_hold_no_linear_model_are_refused(tmp_path: Path) -> None:
     from scipy.io import savemat
 

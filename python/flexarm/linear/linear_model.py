@@ -13,6 +13,7 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.linear import matlab
+from flexarm.linear.modal_form import NO_POLE
 from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
 
@@ -87,7 +88,7 @@ class LinearModel(Result):
         InvalidParameter
             If a pole is zero, as it is with an acceleration as input.
         """
-        if len(self.A) and np.linalg.cond(self.A) > 1e15:
+        if np.any(np.abs(self.poles) < NO_POLE):
             raise InvalidParameter("the model has a pole at zero: under constant inputs it comes to no rest")
         return np.asarray(self.D - self.C @ np.linalg.solve(self.A, self.B))
 

@@ -24,6 +24,8 @@ from flexarm.errors import InvalidParameter
 
 _NOTHING = 1e-12
 """Share of the largest mass (damping) of a direction below which it has none."""
+NO_POLE = 1e-3
+"""Poles and frequencies below are zero but for rounding [1/s]: a quarter of an hour is a long swing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +159,19 @@ def _modes(system: Mechanics) -> tuple[Floats, Floats]:
 
 
 def _flexibility(shapes: Floats, values: Floats, F: Floats) -> Floats:
-    """Equation (2)."""
+    """Equation (2).
+
+    Raises
+    ------
+    InvalidParameter
+        If a mode left out has no stiffness, so that a constant input moves it without end.
+    """
+    loose = np.abs(values) < NO_POLE**2
+    if loose.any():
+        raise InvalidParameter(
+            f"leave out {int(loose.sum())} motions without stiffness, for which no gain stands; keep more",
+            where="modes",
+        )
     return np.asarray((shapes / values) @ (shapes.T @ F))
 
 

@@ -106,7 +106,7 @@ def _quasi_static(N: Floats, G: Floats, K: Floats) -> Floats:
     if not len(stiffness):
         return G
     values = np.abs(eigvalsh(0.5 * (stiffness + stiffness.T)))
-    if values.min() < 1e-13 * values.max():
+    if values.min() <= 1e-13 * values.max():
         return G
     return G - N @ np.linalg.solve(stiffness, N.T @ K @ G)
 
