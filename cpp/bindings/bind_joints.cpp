@@ -15,22 +15,43 @@ void bind_joints(py::module_& m) {
       .value("fixed", JointType::fixed)
       .value("spherical", JointType::spherical)
       .finalize();
-  py::class_<LinearSpring>(m, "LinearSpring", "Linear spring and damper.")
-      .def(py::init([](double k, double c) { return LinearSpring{k, c}; }), py::arg("stiffness"),
-           py::arg("damping") = 0.0);
-  py::class_<CubicSpring>(m, "CubicSpring", "Cubic stiffening.")
-      .def(py::init([](double k) { return CubicSpring{k}; }), py::arg("stiffness"));
+  const ReducerSpring usual{1};
+  py::class_<ReducerSpring>(m, "ReducerSpring", "Spring of a reducer: linear, stiffening, with backlash.")
+      .def(py::init([](double k, double c, double k3, double gap, double w, double rho, double r) {
+             return ReducerSpring{k, c, k3, gap, w, rho, r};
+           }),
+           py::arg("stiffness"), py::arg("damping") = 0.0, py::kw_only(), py::arg("cubic_stiffness") = 0.0,
+           py::arg("gap") = 0.0, py::arg("fade_width") = usual.fade_width,
+           py::arg("loose_stiffness") = usual.loose_stiffness,
+           py::arg("loose_damping") = usual.loose_damping);
+  py::class_<CableTorque>(m, "CableTorque", "Cables that bend with the joint.")
+      .def(py::init([](double k, double rest) { return CableTorque{k, rest}; }), py::arg("stiffness"),
+           py::arg("rest_angle") = 0.0);
   py::class_<ViscousFriction>(m, "ViscousFriction", "Viscous friction.")
       .def(py::init([](double b) { return ViscousFriction{b}; }), py::arg("coefficient"));
   py::class_<DahlFriction>(m, "DahlFriction", "Coulomb friction in Dahl's form.")
       .def(py::init([](double torque, double width) { return DahlFriction{torque, width}; }),
            py::arg("torque"), py::arg("width") = 2e-5);
+  py::class_<LugreFriction>(m, "LugreFriction", "Friction by the LuGre model.")
+      .def(py::init([](double s0, double s1, double s2, double coulomb, double breakaway, double rate) {
+             return LugreFriction{s0, s1, s2, coulomb, breakaway, rate};
+           }),
+           py::kw_only(), py::arg("bristle_stiffness"), py::arg("bristle_damping"), py::arg("viscous"),
+           py::arg("coulomb"), py::arg("breakaway"), py::arg("stribeck_rate"));
+  py::class_<Transmission>(m, "Transmission", "psi = phi/scale + amplitude sin(multiple phi + phase).")
+      .def(py::init([](double scale, double amplitude, double multiple, double phase) {
+             return Transmission{scale, amplitude, multiple, phase};
+           }),
+           py::kw_only(), py::arg("scale") = 1.0, py::arg("amplitude") = 0.0, py::arg("multiple") = 0.0,
+           py::arg("phase") = 0.0);
   py::class_<DriveTrain>(m, "DriveTrain", "What stands between a motor and its link.")
-      .def(py::init([](double ratio, double inertia, std::vector<DriveTrain::Parallel> stages,
-                       DriveTrain::Parallel motor, DriveTrain::Parallel bearing) {
-             return DriveTrain{ratio, inertia, std::move(stages), std::move(motor), std::move(bearing)};
+      .def(py::init([](double ratio, double inertia, std::optional<Transmission> transmission,
+                       std::vector<DriveTrain::Parallel> stages, DriveTrain::Parallel motor,
+                       DriveTrain::Parallel bearing) {
+             return DriveTrain{
+                 ratio, inertia, transmission, std::move(stages), std::move(motor), std::move(bearing)};
            }),
            py::kw_only(), py::arg("gear_ratio") = 1.0, py::arg("rotor_inertia") = 0.0,
-           py::arg("stages") = std::vector<DriveTrain::Parallel>{}, py::arg("motor") = DriveTrain::Parallel{},
-           py::arg("bearing") = DriveTrain::Parallel{});
+           py::arg("transmission") = py::none(), py::arg("stages") = std::vector<DriveTrain::Parallel>{},
+           py::arg("motor") = DriveTrain::Parallel{}, py::arg("bearing") = DriveTrain::Parallel{});
 }

@@ -28,8 +28,8 @@ Arrays arrays(const State& state) {
     frames.row(k) << R.row(0), R.row(1), R.row(2), x.transpose();
   }
   for (Index k = 0; k < laws.rows(); ++k) {
-    const auto& [x, z] = state.laws[static_cast<std::size_t>(k)];
-    laws.row(k) << x, z;
+    const auto& memory = state.laws[static_cast<std::size_t>(k)];
+    laws.row(k) << memory.x, memory.z;
   }
   return {{"time", MatrixXd::Constant(1, 1, state.t)},
           {"frames", frames},
@@ -178,17 +178,17 @@ void bind_snapshots(py::module_& m) {
       [](const System& system) {
         std::vector<std::pair<int, int>> rows;
         const auto row = [&](int scalar) { return scalar < 0 ? -1 : system.scalar_offset() + scalar; };
-        for (const auto& [theta, phi] : system.joints()) rows.emplace_back(row(theta), row(phi));
+        for (const auto& at : system.joints()) rows.emplace_back(row(at.theta), row(at.phi));
         return rows;
       },
       "Row of theta and phi of each joint among the velocities, -1 without.", py::arg("system"));
   m.def(
       "joint_reading",
       [](const System& system, const State& state, int joint) {
-        const auto [theta, phi] = system.joints().at(static_cast<std::size_t>(joint));
+        const auto at = system.joints().at(static_cast<std::size_t>(joint));
         const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
         const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system.scalar_offset() + s]; };
-        return std::tuple(angle(theta), rate(theta), angle(phi), rate(phi),
+        return std::tuple(angle(at.theta), rate(at.theta), angle(at.phi), rate(at.phi),
                           joint_torque(system, state, joint), motor_torques(system, state, true)[joint]);
       },
       "Angle and rate of link and drive, torque on the child and of the motor.", py::arg("system"),

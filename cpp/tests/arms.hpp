@@ -25,7 +25,7 @@ using geometry::Vector3d;
 using geometry::Vector6d;
 using joints::DriveTrain;
 using joints::JointType;
-using joints::LinearSpring;
+using joints::ReducerSpring;
 
 constexpr double half_pi = std::numbers::pi / 2;
 constexpr double standard_gravity = 9.81;
@@ -41,7 +41,7 @@ inline model::Section paper_tube() {
 /// A drive train of one spring and damper.
 inline DriveTrain compliant(double stiffness, double damping = 0) {
   DriveTrain train;
-  train.stages = {{LinearSpring{stiffness, damping}}};
+  train.stages = {{ReducerSpring{stiffness, damping}}};
   return train;
 }
 
@@ -126,11 +126,11 @@ inline model::Arm spatial_arm() {
   slide.at_end = true;
   slide.origin = geometry::exp6((Vector6d() << 0, 0.05, 0.02, 0.4, 0.1, -0.2).finished());
   slide.axis = Vector3d(1, 0.3, 0.2);
-  slide.drive_train.stages = {{LinearSpring{5000, 4}, joints::CubicSpring{1e5}}, {LinearSpring{9000, 0}}};
+  slide.drive_train.stages = {{ReducerSpring{5000, 4, 1e5}}, {ReducerSpring{9000}}};
   model::Joint lift{.name = "lift", .parent = "carriage", .child = "boom", .axis = Vector3d(0, 1, 0.1)};
   lift.origin = Frame::translation({0.1, 0.05, 0.1});
   lift.drive_train.rotor_inertia = 0.05;
-  lift.drive_train.bearing = {joints::ViscousFriction{0.4}, LinearSpring{20}};
+  lift.drive_train.bearing = {joints::ViscousFriction{0.4}, joints::CableTorque{20, -0.1}};
   arm.joints = {turn, slide, lift};
   arm.payloads = {{.name = "tool",
                    .link = "boom",

@@ -17,10 +17,10 @@ __all__: list[str] = [
     "BeamLink",
     "BeamTheory",
     "BuildInfo",
+    "CableTorque",
     "CellBlock",
     "CellType",
     "CholeskyReport",
-    "CubicSpring",
     "DahlFriction",
     "DifferentiatedRun",
     "DriveKind",
@@ -33,9 +33,9 @@ __all__: list[str] = [
     "InterfaceKind",
     "Joint",
     "JointType",
-    "LinearSpring",
     "Linearisation",
     "Loads",
+    "LugreFriction",
     "Material",
     "Modes",
     "Moment",
@@ -45,6 +45,7 @@ __all__: list[str] = [
     "Point",
     "PointLoad",
     "ReducedPart",
+    "ReducerSpring",
     "ReductionQuality",
     "ReductionStatistics",
     "RigidLink",
@@ -61,6 +62,7 @@ __all__: list[str] = [
     "System",
     "Transient",
     "TransientOptions",
+    "Transmission",
     "Varied",
     "ViscousFriction",
     "assemble_solids",
@@ -158,21 +160,31 @@ class JointType(enum.Enum):
     revolute = ...
     spherical = ...
 
-class LinearSpring:
+class ReducerSpring:
     """
-    Linear spring and damper.
+    Spring of a reducer: linear, stiffening, with backlash.
     """
     def __init__(
         self,
         stiffness: typing.SupportsFloat | typing.SupportsIndex,
         damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        *,
+        cubic_stiffness: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        gap: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        fade_width: typing.SupportsFloat | typing.SupportsIndex = 2e-05,
+        loose_stiffness: typing.SupportsFloat | typing.SupportsIndex = 0.0001,
+        loose_damping: typing.SupportsFloat | typing.SupportsIndex = 0.01,
     ) -> None: ...
 
-class CubicSpring:
+class CableTorque:
     """
-    Cubic stiffening.
+    Cables that bend with the joint.
     """
-    def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    def __init__(
+        self,
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        rest_angle: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
 
 class ViscousFriction:
     """
@@ -190,6 +202,34 @@ class DahlFriction:
         width: typing.SupportsFloat | typing.SupportsIndex = 2e-05,
     ) -> None: ...
 
+class LugreFriction:
+    """
+    Friction by the LuGre model.
+    """
+    def __init__(
+        self,
+        *,
+        bristle_stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        bristle_damping: typing.SupportsFloat | typing.SupportsIndex,
+        viscous: typing.SupportsFloat | typing.SupportsIndex,
+        coulomb: typing.SupportsFloat | typing.SupportsIndex,
+        breakaway: typing.SupportsFloat | typing.SupportsIndex,
+        stribeck_rate: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class Transmission:
+    """
+    psi = phi/scale + amplitude sin(multiple phi + phase).
+    """
+    def __init__(
+        self,
+        *,
+        scale: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        amplitude: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        multiple: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        phase: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
 class DriveTrain:
     """
     What stands between a motor and its link.
@@ -199,11 +239,18 @@ class DriveTrain:
         *,
         gear_ratio: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         rotor_inertia: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        transmission: Transmission | None = None,
         stages: collections.abc.Sequence[
-            collections.abc.Sequence[LinearSpring | CubicSpring | ViscousFriction | DahlFriction]
+            collections.abc.Sequence[
+                ReducerSpring | CableTorque | ViscousFriction | DahlFriction | LugreFriction
+            ]
         ] = [],
-        motor: collections.abc.Sequence[LinearSpring | CubicSpring | ViscousFriction | DahlFriction] = [],
-        bearing: collections.abc.Sequence[LinearSpring | CubicSpring | ViscousFriction | DahlFriction] = [],
+        motor: collections.abc.Sequence[
+            ReducerSpring | CableTorque | ViscousFriction | DahlFriction | LugreFriction
+        ] = [],
+        bearing: collections.abc.Sequence[
+            ReducerSpring | CableTorque | ViscousFriction | DahlFriction | LugreFriction
+        ] = [],
     ) -> None: ...
 
 class Section:

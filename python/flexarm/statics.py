@@ -343,7 +343,10 @@ def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
 
 def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
     """The points of the rigid arm without effects: what effects move counts as displacement."""
-    plain = _core.System(core_arm(arm, nominal=True), {}) if arm.effects else system
+    if not arm.effects:
+        return _positions(system, system.rigid_state(values), len(arm.points))
+    kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
+    plain = _core.System(core_arm(arm, nominal=True), kinds)
     return _positions(plain, plain.rigid_state(values), len(arm.points))
 
 

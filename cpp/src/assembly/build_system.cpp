@@ -62,6 +62,8 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
   if (arm_.pedestal) pedestal_.node = n_nodes_++;
   place_scalars(drives);
   place_joints();
+  place_gears();
+  place_transmissions();
   place_masses();
   set_damping();  // of straight links
   set_bows();
@@ -126,7 +128,8 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
         return static_cast<int>(scalars.size()) - 1;
       };
       at.phi = add_scalar(train.reflected_inertia(), !driven);
-      int before = at.phi;
+      at.psi = train.transmission ? add_scalar(0, true) : at.phi;
+      int before = at.psi;
       if (!rigid) {
         for (const auto& stage : train.stages) {
           const int after = add_scalar(0, true);
@@ -144,7 +147,7 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
     scalars.push_back({0, true});
     pedestal_.theta = static_cast<int>(scalars.size()) - 1;
     laws_.push_back(
-        {joints::LinearSpring{arm_.pedestal->stiffness, arm_.pedestal->damping}, pedestal_.theta, -1});
+        {joints::ReducerSpring{arm_.pedestal->stiffness, arm_.pedestal->damping}, pedestal_.theta, -1});
   }
   for (const PlacedLaw& law : laws_) joints::check(law.law);
 
@@ -161,7 +164,7 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
     }
   }
   const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
-  for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi)};
+  for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi), ordered(at.psi)};
   pedestal_.theta = ordered(pedestal_.theta);
   for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
 }
@@ -197,6 +200,9 @@ void System::place_joints() {
                               Frame{}, arm_.pedestal->axis, pedestal_.theta);
     n_constraints_ += constraints_.back().rows();
   }
+}
+
+void System::place_gears() {
   for (const model::Gear& gear : arm_.gears) {
     const int in = joint_coordinates_[joint_index(gear.input)].theta;
     const int out = joint_coordinates_[joint_index(gear.output)].phi;
@@ -205,7 +211,28 @@ void System::place_joints() {
       throw InvalidParameter("gear '" + gear.name +
                              "': input and output are both driven rigidly; drive one of them");
     }
-    gears_.push_back({in, out, gear.ratio});
+    if (gear.ratio == 0) throw InvalidParameter("gear '" + gear.name + "': ratio must not be zero");
+    gears_.push_back({in, out, {.scale = gear.ratio}});
+    ++n_constraints_;
+  }
+}
+
+void System::place_transmissions() {
+  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
+    const model::Joint& joint = arm_.joints[k];
+    const auto& train = joint.drive_train;
+    if (!train.transmission || joint_coordinates_[k].phi < 0) continue;
+    double motor_turns = train.gear_ratio;  // per turn of φ
+    for (const model::Gear& gear : arm_.gears) {
+      if (gear.output == joint.name) motor_turns *= gear.ratio;
+    }
+    const joints::Transmission psi = train.transmission->geared(motor_turns);
+    try {
+      psi.check();
+    } catch (const InvalidParameter& mistake) {
+      throw InvalidParameter("joint '" + joint.name + "': " + mistake.what());
+    }
+    gears_.push_back({joint_coordinates_[k].phi, joint_coordinates_[k].psi, psi});
     ++n_constraints_;
   }
 }

@@ -35,6 +35,24 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
   state.multipliers = VectorXd::Zero(n_constraints_);
   state.laws.resize(laws_.size());
 
+  std::vector<double> theta = joint_values;
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    const JointCoordinates& at = joint_coordinates_[k];
+    if (at.phi < 0) continue;
+    state.s[at.phi] = joint_values[k];
+    if (const joints::Transmission* psi = transmission(static_cast<int>(k))) {
+      if (drives_[k] == DriveKind::link_angle) {
+        state.s[at.phi] = psi->inverse(theta[k]);
+      } else {
+        theta[k] = (*psi)(joint_values[k]).psi;
+      }
+    }
+    state.s[at.psi] = state.s[at.theta] = theta[k];
+  }
+  for (const PlacedLaw& law : laws_) {  // stages are listed from motor to link: no deflection in any
+    if (law.minus >= 0) state.s[law.minus] = state.s[law.plus];
+  }
+
   std::vector<bool> placed(arm_.links.size(), false);
   for (bool progress = true; progress;) {
     progress = false;
@@ -48,7 +66,7 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
         if (!placed[parent.link]) continue;
         A = state.frames[node(parent)] * axes(parent) * joint.origin;
       }
-      const Frame B = A * exp6(joint_values[k] * joints::motion_twist(joint.type, joint.axis));
+      const Frame B = A * exp6(theta[k] * joints::motion_twist(joint.type, joint.axis));
       const LinkMesh& mesh = meshes_[child.link];
       const Frame link = B * mesh.place_in_link(child.node).inverse();
       for (int n = 0; n < mesh.n_nodes(); ++n) state.frames[mesh.first_node + n] = mesh.node_frame(link, n);
@@ -60,16 +78,17 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
       throw InvalidParameter("link '" + model::name_of(arm_.links[k]) +
                              "' is not connected to the base by joints");
   }
-  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
-    const JointCoordinates& at = joint_coordinates_[k];
-    if (at.phi < 0) continue;
-    state.s[at.phi] = state.s[at.theta] = joint_values[k];
-  }
-  for (const PlacedLaw& law : laws_) {  // stages are listed from motor to link: no deflection in any
-    if (law.minus >= 0) state.s[law.minus] = state.s[law.plus];
-  }
   remember(state);
   return state;
+}
+
+const joints::Transmission* System::transmission(int joint) const {
+  const JointCoordinates& at = joint_coordinates_[joint];
+  if (at.psi == at.phi) return nullptr;
+  for (const joints::GearConstraint& gear : gears_) {
+    if (gear.input == at.phi && gear.output == at.psi) return &gear.transmission;
+  }
+  return nullptr;
 }
 
 elements::SuperElement::Configuration System::configuration(const elements::SuperElement& part,
@@ -91,7 +110,10 @@ int System::row(const elements::SuperElement& part, int k) const {
 }
 
 void System::remember(State& state) const {
-  for (std::size_t k = 0; k < laws_.size(); ++k) state.laws[k].x = deflection(laws_[k], state.s);
+  for (std::size_t k = 0; k < laws_.size(); ++k) {
+    state.laws[k].x = deflection(laws_[k], state.s);
+    state.laws[k].flank = joints::Flank::free;
+  }
 }
 
 void System::residual(const State& state, const Loads& loads, bool friction, VectorXd& r) const {
@@ -159,9 +181,9 @@ void System::scalar_residual(const State& state, bool friction, Eigen::Ref<Vecto
     if (q >= 0) r[q] -= joint.twist().dot(state.multipliers.segment<6>(row));
     row += joint.rows();
   }
-  for (const GearConstraint& gear : gears_) {
-    r[gear.input] += state.multipliers[row];
-    r[gear.output] -= gear.ratio * state.multipliers[row];
+  for (const joints::GearConstraint& gear : gears_) {
+    r[gear.input] += gear.transmission(state.s[gear.input]).first * state.multipliers[row];
+    r[gear.output] -= state.multipliers[row];
     ++row;
   }
 }
@@ -175,8 +197,8 @@ void System::violation(const State& state, VectorXd& phi) const {
             .head(joint.rows());
     row += joint.rows();
   }
-  for (const GearConstraint& gear : gears_)
-    phi[row++] = state.s[gear.input] - gear.ratio * state.s[gear.output];
+  for (const joints::GearConstraint& gear : gears_)
+    phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
 }
 
 VectorXd System::law_tangents(const State& state, const TangentFactors& c, bool friction) const {

@@ -57,7 +57,7 @@ void Recorder::points(Eigen::Index k, const State& state) {
 void Recorder::joints(Eigen::Index k, const State& state) {
   const Eigen::VectorXd motor = motor_torques(system_, state, true);
   for (int j = 0; j < static_cast<int>(system_.joints().size()); ++j) {
-    const auto [theta, phi] = system_.joints()[j];
+    const int theta = system_.joints()[j].theta, phi = system_.joints()[j].phi;
     const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system_.scalar_offset() + s]; };
     const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
     out_.joint_angle(j, k) = angle(theta);

@@ -13,8 +13,11 @@ std::vector<int> scalar_origins(const System& held, const System& system) {
     if (to.phi < 0) continue;
     origin[to.phi] = from.phi;
     if (to.theta == to.phi) continue;
+    // ψ and what stands behind each stage follow one another up to θ.
+    const bool sprung = system.drives()[j] != assembly::DriveKind::link_angle;
     const auto stages = static_cast<int>(system.arm().joints[j].drive_train.stages.size());
-    for (int k = 0; k < stages; ++k) origin[to.theta - k] = from.theta - k;
+    const int behind = (sprung ? stages : 0) + (to.psi == to.phi ? 0 : 1);
+    for (int k = 0; k < behind; ++k) origin[to.theta - k] = from.theta - k;
   }
   if (system.pedestal().theta >= 0) origin[system.pedestal().theta] = held.pedestal().theta;
   for (std::size_t k = 0; k < system.superelements().size(); ++k) {

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/backlash.hpp"
 #include "flexarm/solvers/increment.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
 
@@ -113,6 +114,19 @@ std::string failure_message(Outcome outcome, double fraction, double residual) {
   return text;
 }
 
+/// Puts the teeth of reducers with backlash on their flanks; the state rests with all gaps closed.
+void settle_teeth(const System& system, const Loads& loads, Newton& newton, State& state) {
+  open_gaps(system, state);
+  Outcome outcome = Outcome::diverged;
+  for (std::size_t pass = 0; pass < 2 + 4 * system.laws().size(); ++pass) {
+    outcome = newton.solve(state, loads);
+    if (outcome != Outcome::stable && outcome != Outcome::unstable) break;
+    if (!correct_flanks(system, state, outcome == Outcome::stable) && outcome == Outcome::stable) return;
+  }
+  throw NotConverged("statics: the arm rests with the backlash of its reducers closed, but not with it open",
+                     0, newton.iterations, newton.residual);
+}
+
 }  // namespace
 
 bool is_stable(const System& system, const State& state, const Loads& loads) {
@@ -131,6 +145,7 @@ bool is_stable(const System& system, const State& state, const Loads& loads) {
 Equilibrium static_equilibrium(const System& system, const std::vector<double>& joint_values,
                                const Loads& loads, const StaticOptions& options) {
   Equilibrium result{.state = system.rigid_state(joint_values), .loads = loads};
+  close_gaps(system, result.state);
   Newton newton(system, options);
   double reached = 0, step = 1;
   Outcome outcome = Outcome::diverged;
@@ -151,6 +166,7 @@ Equilibrium static_equilibrium(const System& system, const std::vector<double>& 
       step = 0.5 * (target - reached);
     }
   }
+  if (has_gaps(system)) settle_teeth(system, loads, newton, result.state);
   system.remember(result.state);
   result.iterations = newton.iterations;
   result.residual = newton.residual;

@@ -35,6 +35,7 @@ solvers::Drives drives_of_joints(const System& system, const State& state,
     int phi;
     DriveKind kind;
     PiecewisePolynomial value;
+    const joints::Transmission* backwards;  // the drive prescribes ψ(φ)
   };
   std::vector<Driven> driven;
   for (std::size_t j = 0; j < system.joints().size(); ++j) {
@@ -43,14 +44,21 @@ solvers::Drives drives_of_joints(const System& system, const State& state,
     if (phi < 0 || kind == DriveKind::free) continue;
     driven.push_back(
         {phi, kind,
-         kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j])});
+         kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j]),
+         kind == DriveKind::link_angle ? system.transmission(static_cast<int>(j)) : nullptr});
   }
   const int base = system.pedestal().theta;
   const model::Pedestal pedestal = system.arm().pedestal.value_or(model::Pedestal{});
   return [driven = std::move(driven), base, pedestal](double t, solvers::DriveValues& values) {
     if (base >= 0) values.torques[base] = pedestal.moment(t);
     for (const Driven& d : driven) {
-      const auto [value, first, second] = d.value(t);
+      auto [value, first, second] = d.value(t);
+      if (d.backwards != nullptr) {  // φ = ψ⁻¹(θ), ψ' φ' = θ', ψ' φ'' + ψ'' φ'² = θ''
+        value = d.backwards->inverse(value);
+        const auto psi = (*d.backwards)(value);
+        first /= psi.first;
+        second = (second - psi.second * first * first) / psi.first;
+      }
       if (d.kind == DriveKind::torque) {
         values.torques[d.phi] = value;
       } else {

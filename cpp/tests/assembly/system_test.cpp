@@ -36,6 +36,13 @@ std::vector<System> systems() {
   flexarm::model::Arm rigid = spatial_arm();
   rigid.joints[1].type = JointType::fixed;
   all.emplace_back(rigid, Drives{{"turn", DriveKind::locked}, {"lift", DriveKind::motor_angle}});
+  flexarm::model::Arm rippling = spatial_arm();
+  rippling.joints[0].drive_train.transmission =
+      flexarm::joints::Transmission{.scale = 1.1, .amplitude = 0.02, .multiple = 15, .phase = 0.4};
+  rippling.joints[2].drive_train.transmission =
+      flexarm::joints::Transmission{.scale = 0.9, .amplitude = 0.03, .multiple = 9};
+  all.emplace_back(rippling, Drives{{"turn", DriveKind::torque}, {"lift", DriveKind::free}});
+  all.emplace_back(rippling, Drives{{"turn", DriveKind::motor_angle}, {"lift", DriveKind::link_angle}});
   all.emplace_back(tripod_arm(), Drives{{"turn", DriveKind::motor_angle}, {"wrist", DriveKind::free}});
   return all;
 }
@@ -157,7 +164,10 @@ TEST_CASE("A rigid state stands on its constraints, unstrained, at the joint val
       CHECK(largest(part.deformation(system.configuration(part, state))) < 1e-14);
     }
     for (std::size_t j = 0; j < q.size(); ++j) {
-      if (system.joints()[j].theta >= 0) CHECK(state.s[system.joints()[j].theta] == q[j]);
+      if (system.joints()[j].theta < 0) continue;
+      const auto* psi = system.transmission(static_cast<int>(j));
+      const bool through = psi != nullptr && system.drives()[j] != DriveKind::link_angle;
+      CHECK(state.s[system.joints()[j].theta] == (through ? (*psi)(q[j]).psi : q[j]));
     }
   }
 }

@@ -36,16 +36,16 @@ TEST_CASE("A spring holds the weight at k θ = m g r cos θ") {
 
 TEST_CASE("Two springs in series are one of k₁ k₂/(k₁ + k₂)") {
   const double k1 = 700, k2 = 1900;
-  const double series = sag(of_stages({{LinearSpring{k1}}, {LinearSpring{k2}}}));
+  const double series = sag(of_stages({{ReducerSpring{k1}}, {ReducerSpring{k2}}}));
   CHECK(series == near(sag(compliant(k1 * k2 / (k1 + k2))), 1e-10));
   const double three =
-      sag(of_stages({{LinearSpring{3 * k1}}, {LinearSpring{3 * k1}}, {LinearSpring{3 * k1}}}));
+      sag(of_stages({{ReducerSpring{3 * k1}}, {ReducerSpring{3 * k1}}, {ReducerSpring{3 * k1}}}));
   CHECK(three == near(sag(compliant(k1)), 1e-10));
 }
 
 TEST_CASE("Springs in parallel add, a cubic one among them") {
-  CHECK(sag(of_stages({{LinearSpring{700}, LinearSpring{400}}})) == near(sag(compliant(1100)), 1e-10));
-  const double theta = sag(of_stages({{LinearSpring{700}, CubicSpring{5e4}}}));
+  CHECK(sag(of_stages({{ReducerSpring{700}, ReducerSpring{400}}})) == near(sag(compliant(1100)), 1e-10));
+  const double theta = sag(of_stages({{ReducerSpring{.stiffness = 700, .cubic_stiffness = 5e4}}}));
   CHECK(700 * theta + 5e4 * theta * theta * theta == near(5 * 9.81 * 2 * std::cos(theta), 1e-10));
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("Friction has no part in where the arm settles") {
 
 TEST_CASE("A bearing's spring acts against the housing, beside the drive train") {
   DriveTrain train = compliant(900);
-  train.bearing = {LinearSpring{300}};
+  train.bearing = {CableTorque{300}};
   CHECK(sag(train) == near(sag(compliant(1200)), 1e-10));
 }
 

@@ -1,4 +1,8 @@
-"""What stands between a motor and its link, as effects find and patch it."""
+"""What stands between a motor and its link, as effects find and patch it.
+
+motor phi -> transmission psi(phi) -> reducer on psi - theta -> link theta; docs/theory.md, "Joints and drive
+trains".
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,31 @@ from math import inf, isinf
 
 from flexarm import _core
 
-Law = _core.LinearSpring | _core.CubicSpring | _core.ViscousFriction | _core.DahlFriction
+Law = _core.CableTorque | _core.ViscousFriction | _core.DahlFriction | _core.LugreFriction
+
+
+@dataclass
+class Transmission:
+    """What the teeth make of the motor's angle: psi = phi/scale + amplitude sin(multiple n phi + phase).
+
+    Attributes
+    ----------
+    scale : float
+        True over nominal gear ratio [-].
+    amplitude, multiple, phase : float
+        Of the transmission error: at the output [rad], periods per motor turn, [rad].
+    """
+
+    scale: float = 1.0
+    amplitude: float = 0.0
+    multiple: float = 0.0
+    phase: float = 0.0
+
+    def core(self) -> _core.Transmission:
+        """The same as the core takes it."""
+        return _core.Transmission(
+            scale=self.scale, amplitude=self.amplitude, multiple=self.multiple, phase=self.phase
+        )
 
 
 @dataclass
@@ -18,26 +46,46 @@ class DriveTrain:
     ----------
     gear_ratio, rotor_inertia : float
         Of the model: motor angle over output angle [-], inertia at the motor's shaft [kg m2].
-    stiffness, damping : float
-        Of the reducer [N m/rad], [N m s/rad]; an infinite stiffness makes it rigid.
+    transmission : Transmission or None
+        None: exact teeth.
+    stiffness, damping, cubic_stiffness, gap : float
+        Of the reducer [N m/rad], [N m s/rad], [N m/rad3], [rad]; an infinite stiffness makes it rigid.
+    hysteresis : list of (torque, width)
+        Beside the reducer's spring, on its deflection [N m], [rad].
     motor, bearing : list
         Laws on the motor's angle, and at the output bearing on the link's.
     """
 
     gear_ratio: float = 1.0
     rotor_inertia: float = 0.0
+    transmission: Transmission | None = None
     stiffness: float = inf
     damping: float = 0.0
+    cubic_stiffness: float = 0.0
+    gap: float = 0.0
+    hysteresis: list[tuple[float, float]] = field(default_factory=list)
     motor: list[Law] = field(default_factory=list)
     bearing: list[Law] = field(default_factory=list)
 
+    def teeth(self) -> Transmission:
+        """The transmission, exact until it is patched."""
+        if self.transmission is None:
+            self.transmission = Transmission()
+        return self.transmission
+
     def core(self) -> _core.DriveTrain:
         """The same as the core takes it: a rigid train has no stage between motor and link."""
-        stages = [] if isinf(self.stiffness) else [[_core.LinearSpring(self.stiffness, self.damping)]]
         return _core.DriveTrain(
             gear_ratio=self.gear_ratio,
             rotor_inertia=self.rotor_inertia,
-            stages=stages,
+            transmission=None if self.transmission is None else self.transmission.core(),
+            stages=[] if isinf(self.stiffness) else [self._reducer()],
             motor=self.motor,
             bearing=self.bearing,
         )
+
+    def _reducer(self) -> list[_core.ReducerSpring | _core.DahlFriction]:
+        spring = _core.ReducerSpring(
+            self.stiffness, self.damping, cubic_stiffness=self.cubic_stiffness, gap=self.gap
+        )
+        return [spring, *(_core.DahlFriction(torque, width) for torque, width in self.hysteresis)]

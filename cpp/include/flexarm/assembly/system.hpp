@@ -30,15 +30,16 @@ namespace flexarm::assembly {
 /// What a joint's motor is told.
 enum class DriveKind {
   motor_angle,  ///< φ is prescribed
-  link_angle,   ///< θ is prescribed; the drive train in between does not matter
+  link_angle,   ///< θ is prescribed; springs of the drive train do not matter
   torque,       ///< the motor's torque is prescribed (output-referred)
   free,         ///< no torque
   locked,       ///< φ stays
 };
 
-/// A joint's place among the scalar coordinates; −1 where it has none. Without stages theta == phi.
+/// A joint's place among the scalar coordinates; −1 where it has none. Without a transmission psi == phi,
+/// without stages theta == psi.
 struct JointCoordinates {
-  int theta = -1, phi = -1;
+  int theta = -1, phi = -1, psi = -1;
 };
 
 /// A law between two scalar coordinates: x = s[plus] − s[minus], or s[plus] alone (minus = −1).
@@ -50,12 +51,6 @@ struct PlacedLaw {
 /// The base's own node and angle, where it turns on a pedestal; −1 where it stands still.
 struct PedestalCoordinates {
   int node = joints::JointConstraint::ground, theta = -1;
-};
-
-/// θ_input − ratio φ_output = 0: the gear stands where the output's motor would, before its drive train.
-struct GearConstraint {
-  int input, output;
-  double ratio;
 };
 
 /// A force and a moment at a point: in the base's axes (dead) or in the link's (following).
@@ -101,7 +96,11 @@ class System {
   const std::vector<elements::Weight>& weights() const { return weights_; }      ///< one a node
   const std::vector<double>& scalar_inertia() const { return scalar_inertia_; }  ///< one a scalar coordinate
   const std::vector<joints::JointConstraint>& constraints() const { return constraints_; }
-  const std::vector<GearConstraint>& gears() const { return gears_; }
+  /// Gears between joints first, each with θ of its input and φ of its output; then the transmissions of
+  /// joints, from φ to ψ.
+  const std::vector<joints::GearConstraint>& gears() const { return gears_; }
+  /// The transmission of a joint; null without one.
+  const joints::Transmission* transmission(int joint) const;
   const std::vector<PlacedLaw>& laws() const { return laws_; }
   const std::vector<JointCoordinates>& joints() const { return joint_coordinates_; }
   const std::vector<DriveKind>& drives() const { return drives_; }
@@ -162,6 +161,8 @@ class System {
   void place_scalars(const std::map<std::string, DriveKind>& drives);
   void place_superelements();
   void place_joints();
+  void place_gears();
+  void place_transmissions();
   void place_masses();
   void set_damping();
   void set_bows();
@@ -184,7 +185,7 @@ class System {
   std::vector<elements::SuperElement> superelements_;
   std::vector<elements::Weight> weights_;  // one a node
   std::vector<joints::JointConstraint> constraints_;
-  std::vector<GearConstraint> gears_;
+  std::vector<joints::GearConstraint> gears_;
   std::vector<PlacedLaw> laws_;
   std::vector<JointCoordinates> joint_coordinates_;
   PedestalCoordinates pedestal_;
@@ -284,14 +285,16 @@ void System::emit_tangent(const State& state, const Loads& loads, const TangentF
     }
     first_row += m;
   }
-  for (const GearConstraint& gear : gears_) {
+  for (const joints::GearConstraint& gear : gears_) {
     const auto both = [&](int coordinate, double value) {
       if (!is_free(coordinate)) return;
       add(first_row, scalar_offset() + coordinate, c.constraint * value);
       add(scalar_offset() + coordinate, first_row, c.constraint * value);
     };
-    both(gear.input, 1);
-    both(gear.output, -gear.ratio);
+    const auto psi = gear.transmission(state.s[gear.input]);
+    both(gear.input, psi.first);
+    both(gear.output, -1);
+    scalar(gear.input, gear.input, c.stiffness * psi.second * state.multipliers[first_row - n_free()]);
     ++first_row;
   }
 }

@@ -10,14 +10,15 @@
 
 #include <variant>
 
-#include "flexarm/joints/laws/cubic_spring.hpp"
+#include "flexarm/joints/laws/cable_torque.hpp"
 #include "flexarm/joints/laws/dahl_friction.hpp"
-#include "flexarm/joints/laws/linear_spring.hpp"
+#include "flexarm/joints/laws/lugre_friction.hpp"
+#include "flexarm/joints/laws/reducer_spring.hpp"
 #include "flexarm/joints/laws/viscous_friction.hpp"
 
 namespace flexarm::joints {
 
-using JointLaw = std::variant<LinearSpring, CubicSpring, ViscousFriction, DahlFriction>;
+using JointLaw = std::variant<ReducerSpring, CableTorque, ViscousFriction, DahlFriction, LugreFriction>;
 
 inline LawResponse respond(const JointLaw& law, double x, double x_dot, const LawMemory& memory) {
   return std::visit([&](const auto& l) { return l.respond(x, x_dot, memory); }, law);
@@ -27,6 +28,12 @@ inline LawResponse respond(const JointLaw& law, double x, double x_dot, const La
 /// it.
 inline bool acts_at_rest(const JointLaw& law) {
   return std::visit([](const auto& l) { return l.acts_at_rest; }, law);
+}
+
+/// Whether the law leaves a gap in which next to nothing holds the deflection.
+inline bool has_gap(const JointLaw& law) {
+  const auto* spring = std::get_if<ReducerSpring>(&law);
+  return spring != nullptr && spring->gap > 0;
 }
 
 inline void check(const JointLaw& law) {

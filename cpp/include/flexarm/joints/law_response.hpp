@@ -4,13 +4,18 @@
 
 namespace flexarm::joints {
 
+/// Where statics holds the teeth of a reducer with backlash while it looks for the side they lie on; `free`
+/// everywhere else.
+enum class Flank { free, closed, positive, negative };
+
 /// What a law remembers from the last accepted instant.
 struct LawMemory {
   double x = 0;  ///< deflection there
-  double z = 0;  ///< internal state there [-]
+  double z = 0;  ///< internal state there, in the law's own unit
+  Flank flank = Flank::free;
 };
 
-/// Answer of a law at a trial deflection.
+/// Answer of a law at a trial deflection x, rate x', with the memory (x₀, z₀).
 struct LawResponse {
   double force = 0;      ///< Q: what the law puts against the deflection
   double stiffness = 0;  ///< ∂Q/∂x
@@ -18,6 +23,11 @@ struct LawResponse {
   double energy = 0;     ///< stored [J]
   double loss = 0;       ///< the part of Q that dissipates
   double z = 0;          ///< internal state at the trial
+
+  // What the past does to the force, and all that makes z: zero for laws without memory.
+  double force_by_x0 = 0, force_by_z0 = 0;  ///< ∂Q/∂x₀, ∂Q/∂z₀
+  double z_by_x = 0, z_by_rate = 0;         ///< ∂z/∂x, ∂z/∂x'
+  double z_by_x0 = 0, z_by_z0 = 0;          ///< ∂z/∂x₀, ∂z/∂z₀
 };
 
 }  // namespace flexarm::joints

@@ -6,7 +6,7 @@
 /// with the true tangent K, geometric stiffness included. Where the full load is too much for one solution,
 /// it grows in steps. A solution counts only if it is stable, i.e. K + ρ Φ_qᵀ Φ_q has no negative pivot; the
 /// load fraction where that ends is the buckling load. Friction has no part: the arm settles where no
-/// friction holds it.
+/// friction holds it. Teeth of reducers lie on the flanks that backlash.hpp finds.
 #pragma once
 
 #include "flexarm/assembly/system.hpp"

@@ -8,8 +8,9 @@
 ///
 ///     z₁ = s − (s − z₀) exp(−|Δx|/w)                                                            (2)
 ///
-/// which the implicit step uses as it stands: no integration error, whatever the step. Units: T_c in N m, w
-/// in rad. Source: [Dahl1968]; docs/theory.md, section "Joints and drive trains".
+/// which the implicit step uses as it stands: no integration error, whatever the step. Between motor and
+/// link, with a width of its own, the same law is the hysteresis of a reducer. Units: T_c in N m, w in rad.
+/// Source: [Dahl1968]; docs/theory.md, section "Joints and drive trains".
 #pragma once
 
 #include <cmath>
@@ -29,9 +30,18 @@ struct DahlFriction {
   LawResponse respond(double x, double, const LawMemory& memory) const {
     const double dx = x - memory.x;
     const double s = dx < 0 ? -1.0 : 1.0;
-    const double z = s - (s - memory.z) * std::exp(-std::abs(dx) / width);  // eq. (2)
-    const double force = torque * z;
-    return {.force = force, .stiffness = torque * (1 - s * z) / width, .loss = force, .z = z};
+    const double decay = std::exp(-std::abs(dx) / width);
+    const double z = s - (s - memory.z) * decay;  // eq. (2)
+    const double force = torque * z, z_x = (1 - s * z) / width;
+    return {.force = force,
+            .stiffness = torque * z_x,
+            .loss = force,
+            .z = z,
+            .force_by_x0 = -torque * z_x,
+            .force_by_z0 = torque * decay,
+            .z_by_x = z_x,
+            .z_by_x0 = -z_x,
+            .z_by_z0 = decay};
   }
 
   void check() const {

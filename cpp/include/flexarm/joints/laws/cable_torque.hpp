@@ -1,0 +1,32 @@
+/// @file
+/// Cables and hoses that bend with a joint:  Q = k (x − x_r).  Units: k in N m/rad, the angle of rest x_r in
+/// rad.
+#pragma once
+
+#include <string>
+
+#include "flexarm/errors.hpp"
+#include "flexarm/joints/law_response.hpp"
+
+namespace flexarm::joints {
+
+struct CableTorque {
+  double stiffness;       ///< k
+  double rest_angle = 0;  ///< x_r
+
+  static constexpr bool acts_at_rest = true;
+
+  LawResponse respond(double x, double, const LawMemory&) const {
+    const double turned = x - rest_angle;
+    return {.force = stiffness * turned, .stiffness = stiffness, .energy = 0.5 * stiffness * turned * turned};
+  }
+
+  void check() const {
+    if (!(stiffness >= 0)) {
+      throw InvalidParameter("stiffness of the cables must not be negative, got " +
+                             std::to_string(stiffness) + " N m/rad");
+    }
+  }
+};
+
+}  // namespace flexarm::joints
