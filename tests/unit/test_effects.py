@@ -7,7 +7,21 @@ from arms import paper_arm
 from flexarm import static
 from flexarm.arm import KNOWN_EFFECTS, effect_class
 from flexarm.assembly import machine_of
-from flexarm.effects import CoulombFriction, Effect, JointCompliance, MotorFriction, ViscousFriction
+from flexarm.assembly.drive_train import Transmission
+from flexarm.effects import (
+    Backlash,
+    CableTorque,
+    CoulombFriction,
+    Effect,
+    GearRatio,
+    JointCompliance,
+    JointHysteresis,
+    JointStiffening,
+    LugreFriction,
+    MotorFriction,
+    TransmissionError,
+    ViscousFriction,
+)
 from flexarm.errors import InvalidParameter
 
 EXAMPLES = [
@@ -15,7 +29,25 @@ EXAMPLES = [
     CoulombFriction(at="hinge", torque=12.0),
     ViscousFriction(at="hinge", coefficient=3.0),
     MotorFriction(at="hinge", coulomb=5.0, viscous=2.0),
+    JointStiffening(at="hinge", cubic_stiffness=5e9),
+    JointHysteresis(at="hinge", torque=30.0, width=2e-4),
+    Backlash(at="hinge", gap=5e-4),
+    LugreFriction(
+        at="hinge",
+        coulomb=9.0,
+        breakaway=12.0,
+        bristle_stiffness=1e5,
+        bristle_damping=300.0,
+        viscous=3.0,
+        stribeck_rate=5e-3,
+    ),
+    TransmissionError(at="hinge", amplitude=8e-5, multiple=2.0, phase=-1.0),
+    GearRatio(at="hinge", scale=1.001),
+    CableTorque(at="hinge", stiffness=20.0, rest_angle=0.4),
 ]
+
+
+BEARING = ["DahlFriction", "ViscousFriction", "LugreFriction", "CableTorque"]
 
 
 def kinds(laws: list) -> list[str]:
@@ -33,7 +65,9 @@ def test_effects_patch_the_drive_train_where_they_act() -> None:
     machine = machine_of(paper_arm(1).replace(effects=tuple(EXAMPLES)))
     train = machine.drive_trains["hinge"]
     assert (train.stiffness, train.damping) == (1e5, 30.0)
-    assert kinds(train.bearing) == ["DahlFriction", "ViscousFriction"]
+    assert (train.cubic_stiffness, train.gap, train.hysteresis) == (5e9, 5e-4, [(30.0, 2e-4)])
+    assert train.transmission == Transmission(scale=1.001, amplitude=8e-5, multiple=2.0, phase=-1.0)
+    assert kinds(train.bearing) == BEARING
     assert kinds(train.motor) == ["DahlFriction", "ViscousFriction"]
 
 
@@ -41,16 +75,22 @@ def test_the_machine_does_not_depend_on_the_order_of_the_file() -> None:
     forward = machine_of(paper_arm(1).replace(effects=tuple(EXAMPLES)))
     backward = machine_of(paper_arm(1).replace(effects=tuple(reversed(EXAMPLES))))
     for way in (forward, backward):
-        assert kinds(way.drive_trains["hinge"].bearing) == ["DahlFriction", "ViscousFriction"]
+        assert kinds(way.drive_trains["hinge"].bearing) == BEARING
 
 
 def test_the_structure_does_not_depend_on_values() -> None:
     """Laws with a torque of zero are there: sensitivities difference two systems of one structure."""
     still = paper_arm(1).replace(
-        effects=(CoulombFriction(at="hinge"), ViscousFriction(at="hinge"), MotorFriction(at="hinge"))
+        effects=(
+            CoulombFriction(at="hinge"),
+            ViscousFriction(at="hinge"),
+            MotorFriction(at="hinge"),
+            TransmissionError(at="hinge"),
+        )
     )
     train = machine_of(still).drive_trains["hinge"]
     assert len(train.bearing) == len(train.motor) == 2
+    assert train.transmission == Transmission(multiple=1.0)
 
 
 def test_a_compliance_without_stiffness_leaves_the_joint_rigid() -> None:

@@ -12,8 +12,10 @@ from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 
 if TYPE_CHECKING:
+    from flexarm.effects.backlash import Backlash
     from flexarm.effects.base_compliance import BaseCompliance
     from flexarm.effects.base_tilt import BaseTilt
+    from flexarm.effects.cable_torque import CableTorque
     from flexarm.effects.clock_drift import ClockDrift
     from flexarm.effects.coulomb_friction import CoulombFriction
     from flexarm.effects.dead_channel import DeadChannel
@@ -24,12 +26,16 @@ if TYPE_CHECKING:
     from flexarm.effects.external_vibration import ExternalVibration
     from flexarm.effects.frame_drift import FrameDrift
     from flexarm.effects.frame_registration import FrameRegistration
+    from flexarm.effects.gear_ratio import GearRatio
     from flexarm.effects.joint_compliance import JointCompliance
+    from flexarm.effects.joint_hysteresis import JointHysteresis
+    from flexarm.effects.joint_stiffening import JointStiffening
     from flexarm.effects.link_bow import LinkBow
     from flexarm.effects.link_damping import LinkDamping
     from flexarm.effects.link_length import LinkLength
     from flexarm.effects.link_mass import LinkMass
     from flexarm.effects.link_stiffness import LinkStiffness
+    from flexarm.effects.lugre_friction import LugreFriction
     from flexarm.effects.motor_friction import MotorFriction
     from flexarm.effects.outliers import Outliers
     from flexarm.effects.payload_inertia import PayloadInertia
@@ -40,13 +46,16 @@ if TYPE_CHECKING:
     from flexarm.effects.sensor_offset import SensorOffset
     from flexarm.effects.sign_error import SignError
     from flexarm.effects.time_delay import TimeDelay
+    from flexarm.effects.transmission_error import TransmissionError
     from flexarm.effects.unit_error import UnitError
     from flexarm.effects.viscous_friction import ViscousFriction
 
 __all__ = [
     "KNOWN_EFFECTS",
+    "Backlash",
     "BaseCompliance",
     "BaseTilt",
+    "CableTorque",
     "ClockDrift",
     "CoulombFriction",
     "DeadChannel",
@@ -58,12 +67,16 @@ __all__ = [
     "ExternalVibration",
     "FrameDrift",
     "FrameRegistration",
+    "GearRatio",
     "JointCompliance",
+    "JointHysteresis",
+    "JointStiffening",
     "LinkBow",
     "LinkDamping",
     "LinkLength",
     "LinkMass",
     "LinkStiffness",
+    "LugreFriction",
     "MotorFriction",
     "Outliers",
     "PayloadInertia",
@@ -74,6 +87,7 @@ __all__ = [
     "SensorOffset",
     "SignError",
     "TimeDelay",
+    "TransmissionError",
     "UnitError",
     "ViscousFriction",
     "effect_class",

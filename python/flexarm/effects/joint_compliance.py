@@ -8,7 +8,8 @@ angle relative to its parent [rad]. Without this effect the drive train is rigid
 
 from __future__ import annotations
 
-from math import inf
+from collections.abc import Iterable
+from math import inf, isinf
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
@@ -18,6 +19,9 @@ from flexarm.tables import Number, value_in
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.assembly.machine import Machine
+
+TYPICAL_STIFFNESS = 1e5
+"""Of a rotary reducer that moves such arms [N m/rad]."""
 
 
 class JointCompliance(Effect):
@@ -44,13 +48,12 @@ class JointCompliance(Effect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small strain-wave to large cycloidal reducers; damping in proportion to the stiffness."""
-        typical = 1e5
-        stiffness = self.stiffness if self.stiffness != inf else typical
+        stiffness = TYPICAL_STIFFNESS if isinf(self.stiffness) else self.stiffness
         return {
             "stiffness": Prior(
                 3e3,
                 4e6,
-                typical,
+                TYPICAL_STIFFNESS,
                 "log",
                 "N m/rad",
                 "catalogues: small strain-wave reducers (some 1e3) to large cycloidal ones (1200 N m/arcmin)",
@@ -64,3 +67,20 @@ class JointCompliance(Effect):
                 "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz",
             ),
         }
+
+
+def spring_at(arm: Arm, joint: str) -> float:
+    """Stiffness of the joint's compliance [N m/rad]; a typical one where it has none."""
+    found = [effect.stiffness for effect in arm.effects_at(joint) if isinstance(effect, JointCompliance)]
+    return found[-1] if found and not isinf(found[-1]) else TYPICAL_STIFFNESS
+
+
+def without_spring(effect: Effect, arm: Arm) -> Iterable[tuple[str, str]]:
+    """What an effect of the reducer's deflection has to say of a joint that is rigid."""
+    springs = (other for other in arm.effects_at(effect.at) if isinstance(other, JointCompliance))
+    if all(isinf(spring.stiffness) for spring in springs):
+        yield (
+            "at",
+            f"{effect.name} needs a joint_compliance with a stiffness at the same joint, and {effect.at!r} "
+            f'is rigid; add [[effects]] name = "joint_compliance", at = "{effect.at}", stiffness = ...',
+        )

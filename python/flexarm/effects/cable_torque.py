@@ -1,0 +1,66 @@
+r"""Cables and hoses that bend with a joint and pull it back to where they are at rest.
+
+.. math:: T \leftarrow T - k_c (\theta - \theta_r)                                                      (1)
+
+T [N m] is the torque on the link about +axis, \theta [rad] the link's angle relative to its parent.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING, ClassVar
+
+from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.assembly.machine import Machine
+
+
+class CableTorque(Effect):
+    """A spring of the cables at the output.
+
+    Parameters
+    ----------
+    at : str
+        The joint.
+    stiffness : float
+        k_c of (1) [N m/rad]; N/m for a prismatic joint.
+    rest_angle : float
+        theta_r of (1) [rad].
+    """
+
+    name: ClassVar[str] = "cable_torque"
+    stiffness: Number = value_in("N m/rad", "stiffness of the cables", 0.0, ge=0)
+    rest_angle: Number = value_in("rad", "angle of the joint where they pull at nothing", 0.0)
+
+    def patch(self, machine: Machine) -> None:
+        """The cables' spring at the output bearing, eq. (1)."""
+        from flexarm import _core
+
+        machine.drive_trains[self.at].bearing.append(
+            _core.CableTorque(self.stiffness, self.rest_angle)
+        )  # eq. (1)
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """From a signal cable to a dress pack with hoses."""
+        return {
+            "stiffness": Prior(
+                0.3,
+                300.0,
+                10.0,
+                "log",
+                "N m/rad",
+                "engineering judgement: bundles and hoses bent at radii of 0.1 to 0.5 m",
+            ),
+            "rest_angle": Prior(
+                -pi / 2,
+                pi / 2,
+                0.0,
+                "linear",
+                "rad",
+                "engineering judgement: dressed near the middle of the range",
+            ),
+        }
