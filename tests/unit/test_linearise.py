@@ -156,6 +156,28 @@ def test_an_arm_of_super_elements_has_its_modes_as_poles(tmp_path: Path) -> None
     assert found.static_gain()[:, 0] == approx((plus - minus) / (2 * e), rel=1e-6, abs=1e-8)
 
 
+def test_a_worn_drive_train_counts_by_its_tangent() -> None:
+    """Teeth that touch, a stiffening spring, a gear that errs: gains and poles of the arm as it stands."""
+    effects = [
+        compliance("hinge", 1e5, 200.0),
+        {"name": "joint_stiffening", "at": "hinge", "cubic_stiffness": 1e9},
+        {"name": "backlash", "at": "hinge", "gap": 4e-4},
+        {"name": "transmission_error", "at": "hinge", "amplitude": 2e-4, "multiple": 0.5, "phase": 0.4},
+        {"name": "cable_torque", "at": "hinge", "stiffness": 50.0, "rest_angle": 0.1},
+    ]
+    table = paper_arm(elements=2).to_dict() | {"effects": effects}
+    table["joints"][0]["gear_ratio"] = 120.0
+    model = flexarm.Arm.from_dict(table)
+    found = linearise(model, {"hinge": 0.8}, outputs=["tip"])
+    assert found.input_names == ("hinge.angle",)
+    e = 1e-5
+    plus, minus = (flexarm.static(model, {"hinge": 0.8 + s * e}).position[0] for s in (1, -1))
+    assert found.static_gain()[:, 0] == approx((plus - minus) / (2 * e), rel=1e-5, abs=1e-7)
+    modes = flexarm.modes(model, joints={"hinge": 0.8}, count=4)
+    poles = positive(found.poles)[:4]
+    assert poles.imag / (2 * np.pi) == approx(modes.damped_frequency_hz, rel=1e-7)
+
+
 def test_a_prismatic_joint_speaks_of_metres_and_newtons() -> None:
     """A mass on a spring along x: m x'' = k (u - x)."""
     slide = {"name": "slide", "type": "prismatic", "parent": "base", "child": "bar", "axis": [1, 0, 0]}

@@ -256,6 +256,38 @@ def test_a_shaken_base_and_a_growing_bow_step_as_they_run() -> None:
     assert sim.point(state, "tip").position == approx(run.position[-1, 0], abs=1e-9)
 
 
+WORN = [
+    compliance("hinge", 1e5, 200.0),
+    {"name": "backlash", "at": "hinge", "gap": 4e-4},
+    {"name": "joint_hysteresis", "at": "hinge", "torque": 20.0, "width": 1e-4},
+    {"name": "transmission_error", "at": "hinge", "amplitude": 2e-4, "multiple": 0.5, "phase": 0.4},
+]
+
+
+@pytest.mark.parametrize("side", ["motor", "output"])
+def test_a_worn_drive_train_steps_as_it_runs_and_from_a_file_too(side: str, tmp_path: Path) -> None:
+    """Over the vertical the link falls through the backlash; its own angle goes back to the motor."""
+    table = paper_arm(elements=2).to_dict() | {"effects": WORN}
+    table["joints"][0]["gear_ratio"] = 120.0
+    model = flexarm.Arm.from_dict(table)
+
+    def angle(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return 0.05 * np.cos(np.pi * t) ** 3
+
+    run = flexarm.simulate(model, drive_along({"hinge": angle}, 1.0, side=side), step=2e-3)
+    sim = Stepper(model, {"hinge": side}, step=2e-3)
+    state = sim.start(joints={"hinge": 0.05})
+    for k, t in enumerate(run.time[1:]):
+        if k == 250:
+            state.save(tmp_path / "half.npz")
+        state = sim.step(state, {"hinge": float(angle(t))})
+    assert sim.point(state, "tip").position == approx(run.position[-1, 0], abs=5e-6)
+    again = State.load(tmp_path / "half.npz")
+    for t in run.time[251:]:
+        again = sim.step(again, {"hinge": float(angle(t))})
+    assert again == state
+
+
 def test_an_arm_of_super_elements_let_go_rests_under_its_holding_torque(tmp_path: Path) -> None:
     model = arm(**arm_of_parts(tmp_path, segments=2), effects=[compliance("hinge", 1e5)])
     sim = Stepper(model, {"hinge": "torque"}, step=2e-3)

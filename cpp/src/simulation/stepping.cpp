@@ -19,6 +19,14 @@ struct Path {
 /// The part of a step above which it is over: times are sums.
 constexpr double whole = 1 - 1e-9;
 
+/// What the motor does when its link is told its own angle: θ = ψ(φ), θ' = ψ' φ', θ'' = ψ' φ'' + ψ'' φ'².
+JointInput through(const joints::Transmission& transmission, const JointInput& told) {
+  const double phi = transmission.inverse(told.value);
+  const auto psi = transmission(phi);
+  const double rate = told.rate / psi.first;
+  return {phi, told.has_rates, rate, (told.acceleration - psi.second * rate * rate) / psi.first};
+}
+
 std::vector<Path> paths(const System& system, const State& state, const std::vector<JointInput>& inputs,
                         double h) {
   std::vector<Path> found;
@@ -28,7 +36,9 @@ std::vector<Path> paths(const System& system, const State& state, const std::vec
     if (phi < 0 || kind == DriveKind::torque || kind == DriveKind::free) continue;
     const int row = system.scalar_offset() + phi;
     const PrescribedAngle begin{{state.s[phi], state.v[row], state.v_dot[row]}, state.a[row]};
-    const JointInput& told = inputs[j];
+    const joints::Transmission* transmission =
+        kind == DriveKind::link_angle ? system.transmission(static_cast<int>(j)) : nullptr;
+    const JointInput told = transmission == nullptr ? inputs[j] : through(*transmission, inputs[j]);
     if (kind == DriveKind::locked) {
       found.push_back({phi, begin, begin.follow({state.s[phi], 0, 0})});
     } else if (told.has_rates) {
