@@ -291,3 +291,64 @@ def test_a_motor_let_go_has_the_derivatives_of_its_start() -> None:
     derivative = found.sensitivities.by(key)["position"]
     # Nothing holds the motor: what Newton leaves at each step adds up.
     assert np.abs(derivative - expected).max() < 1e-5 * np.abs(expected).max()
+
+
+DRIVE_TRAIN = [
+    {"name": "joint_compliance", "at": "hinge", "stiffness": 8e4, "damping": 160.0},
+    {"name": "joint_stiffening", "at": "hinge", "cubic_stiffness": 4e8},
+    {"name": "joint_hysteresis", "at": "hinge", "torque": 30.0, "width": 1e-3},
+    {"name": "coulomb_friction", "at": "hinge", "torque": 20.0},
+    {"name": "transmission_error", "at": "hinge", "amplitude": 2e-4, "multiple": 2.0, "phase": 0.3},
+    {"name": "gear_ratio", "at": "hinge", "scale": 1.003},
+    {"name": "cable_torque", "at": "hinge", "stiffness": 40.0, "rest_angle": 0.2},
+]
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "joint_stiffening.hinge.cubic_stiffness",
+        "joint_hysteresis.hinge.torque",
+        "joint_hysteresis.hinge.width",
+        "coulomb_friction.hinge.torque",
+        "transmission_error.hinge.amplitude",
+        "transmission_error.hinge.phase",
+        "gear_ratio.hinge.scale",
+        "cable_torque.hinge.stiffness",
+        "cable_torque.hinge.rest_angle",
+    ],
+)
+def test_laws_of_a_drive_train_have_the_derivatives_of_differences(key: str) -> None:
+    """Hysteresis and friction with their memories, ripple and ratio through the transmission's constraint."""
+    arm, key = swing_arm(effects=DRIVE_TRAIN), f"effects.{key}"
+    t = np.linspace(0, 0.4, 41)
+    drive = flexarm.Drive.from_samples(t, {"hinge": 0.3 * t**3 * (1 + t)})  # one direction only
+    found = flexarm.simulate(arm, drive, step=1e-3, sensitivities=[key]).sensitivities
+    assert found is not None
+    value = found.parameters[0].value
+
+    def at(p: float, name: str) -> NDArray:
+        run = _prepared(with_value(arm, key, p), drive, 1e-3, -0.05, None, False, False)
+        run.options.tolerance = 1e-14
+        return np.asarray(getattr(_plain(run, None), name))
+
+    for name in ("position", "joint_angle", "motor_torque"):
+        expected, doubt = difference(lambda p, name=name: at(p, name), value, 1e-3 * value)
+        error = np.abs(found.by(key)[name] - expected).max()
+        # Dahl's law bends within 2e-5 rad: a step of differences sees its curvature.
+        assert error <= 3e-4 * np.abs(expected).max() + doubt, name
+
+
+def test_the_width_of_a_gap_is_differentiated_while_its_teeth_touch() -> None:
+    """T = k (d - gap/2): the tip sinks by half the gap times the length of the arm, one to one."""
+    arm = swing_arm(
+        effects=[
+            {"name": "joint_compliance", "at": "hinge", "stiffness": 8e4, "damping": 160.0},
+            {"name": "backlash", "at": "hinge", "gap": 4e-4},
+        ]
+    )
+    found = flexarm.static(arm, {"hinge": 0.8}, sensitivities=["effects.backlash.hinge.gap"])
+    assert found.sensitivities is not None
+    slope = np.linalg.norm(found.sensitivities["position"][0, :, 0])
+    assert found.sensitivities["link_angle"][0, 0] == pytest.approx(0.5, rel=2e-2)  # gravity adds a little
+    assert slope == pytest.approx(0.5 * 3.1, rel=3e-2)
