@@ -418,6 +418,21 @@ def test_a_file_gives_the_model_back(name: str, tmp_path: Path) -> None:
     assert "8 states" in repr(found) or f"{len(found.A)} states" in repr(found)
 
 
+def test_names_of_parts_become_names_that_matlab_takes(tmp_path: Path) -> None:
+    from scipy.io import whosmat
+
+    tables = arm_of_parts(tmp_path, segments=1)
+    tables["links"][0]["name"] = "2-hub"
+    tables["joints"][0]["child"], end = "2-hub:start", "2-hub:end"
+    tables["payloads"][0]["link"] = tables["points"][0]["link"] = end
+    found = linearise(arm(**tables))
+    found.save(tmp_path / "arm.mat")
+    names = [name for name, _, _ in whosmat(tmp_path / "arm.mat")]
+    assert "x2_hub_sha256" in names
+    assert all(name.isidentifier() for name in names)
+    assert LinearModel.load(tmp_path / "arm.mat").arm.links[0].name == "2-hub"
+
+
 def test_a_mat_file_holds_what_matlab_and_python_control_take(tmp_path: Path) -> None:
     from scipy.io import loadmat
 

@@ -7,6 +7,7 @@ Matrices under their names, names and units as columns of cells, texts as texts:
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,8 @@ def save(contents: Contents, path: str | Path) -> None:
     try:
         with partial.open("wb") as file:
             columns = {name: _column(values) for name, values in arrays.items()}
-            savemat(file, {**columns, **contents.attributes}, long_field_names=True)
+            texts = {_identifier(name): text for name, text in contents.attributes.items()}
+            savemat(file, {**columns, **texts}, long_field_names=True)
         partial.replace(target)
     except OSError as error:
         raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
@@ -75,6 +77,12 @@ def load(path: str | Path) -> xr.Dataset:
     if data.attrs.get("kind") != "linear model":
         raise InvalidFile(path, "kind", f"must be 'linear model', got {data.attrs.get('kind', 'none')!r}")
     return data
+
+
+def _identifier(name: str) -> str:
+    """A name that MATLAB takes as a variable's: a part may be called "2-hub"."""
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return plain if plain[0].isalpha() else f"x{plain}"
 
 
 def _column(values: object) -> object:
