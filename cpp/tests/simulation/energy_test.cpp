@@ -53,9 +53,7 @@ TEST_CASE("A pendulum has ½ (J + m c²) θ'² and −m g c cos θ") {
 
 TEST_CASE("Rotors count with the square of their ratio, springs with ½ k x²") {
   auto arm = pendulum(2, 0.7, 0.1);
-  arm.joints[0].drive_train = compliant(800);
-  arm.joints[0].drive_train.stages[0].push_back(
-      flexarm::joints::ReducerSpring{.stiffness = 1, .cubic_stiffness = 4000});
+  arm.joints[0].drive_train.stages = {{ReducerSpring{.stiffness = 800, .cubic_stiffness = 4000}}};
   arm.joints[0].drive_train.gear_ratio = 50;
   arm.joints[0].drive_train.rotor_inertia = 1e-3;
   const System system(arm, {{"hinge", DriveKind::torque}});
