@@ -43,8 +43,9 @@ test: build
 reproduce: build
 	@$(BIN)/flexarm reproduce --out results --force
 
-## Linters, types, formats, stubs; C++ tests under sanitizers and without SuiteSparse
-check: build check-python check-cpp check-stubs check-asan check-no-suitesparse
+## Linters, types, formats, stubs; C++ tests under sanitizers, with SuiteSparse and on Eigen alone. That
+## CMake does without SuiteSparse is seen from its configuration; make check-no-suitesparse builds all of it.
+check: build check-python check-cpp check-stubs check-asan build/no-suitesparse/build.ninja
 	@echo "make check: all passed"
 
 .PHONY: check-python check-cpp check-stubs

@@ -1,18 +1,31 @@
-# flexarm_tests: one executable, one ctest entry for each file cpp/tests/**/*_test.cpp.
+# flexarm_tests: one executable, one ctest entry for each file cpp/tests/**/*_test.cpp; flexarm_tests_eigen: the same
+# tests without SuiteSparse (FLEXARM_TEST_EIGEN), their names after "eigen/".
 find_package(doctest REQUIRED)
 
-file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/tests/*_test.cpp)
-add_executable(flexarm_tests ${PROJECT_SOURCE_DIR}/cpp/tests/main.cpp ${test_sources})
-target_link_libraries(flexarm_tests PRIVATE flexarm_core flexarm_options doctest::doctest)
-target_include_directories(flexarm_tests PRIVATE ${PROJECT_SOURCE_DIR}/cpp/tests)
+file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/tests/*.cpp)
+add_library(flexarm_test_objects OBJECT ${test_sources})
+target_link_libraries(flexarm_test_objects PRIVATE flexarm_common flexarm_options doctest::doctest)
+target_include_directories(flexarm_test_objects PRIVATE ${PROJECT_SOURCE_DIR}/cpp/tests)
 if(FLEXARM_PCH)
-  target_precompile_headers(flexarm_tests REUSE_FROM flexarm_core)
+  target_precompile_headers(flexarm_test_objects REUSE_FROM flexarm_common)
 endif()
 
-foreach(source IN LISTS test_sources)
-  file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/cpp/tests ${source})
-  string(REGEX REPLACE "_test\\.cpp$" "" name ${name})
-  add_test(NAME ${name} COMMAND flexarm_tests --source-file=*cpp/tests/${name}_test.cpp)
-  # A file without test cases would pass silently.
-  set_tests_properties(${name} PROPERTIES FAIL_REGULAR_EXPRESSION "test cases: +0 ")
-endforeach()
+# add_tests(executable core [prefix of the names])
+function(add_tests executable core)
+  add_executable(${executable} $<TARGET_OBJECTS:flexarm_test_objects>)
+  target_link_libraries(${executable} PRIVATE ${core} flexarm_options doctest::doctest)
+  foreach(source IN LISTS test_sources)
+    file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/cpp/tests ${source})
+    if(name MATCHES "^(.*)_test\\.cpp$")
+      set(test ${ARGN}${CMAKE_MATCH_1})
+      add_test(NAME ${test} COMMAND ${executable} --source-file=*cpp/tests/${name})
+      # A file without test cases would pass silently.
+      set_tests_properties(${test} PROPERTIES FAIL_REGULAR_EXPRESSION "test cases: +0 ")
+    endif()
+  endforeach()
+endfunction()
+
+add_tests(flexarm_tests flexarm_core)
+if(FLEXARM_TEST_EIGEN)
+  add_tests(flexarm_tests_eigen flexarm_core_eigen eigen/)
+endif()

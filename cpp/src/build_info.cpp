@@ -43,7 +43,9 @@ BuildInfo collect() {
   info.compiler = FLEXARM_COMPILER;
   info.build_type = FLEXARM_BUILD_TYPE;
   info.eigen = FLEXARM_EIGEN_VERSION;
+#if defined(FLEXARM_HAS_KLU) || defined(FLEXARM_HAS_CHOLMOD)
   info.suitesparse = FLEXARM_SUITESPARSE_VERSION;
+#endif
 #ifdef FLEXARM_HAS_KLU
   info.solver = "KLU";
   info.ordering = "BTF, AMD on its blocks";

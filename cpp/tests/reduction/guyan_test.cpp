@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
 #include "reduction/parts.hpp"
 
 using namespace flexarm::tests;

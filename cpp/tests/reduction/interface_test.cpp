@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include "flexarm/errors.hpp"
 #include "reduction/parts.hpp"
 

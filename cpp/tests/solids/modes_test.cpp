@@ -1,6 +1,7 @@
 /// Free vibration of solids against closed forms: waves in a box between smooth walls, Timoshenko's
 /// cantilever.
 #include <Eigen/LU>
+#include <Eigen/SparseCholesky>
 
 #include "blocks.hpp"
 

@@ -1,0 +1,30 @@
+# flexarm_core: the finite elements, no Python.
+# flexarm_core_eigen: the same without SuiteSparse, for tests (FLEXARM_TEST_EIGEN). Only `backend_sources` know
+# which library factorises; all others are compiled once, as flexarm_common.
+file(GLOB_RECURSE core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/src/*.cpp)
+set(backend_sources build_info solvers/blas_info solvers/cholesky_factor solvers/cholesky_factor_eigen solvers/sparse_factor)
+list(TRANSFORM backend_sources PREPEND ${PROJECT_SOURCE_DIR}/cpp/src/)
+list(TRANSFORM backend_sources APPEND .cpp)
+list(REMOVE_ITEM core_sources ${backend_sources})
+
+add_library(flexarm_common OBJECT ${core_sources})
+target_include_directories(
+  flexarm_common PUBLIC ${PROJECT_SOURCE_DIR}/cpp/include PRIVATE ${PROJECT_BINARY_DIR}/generated
+)
+target_link_libraries(flexarm_common PUBLIC flexarm_eigen flexarm_suitesparse Threads::Threads PRIVATE flexarm_options)
+if(FLEXARM_PCH)
+  target_precompile_headers(flexarm_common PRIVATE <Eigen/Dense> <Eigen/SparseCore> <functional> <string> <vector>)
+  set(CMAKE_CXX_COMPILE_OPTIONS_PIE -fPIC) # as in flexarm_common, so that the tests can read what it precompiled
+endif()
+
+# add_core(name [libraries that factorise])
+function(add_core name)
+  add_library(${name} STATIC ${backend_sources} $<TARGET_OBJECTS:flexarm_common>)
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/cpp/include PRIVATE ${PROJECT_BINARY_DIR}/generated)
+  target_link_libraries(${name} PUBLIC flexarm_eigen Threads::Threads ${ARGN} PRIVATE flexarm_options)
+endfunction()
+
+add_core(flexarm_core flexarm_suitesparse)
+if(FLEXARM_TEST_EIGEN)
+  add_core(flexarm_core_eigen)
+endif()
