@@ -40,13 +40,18 @@ class Confusion:
     size: Mapping[str, Mapping[str, float]]
 
     def rivals(self, name: str, least: float = ALIKE) -> dict[str, float]:
-        """Effects that explain a share of at least `least`, the best first."""
-        found = {rival: r2 for rival, r2 in self.share[name].items() if r2 >= least}
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+        """Effects that explain a share of at least `least`, the best first; of equals the smallest."""
+        found = [rival for rival, r2 in self.share[name].items() if r2 >= least]
+        found.sort(key=lambda rival: (-self._told(name, rival), self.size[name][rival]))
+        return {rival: self.share[name][rival] for rival in found}
 
     def best(self, name: str) -> tuple[str, float]:
         """The effect that explains most of it, and how much."""
-        return max(self.share[name].items(), key=lambda item: item[1])
+        return next(iter(self.rivals(name, least=-1.0).items()))
+
+    def _told(self, name: str, rival: str) -> float:
+        """R^2 as far as it is told: what differs less is alike."""
+        return min(round(self.share[name][rival], 3), 0.999)
 
 
 def nuisances(setup: Setup) -> Floats:

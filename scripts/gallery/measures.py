@@ -18,16 +18,18 @@ BINS = 25
 
 @dataclass(frozen=True)
 class Size:
-    """Gap of the tip in the faster motion [m]; None where the arm cannot have these values."""
+    """Gap of the tip [m] and rms of the motor torque's [N m] in the faster motion; None: not possible."""
 
     rms: float | None = None
     max: float | None = None
+    torque: float | None = None
 
 
 def size_of(gap: Gap) -> Size:
-    """Of the tip's three coordinates together."""
+    """Of the tip's three coordinates together, and of the torque."""
     length = np.linalg.norm(gap["tip"], axis=1)
-    return Size(float(np.sqrt(np.mean(length**2))), float(length.max()))
+    rms, torque = (float(np.sqrt(np.mean(values**2))) for values in (length, gap["torque"]))
+    return Size(rms, float(length.max()), torque)
 
 
 def size_with(effect: Effect, parameter: str, value: float, model: Arm) -> Size:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from flexarm.arm.effect import Effect
 from gallery.confusion import Study
 from gallery.described import described
@@ -13,6 +11,9 @@ from gallery.measures import Size, directions, follows, size_of, sizes, slow_sha
 from gallery.signatures import Signature, place
 from gallery.text import metres, percent, rounded, setting, table
 from gallery.verdicts import confused, separated
+
+NONE = 2e-3
+"""Part of the noise below which a size is none."""
 
 
 def page(name: str, study: Study) -> str:
@@ -44,7 +45,9 @@ def looks(signature: Signature) -> str:
         f"`{name}` at `{place(name)}`{with_values}"
     )
     if not at_tip(signature.shown.gaps[FAST]):
-        return f"{title}{what}: the tip shows nothing, the motor's torque {_torque(signature)} N m rms."
+        return (
+            f"{title}{what}: the tip shows nothing, the motor's torque {rounded(size.torque or 0)} N m rms."
+        )
     where = ", ".join(f"{part} {percent(r)}" for part, r in directions(signature).items())
     curves = ", ".join(f"{state} {percent(r)}" for state, r in follows(signature).items())
     return (
@@ -53,10 +56,6 @@ def looks(signature: Signature) -> str:
         f"{percent(slow_share(signature))} of it remains, of which a curve over one state of the joint "
         f"explains: {curves}."
     )
-
-
-def _torque(signature: Signature) -> str:
-    return rounded(float(np.sqrt(np.mean(signature.shown.gaps[FAST]["torque"] ** 2))))
 
 
 def expected(signature: Signature) -> str:
@@ -71,16 +70,15 @@ def expected(signature: Signature) -> str:
         for end, value in (("low", prior.low), ("start", start[key]), ("high", prior.high)):
             unit = "" if prior.unit == "-" else f" {prior.unit}"
             rows.append([f"`{key}`" if end == "low" else "", f"{setting(value)}{unit}", *_told(ends[end])])
-    text = table(["parameter", "value", "rms", "greatest"], rows)
+    text = table(["parameter", "value", "tip, rms", "greatest", "motor torque, rms"], rows)
     others = "the model's own" if signature.model.effect(signature.name, place(signature.name)) else "typical"
     missing = "\n\n–: not possible beside the other values." if "– |" in text else ""
-    return (
-        f"## Sizes to expect\nThe tip's gap in the same motion, other parameters {others}:\n\n{text}{missing}"
-    )
+    return f"## Sizes to expect\nGaps in the same motion, other parameters {others}:\n\n{text}{missing}"
 
 
 def _told(size: Size) -> list[str]:
-    if size.rms is None or size.max is None:
-        return ["–", "–"]
-    faint = 2e-3 * NOISE["tip"]
-    return ["0" if value < faint else metres(value) for value in (size.rms, size.max)]
+    """Cells of a size; what is far below the noise is told as none."""
+    if size.rms is None or size.max is None or size.torque is None:
+        return ["–", "–", "–"]
+    tip = [metres(value) if value > NONE * NOISE["tip"] else "0" for value in (size.rms, size.max)]
+    return [*tip, f"{rounded(size.torque)} N m" if size.torque > NONE * NOISE["torque"] else "0"]

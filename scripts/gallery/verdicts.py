@@ -5,6 +5,8 @@ from __future__ import annotations
 from gallery.confusion import ALIKE, FAINT, Confusion, Study
 from gallery.text import link, percent, rounded, share, table
 
+LOWER = 0.01
+"""By how much R^2 must fall to be set in bold."""
 POOR_NAME, RICH_NAME = "tip, slow sine", "all of it, faster motion"
 
 
@@ -51,10 +53,10 @@ def _after(name: str, rival: str, study: Study) -> list[str]:
     """A rival's R^2 in all set-ups, the lowest of the additions in bold."""
     after = [found.share[name].get(rival) for found in study.menu.values()]
     least = min(r2 for r2 in after if r2 is not None)
-    cells = [f"**{_cell(r2)}**" if r2 == least else _cell(r2) for r2 in after]
+    before = study.poor.share[name][rival]
+    cells = [f"**{_cell(r2)}**" if r2 == least < before - LOWER else _cell(r2) for r2 in after]
     size = rounded(study.poor.size[name][rival])
-    last = _cell(study.rich.share[name].get(rival))
-    return [link(rival), size, share(study.poor.share[name][rival]), *cells, last]
+    return [link(rival), size, share(before), *cells, _cell(study.rich.share[name].get(rival))]
 
 
 def _cell(r2: float | None) -> str:
@@ -69,7 +71,7 @@ def _advice(name: str, study: Study) -> str:
     rest = _remaining(name, study)
     best = f"R² of the best rival, {link(rival)}"
     if r2 > ALIKE:
-        return f"No single addition does: with the {label} {best}, is still {share(r2)}. {rest}"
+        return f"No single addition does: {best}, never falls below {share(r2).removeprefix('> ')}. {rest}"
     return f"The {label} lowers {best}, from {share(before)} to {share(r2)}. {rest}"
 
 
