@@ -1,5 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/functional.h>
+#include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
@@ -93,13 +94,25 @@ void bind_statics(py::module_& m) {
   py::class_<SectionForces>(m, "SectionForces", "Section forces at both ends of a beam.")
       .def_readonly("start", &SectionForces::start)
       .def_readonly("end", &SectionForces::end);
-  m.def("section_forces", &section_forces, "Section forces of a link.", py::arg("system"), py::arg("state"),
-        py::arg("loads"), py::arg("link"));
-  m.def("joint_torque", &joint_torque, "Torque on the child about the axis.", py::arg("system"),
-        py::arg("state"), py::arg("joint"));
-  m.def("motor_torques", &motor_torques, "Motor torques, output-referred.", py::arg("system"),
-        py::arg("state"), py::arg("friction"));
-  m.def("base_wrench", &base_wrench, "What the arm puts on the base.", py::arg("system"), py::arg("state"));
+  m.def(
+      "section_forces",
+      [](const System& system, const State& state, const Loads& loads, int link) {
+        return section_forces(system, state, loads, link);
+      },
+      "Section forces of a link.", py::arg("system"), py::arg("state"), py::arg("loads"), py::arg("link"));
+  m.def(
+      "joint_torque",
+      [](const System& system, const State& state, int joint) { return joint_torque(system, state, joint); },
+      "Torque on the child about the axis.", py::arg("system"), py::arg("state"), py::arg("joint"));
+  m.def(
+      "motor_torques",
+      [](const System& system, const State& state, bool friction) {
+        return motor_torques(system, state, friction);
+      },
+      "Motor torques, output-referred.", py::arg("system"), py::arg("state"), py::arg("friction"));
+  m.def(
+      "base_wrench", [](const System& system, const State& state) { return base_wrench(system, state); },
+      "What the arm puts on the base.", py::arg("system"), py::arg("state"));
   m.def(
       "joint_angles",
       [](const System& system, const State& state) {
@@ -122,7 +135,9 @@ void bind_transient(py::module_& m) {
            }),
            py::arg("breaks"), py::arg("coefficients"))
       .def_static("constant", &PiecewisePolynomial::constant, py::arg("value"))
-      .def("__call__", &PiecewisePolynomial::operator(), "Value and two derivatives.", py::arg("t"));
+      .def(
+          "__call__", [](const PiecewisePolynomial& p, double t) { return p(t); },
+          "Value and two derivatives.", py::arg("t"));
   m.def("cubic_spline", &cubic_spline, "Coefficients of the not-a-knot spline through samples.", py::arg("x"),
         py::arg("y"));
   py::class_<HhtStatistics>(m, "HhtStatistics", "Counts of a run.")
@@ -130,6 +145,11 @@ void bind_transient(py::module_& m) {
       .def_readonly("iterations", &HhtStatistics::iterations)
       .def_readonly("factorisations", &HhtStatistics::factorisations)
       .def_readonly("halvings", &HhtStatistics::halvings);
+  py::native_enum<Dimension>(m, "Dimension", "enum.Enum")
+      .value("automatic", Dimension::automatic)
+      .value("plane", Dimension::plane)
+      .value("space", Dimension::space)
+      .finalize();
   py::class_<TransientOptions>(m, "TransientOptions", "Options of a run.")
       .def(py::init<>())
       .def_readwrite("start", &TransientOptions::start)
@@ -137,6 +157,7 @@ void bind_transient(py::module_& m) {
       .def_readwrite("step", &TransientOptions::step)
       .def_readwrite("alpha", &TransientOptions::alpha)
       .def_readwrite("tolerance", &TransientOptions::tolerance)
+      .def_readwrite("dimension", &TransientOptions::dimension)
       .def_readwrite("record_points", &TransientOptions::record_points)
       .def_readwrite("record_rotations", &TransientOptions::record_rotations)
       .def_readwrite("record_joints", &TransientOptions::record_joints)
@@ -163,6 +184,7 @@ void bind_transient(py::module_& m) {
       .def_readonly("base_wrench", &Transient::base_wrench)
       .def_readonly("statistics", &Transient::statistics)
       .def_readonly("final_state", &Transient::final_state)
+      .def_readonly("dimension", &Transient::dimension, "2 if the run was computed in a plane, else 3.")
       .def_readonly("seconds", &Transient::seconds)
       .def_readonly("cancelled", &Transient::cancelled);
   m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),

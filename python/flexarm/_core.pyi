@@ -23,6 +23,7 @@ __all__: list[str] = [
     "CholeskyReport",
     "DahlFriction",
     "DifferentiatedRun",
+    "Dimension",
     "DriveKind",
     "DriveTrain",
     "Equilibrium",
@@ -584,11 +585,17 @@ class HhtStatistics:
     @property
     def steps(self) -> int: ...
 
+class Dimension(enum.Enum):
+    automatic = ...
+    plane = ...
+    space = ...
+
 class TransientOptions:
     """
     Options of a run.
     """
 
+    dimension: Dimension
     record_energies: bool
     record_forces: bool
     record_joints: bool
@@ -628,6 +635,12 @@ class Transient:
     def cancelled(self) -> bool: ...
     @property
     def damped(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def dimension(self) -> int:
+        """
+        2 if the run was computed in a plane, else 3.
+        """
+
     @property
     def drive_angle(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
     @property

@@ -59,7 +59,10 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
     if (point.loaded) occupy(point.link, point.position);
   }
   mesh_links(occupied);
-  if (arm_.pedestal) pedestal_.node = n_nodes_++;
+  if (arm_.pedestal) {
+    pedestal_.node = n_nodes_++;
+    pedestal_.shaking = *arm_.pedestal;
+  }
   place_scalars(drives);
   place_joints();
   place_gears();
@@ -304,6 +307,65 @@ void System::set_bows() {
       beams_[e].set_bow(beams_[e].length() / mesh.length() * strain, beam->bow_time);
     }
   }
+}
+
+State System::rigid_state(const std::vector<double>& joint_values) const {
+  if (joint_values.size() != arm_.joints.size()) {
+    throw InvalidParameter("one value for each of the " + std::to_string(arm_.joints.size()) +
+                           " joints is needed, got " + std::to_string(joint_values.size()));
+  }
+  State state;
+  state.frames.resize(n_nodes_);
+  state.s = VectorXd::Zero(n_scalars());
+  state.v = state.v_dot = state.a = VectorXd::Zero(n_velocities());
+  state.multipliers = VectorXd::Zero(n_constraints_);
+  state.laws.resize(laws_.size());
+
+  std::vector<double> theta = joint_values;
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    const JointCoordinates& at = joint_coordinates_[k];
+    if (at.phi < 0) continue;
+    state.s[at.phi] = joint_values[k];
+    if (const joints::Transmission* psi = transmission(static_cast<int>(k))) {
+      if (drives_[k] == DriveKind::link_angle) {
+        state.s[at.phi] = psi->inverse(theta[k]);
+      } else {
+        theta[k] = (*psi)(joint_values[k]).psi;
+      }
+    }
+    state.s[at.psi] = state.s[at.theta] = theta[k];
+  }
+  for (const PlacedLaw& law : laws_) {  // stages are listed from motor to link: no deflection in any
+    if (law.minus >= 0) state.s[law.minus] = state.s[law.plus];
+  }
+
+  std::vector<bool> placed(arm_.links.size(), false);
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
+      const model::Joint& joint = arm_.joints[k];
+      const Place child = place(joint.child);
+      if (placed[child.link]) continue;
+      Frame A = joint.origin;  // a pedestal stands where the base does
+      if (joint.parent != "base") {
+        const Place parent = place(joint.parent, joint.at_end);
+        if (!placed[parent.link]) continue;
+        A = state.frames[node(parent)] * axes(parent) * joint.origin;
+      }
+      const Frame B = A * exp6(theta[k] * joints::motion_twist(joint.type, joint.axis));
+      const LinkMesh& mesh = meshes_[child.link];
+      const Frame link = B * mesh.place_in_link(child.node).inverse();
+      for (int i = 0; i < mesh.n_nodes(); ++i) state.frames[mesh.first_node + i] = mesh.node_frame(link, i);
+      placed[child.link] = progress = true;
+    }
+  }
+  for (std::size_t k = 0; k < placed.size(); ++k) {
+    if (!placed[k])
+      throw InvalidParameter("link '" + model::name_of(arm_.links[k]) +
+                             "' is not connected to the base by joints");
+  }
+  remember(state);
+  return state;
 }
 
 int System::joint_index(const std::string& name) const { return index_of(arm_.joints, name, "joint"); }

@@ -11,9 +11,11 @@ constexpr double negligible = 1e-12;
 
 }  // namespace
 
-const Eigen::SparseMatrix<double>& IterationMatrix::assemble(const State& state, const Loads& loads,
-                                                             const TangentFactors& factors,
-                                                             const VectorXd& law_tangents) {
+template <int D>
+const Eigen::SparseMatrix<double>& IterationMatrixIn<D>::assemble(const StateIn<D>& state,
+                                                                  const LoadsIn<D>& loads,
+                                                                  const TangentFactors& factors,
+                                                                  const VectorXd& law_tangents) {
   if (slots_.empty()) find_slots(state, loads, factors, law_tangents);
   double* values = full_.valuePtr();
   std::fill(values, values + full_.nonZeros(), 0.0);
@@ -26,13 +28,15 @@ const Eigen::SparseMatrix<double>& IterationMatrix::assemble(const State& state,
   return matrix_;
 }
 
-void IterationMatrix::forget() {
+template <int D>
+void IterationMatrixIn<D>::forget() {
   slots_.clear();
   matrix_ = {};
 }
 
-void IterationMatrix::find_slots(const State& state, const Loads& loads, const TangentFactors& factors,
-                                 const VectorXd& law_tangents) {
+template <int D>
+void IterationMatrixIn<D>::find_slots(const StateIn<D>& state, const LoadsIn<D>& loads,
+                                      const TangentFactors& factors, const VectorXd& law_tangents) {
   std::vector<Eigen::Triplet<double>> entries;
   system_.emit_tangent(state, loads, factors, law_tangents,
                        [&](int row, int column, double) { entries.emplace_back(row, column, 1.0); });
@@ -50,7 +54,8 @@ void IterationMatrix::find_slots(const State& state, const Loads& loads, const T
 }
 
 /// Adds to the pattern what matters in the present numbers. @return whether it has grown
-bool IterationMatrix::significant_entries_join() {
+template <int D>
+bool IterationMatrixIn<D>::significant_entries_join() {
   VectorXd largest = VectorXd::Zero(full_.rows());  // in row or column; the pattern is symmetric
   using Entry = Eigen::SparseMatrix<double>::InnerIterator;
   for (int column = 0; column < full_.outerSize(); ++column) {
@@ -73,7 +78,8 @@ bool IterationMatrix::significant_entries_join() {
 }
 
 /// Copies the entries of the pattern from the full matrix.
-void IterationMatrix::compress() {
+template <int D>
+void IterationMatrixIn<D>::compress() {
   const bool new_pattern = matrix_.nonZeros() == 0;
   if (new_pattern) matrix_.reserve(std::count(kept_.begin(), kept_.end(), true));
   const double* values = full_.valuePtr();
@@ -92,5 +98,8 @@ void IterationMatrix::compress() {
   }
   if (new_pattern) matrix_.finalize();
 }
+
+template class IterationMatrixIn<2>;
+template class IterationMatrixIn<3>;
 
 }  // namespace flexarm::assembly

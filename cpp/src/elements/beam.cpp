@@ -73,124 +73,98 @@ Eigen::Matrix<double, 2, 4> bending_shape(double xi, double length, double Phi) 
   return N / (1 + Phi);
 }
 
-BeamElement::BeamElement(int node1, int node2, const Frame& H1, const Frame& H2, const BeamProperties& p)
-    : node1_(node1), node2_(node2), length_((H2.x - H1.x).norm()), d0_(log6(relative(H1, H2))) {
+template <int D>
+BeamElementIn<D>::BeamElementIn(int node1, int node2, const Frame& H1, const Frame& H2,
+                                const BeamProperties& p)
+  requires(D == 3)
+    : node1_(node1), node2_(node2), length_((H2.x - H1.x).norm()), d0_(log6(relative(H1, H2))), rest_(d0_) {
   const double L = length_;
   mass_total_ = p.rho_A * L;
-  Phi_y_ = shear_parameter(p.EIz, p.GAy, L);
-  Phi_z_ = shear_parameter(p.EIy, p.GAz, L);
+  Phi_ = {shear_parameter(p.EIz, p.GAy, L), shear_parameter(p.EIy, p.GAz, L)};
   const double L3 = L * L * L;
-  K_ << p.EA / L, 12 * p.EIz / (L3 * (1 + Phi_y_)), 12 * p.EIy / (L3 * (1 + Phi_z_)), p.GJ / L, p.EIy / L,
+  K_ << p.EA / L, 12 * p.EIz / (L3 * (1 + Phi_[0])), 12 * p.EIy / (L3 * (1 + Phi_[1])), p.GJ / L, p.EIy / L,
       p.EIz / L;  // eq. (5)
   Vector6d density;
   density << p.rho_A, p.rho_A, p.rho_A, p.rho_J, p.rho_Iy, p.rho_Iz;
   M_.setZero();
   for (std::size_t g = 0; g < gauss_points.size(); ++g) {
-    const auto N = section_shape(gauss_points[g], L, Phi_y_, Phi_z_);
+    const auto N = section_shape(gauss_points[g], L, Phi_[0], Phi_[1]);
     M_ += gauss_weights[g] * L * N.transpose() * density.asDiagonal() * N;  // eq. (6)
   }
 }
 
-Vector6d BeamElement::rest(double t) const {
-  return grows() ? Vector6d(d0_ - std::expm1(-t / bow_time_) * bow_) : Vector6d(d0_ + bow_);  // eq. (7)
+template <int D>
+BeamElementIn<D>::BeamElementIn(const BeamElementIn<3>& beam, const PlaneAxes& axes)
+  requires(D == 2)
+    : node1_(beam.node1_),
+      node2_(beam.node2_),
+      length_(beam.length_),
+      mass_total_(beam.mass_total_),
+      eta_(beam.eta_) {
+  const auto P = axes.within();
+  Eigen::Matrix<double, 12, 6> both = Eigen::Matrix<double, 12, 6>::Zero();
+  both.topLeftCorner<6, 3>() = both.bottomRightCorner<6, 3>() = P;
+  const double y = axes.normal().y(), z = axes.normal().z();
+  Phi_ = {z * z * beam.Phi_[0] + y * y * beam.Phi_[1]};  // normal along a principal axis, or both are equal
+  d0_ = P.transpose() * beam.d0_;
+  set_bow(P.transpose() * beam.bow_, beam.bow_time_);
+  K_ = (P.transpose() * beam.K_.asDiagonal() * P).diagonal();
+  M_ = both.transpose() * beam.M_ * both;
 }
 
-Vector6d BeamElement::bow_rate(double t) const {
-  return std::exp(-t / bow_time_) / bow_time_ * bow_;  // eq. (7)
+template <int D>
+typename BeamElementIn<D>::StrainMatrix BeamElementIn<D>::strain_matrix(const TwistD& d) const {
+  StrainMatrix B;
+  B << -geometry::left_tangent_inverse<D>(d), geometry::right_tangent_inverse<D>(d);
+  return B;
 }
 
-Vector6d BeamElement::deformation(const Frame& H1, const Frame& H2, double t) const {
-  return log6(relative(H1, H2)) - rest(t);  // eq. (1)
-}
-
-BeamElement::EndForces BeamElement::internal_forces(const Frame& H1, const Frame& H2, const Vector6d& v1,
-                                                    const Vector6d& v2, double t) const {
-  const Vector6d d = log6(relative(H1, H2));
-  const InverseTangent tangent(d);
-  const Vector6d e = d - rest(t);  // eq. (1)
-  Vector6d stress = K_.cwiseProduct(e);
-  EndForces out;
-  out.energy = 0.5 * stress.dot(e);
-  out.dissipation = 0;
+template <int D>
+typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::stiffness_matrix(const FrameD& H1, const FrameD& H2,
+                                                                         const TwistD& v1, const TwistD& v2,
+                                                                         double t) const {
+  const TwistD d = logarithm<D>(relative<D>(H1, H2));
+  const auto B = strain_matrix(d);
+  TwistD stress = K_.cwiseProduct(d - rest(t));
+  TwistMatrix<D> material = K_.asDiagonal();
   if (eta_ > 0) {
-    Vector6d e_dot = tangent.strain_rate(v1, v2);
-    if (grows()) e_dot -= bow_rate(t);  // eq. (2)
-    const Vector6d viscous = eta_ * K_.cwiseProduct(e_dot);
-    out.dissipation = viscous.dot(e_dot);
-    stress += viscous;
-  }
-  out.bow_power = grows() ? -bow_rate(t).dot(stress) : 0.0;
-  const InverseTangent::Pair pair = tangent.transpose_times(stress);
-  out.f1 = -pair.left;  // eq. (3)
-  out.f2 = pair.right;
-  return out;
-}
-
-Vector12d BeamElement::momentum(const Vector12d& v) const {
-  Vector12d p;
-  for (int k : {0, 3}) {  // stretch, twist
-    p[k] = M_(k, k) * v[k] + M_(k, k + 6) * v[k + 6];
-    p[k + 6] = M_(k + 6, k) * v[k] + M_(k + 6, k + 6) * v[k + 6];
-  }
-  for (const auto& plane : {bending_xy, bending_xz}) {
-    for (int row : plane) {
-      p[row] = M_(row, plane[0]) * v[plane[0]] + M_(row, plane[1]) * v[plane[1]] +
-               M_(row, plane[2]) * v[plane[2]] + M_(row, plane[3]) * v[plane[3]];
-    }
-  }
-  return p;
-}
-
-Vector12d BeamElement::inertia_forces(const Vector12d& v, const Vector12d& v_dot) const {
-  const Vector12d p = momentum(v);
-  Vector12d f = momentum(v_dot);
-  f.head<6>() -= ad_transpose(v.head<6>(), p.head<6>());  // eq. (4)
-  f.tail<6>() -= ad_transpose(v.tail<6>(), p.tail<6>());
-  return f;
-}
-
-Matrix12d BeamElement::stiffness_matrix(const Frame& H1, const Frame& H2, const Vector6d& v1,
-                                        const Vector6d& v2, double t) const {
-  const Vector6d d = log6(relative(H1, H2));
-  Eigen::Matrix<double, 6, 12> B;
-  B << -left_tangent_inverse(d), right_tangent_inverse(d);
-  Vector6d stress = K_.cwiseProduct(d - rest(t));
-  Matrix6d material = K_.asDiagonal();
-  if (eta_ > 0) {
-    Vector6d e_dot = InverseTangent(d).strain_rate(v1, v2);
+    TwistD e_dot = InverseTangentIn<D>(d).strain_rate(v1, v2);
     if (grows()) e_dot -= bow_rate(t);
     stress += eta_ * K_.cwiseProduct(e_dot);
-    material += eta_ * K_.asDiagonal() * strain_rate_gradient(d, v1, v2);
+    material += eta_ * K_.asDiagonal() * geometry::strain_rate_gradient<D>(d, v1, v2);
   }
-  const GeometricStiffness geometric = geometric_stiffness(d, stress);
-  Matrix12d K = B.transpose() * material * B;
-  K.topRows<6>() -= geometric.left * B;
-  K.bottomRows<6>() += geometric.right * B;
+  const auto geometric = geometry::geometric_stiffness<D>(d, stress);
+  EndsMatrix K = B.transpose() * material * B;
+  K.template topRows<n>() -= geometric.left * B;
+  K.template bottomRows<n>() += geometric.right * B;
   return K;
 }
 
-Matrix12d BeamElement::damping_matrix(const Frame& H1, const Frame& H2) const {
-  const Vector6d d = log6(relative(H1, H2));
-  Eigen::Matrix<double, 6, 12> B;
-  B << -left_tangent_inverse(d), right_tangent_inverse(d);
+template <int D>
+typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::damping_matrix(const FrameD& H1,
+                                                                       const FrameD& H2) const {
+  const auto B = strain_matrix(logarithm<D>(relative<D>(H1, H2)));
   return eta_ * B.transpose() * K_.asDiagonal() * B;
 }
 
-Matrix12d BeamElement::gyroscopic_matrix(const Vector12d& v) const {
-  const Vector12d p = momentum(v);
-  Matrix12d G;
+template <int D>
+typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::gyroscopic_matrix(const Ends& v) const {
+  const Ends p = momentum(v);
+  EndsMatrix G;
   for (int end = 0; end < 2; ++end) {
-    const Vector6d v_end = v.segment<6>(6 * end);
-    const Vector6d momentum_end = p.segment<6>(6 * end);
-    G.middleRows<6>(6 * end) = -ad(v_end).transpose() * M_.middleRows<6>(6 * end);
-    G.block<6, 6>(6 * end, 6 * end) -= ad_transpose_by_twist(momentum_end);
+    const TwistD v_end = v.template segment<n>(n * end);
+    const TwistD momentum_end = p.template segment<n>(n * end);
+    G.template middleRows<n>(n * end) =
+        -geometry::ad<D>(v_end).transpose() * M_.template middleRows<n>(n * end);
+    G.template block<n, n>(n * end, n * end) -= geometry::ad_transpose_by_twist<D>(momentum_end);
   }
   return G;
 }
 
-Matrix6d BeamElement::shape_matrix(double xi) const {
+template <int D>
+TwistMatrix<D> BeamElementIn<D>::shape_matrix(double xi) const {
   // Row i of the interpolated log, c(ξ), from d, both measured from node 1. Across the beam c = w − θ x/2.
-  Matrix6d N = xi * Matrix6d::Identity();
+  TwistMatrix<D> N = xi * TwistMatrix<D>::Identity();
   const double L = length_;
   const auto plane = [&](int w, int theta, double sign, double Phi) {
     const auto shape = bending_shape(xi, L, Phi);
@@ -202,23 +176,28 @@ Matrix6d BeamElement::shape_matrix(double xi) const {
     N(theta, w) = sign * t_w;
     N(theta, theta) = t_t;
   };
-  plane(1, 5, 1.0, Phi_y_);
-  plane(2, 4, -1.0, Phi_z_);
+  plane(bending[0][0], bending[0][1], 1.0, Phi_[0]);
+  if constexpr (D == 3) plane(bending[1][0], bending[1][1], -1.0, Phi_[1]);  // w' = −θy
   return N;
 }
 
-Frame BeamElement::interpolate(const Frame& H1, const Frame& H2, double xi) const {
-  const Vector6d e = log6(relative(H1, H2)) - d0_;
-  return H1 * exp6(xi * d0_ + shape_matrix(xi) * e);
+template <int D>
+FrameIn<D> BeamElementIn<D>::interpolate(const FrameD& H1, const FrameD& H2, double xi) const {
+  const TwistD e = logarithm<D>(relative<D>(H1, H2)) - d0_;
+  return H1 * exponential<D>(xi * d0_ + shape_matrix(xi) * e);
 }
 
-Vector6d BeamElement::interpolate_velocity(const Frame& H1, const Frame& H2, const Vector6d& v1,
-                                           const Vector6d& v2, double xi) const {
-  const Vector6d d = log6(relative(H1, H2));
-  const Matrix6d N = shape_matrix(xi);
-  const Vector6d c = xi * d0_ + N * (d - d0_);
-  const Vector6d c_dot = N * InverseTangent(d).strain_rate(v1, v2);
-  return adjoint(exp6(-c)) * v1 + right_tangent(c) * c_dot;
+template <int D>
+Twist<D> BeamElementIn<D>::interpolate_velocity(const FrameD& H1, const FrameD& H2, const TwistD& v1,
+                                                const TwistD& v2, double xi) const {
+  const TwistD d = logarithm<D>(relative<D>(H1, H2));
+  const TwistMatrix<D> N = shape_matrix(xi);
+  const TwistD c = xi * d0_ + N * (d - d0_);
+  const TwistD c_dot = N * InverseTangentIn<D>(d).strain_rate(v1, v2);
+  return adjoint<D>(exponential<D>(-c)) * v1 + geometry::right_tangent<D>(c) * c_dot;
 }
+
+template class BeamElementIn<2>;
+template class BeamElementIn<3>;
 
 }  // namespace flexarm::elements

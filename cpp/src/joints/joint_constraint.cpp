@@ -11,66 +11,76 @@ Vector6d motion_twist(JointType type, const Vector3d& axis) {
   return twist;
 }
 
-JointConstraint::JointConstraint(JointType type, int node_a, const Frame& X_a, int node_b, const Frame& X_b,
-                                 const Vector3d& axis, int coordinate)
+template <int D>
+JointConstraintIn<D>::JointConstraintIn(JointType type, int node_a, const FrameD& X_a, int node_b,
+                                        const FrameD& X_b, const TwistD& twist, int coordinate)
     : type_(type),
       node_a_(node_a),
       node_b_(node_b),
       coordinate_(coordinate),
       X_b_(X_b),
       X_a_inverse_(X_a.inverse()),
-      Ad_a_(adjoint(X_a.inverse())),
-      Ad_b_(adjoint(X_b.inverse())),
-      twist_(motion_twist(type, axis)) {}
+      Ad_a_(adjoint<D>(X_a.inverse())),
+      Ad_b_(adjoint<D>(X_b.inverse())),
+      twist_(twist) {}
 
-Frame JointConstraint::back(double theta) const { return exp6(-theta * twist_); }
-
-Vector6d JointConstraint::violation(const Frame& H_a, const Frame& H_b, double theta) const {
-  const Frame apart = X_a_inverse_ * relative(H_a, H_b) * X_b_;
+template <int D>
+Twist<D> JointConstraintIn<D>::violation(const FrameD& H_a, const FrameD& H_b, double theta) const {
+  const FrameD apart = X_a_inverse_ * relative<D>(H_a, H_b) * X_b_;
   if (type_ == JointType::spherical) {
-    Vector6d phi = Vector6d::Zero();
-    phi.head<3>() = apart.R.transpose() * apart.x;  // eq. (3)
+    TwistD phi = TwistD::Zero();
+    phi.template head<D>() = apart.R.transpose() * apart.x;  // eq. (3)
     return phi;
   }
-  return log6(back(theta) * apart);  // eq. (1)
+  return logarithm<D>(back(theta) * apart);  // eq. (1)
 }
 
-JointConstraint::Jacobian JointConstraint::jacobian(const Frame& H_a, const Frame& H_b, double theta) const {
+template <int D>
+typename JointConstraintIn<D>::Jacobian JointConstraintIn<D>::jacobian(const FrameD& H_a, const FrameD& H_b,
+                                                                       double theta) const {
   if (type_ == JointType::spherical) {
-    const Matrix3d R = (X_a_inverse_ * relative(H_a, H_b) * X_b_).R;
-    return {-adjoint(Frame::rotation(R.transpose())) * Ad_a_, Ad_b_, twist_};
+    const Rotation<D> R = (X_a_inverse_ * relative<D>(H_a, H_b) * X_b_).R;
+    return {-adjoint<D>(FrameD::rotation(R.transpose())) * Ad_a_, Ad_b_, twist_};
   }
-  return {-adjoint(back(theta)) * Ad_a_, Ad_b_, -twist_};  // eq. (2)
+  return {-adjoint<D>(back(theta)) * Ad_a_, Ad_b_, -twist_};  // eq. (2)
 }
 
-JointConstraint::Forces JointConstraint::forces(const Frame& H_a, const Frame& H_b, double theta,
-                                                const Vector6d& multipliers) const {
+template <int D>
+typename JointConstraintIn<D>::Forces JointConstraintIn<D>::forces(const FrameD& H_a, const FrameD& H_b,
+                                                                   double theta,
+                                                                   const TwistD& multipliers) const {
   Forces f;
   f.b = Ad_b_.transpose() * multipliers;
-  if (node_a_ == ground && type_ != JointType::spherical) {
-    f.a = -Ad_a_.transpose() * (adjoint(back(theta)).transpose() * multipliers);
-  } else {
+  if (type_ == JointType::spherical) {
     f.a = jacobian(H_a, H_b, theta).a.transpose() * multipliers;
+  } else {
+    f.a = -Ad_a_.transpose() * (adjoint<D>(back(theta)).transpose() * multipliers);
   }
   return f;
 }
 
-JointConstraint::GeometricStiffness JointConstraint::geometric_stiffness(const Frame& H_a, const Frame& H_b,
-                                                                         double theta,
-                                                                         const Vector6d& multipliers) const {
+template <int D>
+typename JointConstraintIn<D>::GeometricStiffness JointConstraintIn<D>::geometric_stiffness(
+    const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const {
   GeometricStiffness K;
   if (type_ == JointType::spherical) {
     // Φ_aᵀ λ = −Ad_aᵀ (R λ, 0); a relative turn δ of B against A, in B's axes, gives d(R λ) = −R λ~ δ.
-    const Matrix3d R = (X_a_inverse_ * relative(H_a, H_b) * X_b_).R;
-    Eigen::Matrix<double, 6, 3> by_turn = Eigen::Matrix<double, 6, 3>::Zero();
-    by_turn.topRows<3>() = R * skew(multipliers.head<3>());
-    by_turn = Ad_a_.transpose() * by_turn;
-    K.a_b = by_turn * Ad_b_.bottomRows<3>();
-    K.a_a = -by_turn * R.transpose() * Ad_a_.bottomRows<3>();
+    const Rotation<D> R = (X_a_inverse_ * relative<D>(H_a, H_b) * X_b_).R;
+    Eigen::Matrix<double, n, turns<D>> by_turn = Eigen::Matrix<double, n, turns<D>>::Zero();
+    by_turn.template topRows<D>() = R * lever_matrix<D>(multipliers.template head<D>());
+    by_turn = (Ad_a_.transpose() * by_turn).eval();
+    K.a_b = by_turn * Ad_b_.template bottomRows<turns<D>>();
+    Rotation<3> back_turn = Rotation<3>::Identity();  // of rotations: R in space, 1 in the plane
+    if constexpr (D == 3) back_turn = R.transpose();
+    K.a_a = -by_turn * back_turn.topLeftCorner<turns<D>, turns<D>>() * Ad_a_.template bottomRows<turns<D>>();
     return K;
   }
-  K.a_theta = Ad_a_.transpose() * (adjoint(back(theta)).transpose() * ad_transpose(twist_, multipliers));
+  K.a_theta =
+      Ad_a_.transpose() * (adjoint<D>(back(theta)).transpose() * ad_transpose<D>(twist_, multipliers));
   return K;
 }
+
+template class JointConstraintIn<2>;
+template class JointConstraintIn<3>;
 
 }  // namespace flexarm::joints

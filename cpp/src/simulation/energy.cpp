@@ -4,26 +4,51 @@ namespace flexarm::simulation {
 
 using namespace geometry;
 
-Energies energies(const System& system, const State& state, const Loads& loads) {
-  Energies E;
+namespace {
+
+/// Kinetic and elastic energy of the beams, and what damping and bows do.
+template <int D>
+void add_beams(const SystemIn<D>& system, const StateIn<D>& state, Energies& E) {
+  constexpr int n = freedoms<D>;
   for (const auto& beam : system.beams()) {
-    const int n1 = 6 * beam.node1(), n2 = 6 * beam.node2();
-    elements::Vector12d v;
-    v << state.v.segment<6>(n1), state.v.segment<6>(n2);
-    E.kinetic += 0.5 * v.dot(beam.mass() * v);
-    const Vector6d e =
-        beam.deformation(state.frames[beam.node1()], state.frames[beam.node2()], state.elapsed());
-    E.elastic += 0.5 * e.dot(beam.stiffness().cwiseProduct(e));
+    const FrameIn<D>&H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
+    elements::TwoTwists<D> v;
+    v << state.v.template segment<n>(n * beam.node1()), state.v.template segment<n>(n * beam.node2());
+    E.kinetic += 0.5 * v.dot(beam.momentum(v));
+    if (beam.damping_time() == 0 && !beam.grows()) {
+      const Twist<D> e = beam.deformation(H1, H2);
+      E.elastic += 0.5 * e.dot(beam.stiffness().cwiseProduct(e));
+      continue;
+    }
+    const auto f = beam.internal_forces(H1, H2, v.template head<n>(), v.template tail<n>(), state.elapsed());
+    E.elastic += f.energy;
+    E.dissipation += f.dissipation;
+    E.bow_power += f.bow_power;
   }
+}
+
+template <int D>
+void add_parts(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads, Energies& E) {
   for (const auto& part : system.superelements()) {
     const Eigen::VectorXd V = system.velocities(part, state.v);
-    E.kinetic += 0.5 * V.dot(part.mass() * V);
+    E.kinetic += 0.5 * V.dot(part.momentum(V));
     const auto forces = part.internal_forces(system.configuration(part, state), V, loads.gravity);
     E.elastic += forces.elastic;
     E.gravity += forces.gravity;
+    E.dissipation += forces.dissipation;
   }
+}
+
+}  // namespace
+
+template <int D>
+Energies energies(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads) {
+  constexpr int n = freedoms<D>;
+  Energies E;
+  add_beams(system, state, E);
+  add_parts(system, state, loads, E);
   for (const auto& body : system.bodies()) {
-    const Vector6d v = state.v.segment<6>(6 * body.node());
+    const Twist<D> v = state.v.template segment<n>(n * body.node());
     E.kinetic += 0.5 * v.dot(body.mass() * v);
   }
   for (int k = 0; k < system.n_scalars(); ++k) {
@@ -34,62 +59,42 @@ Energies energies(const System& system, const State& state, const Loads& loads) 
     const auto& law = system.laws()[k];
     E.elastic += joints::respond(law.law, system.deflection(law, state.s), 0.0, state.laws[k]).energy;
   }
-  for (int n = 0; n < system.n_nodes(); ++n)
-    E.gravity += system.weights()[n].potential(state.frames[n], loads.gravity);
+  for (int k = 0; k < system.n_nodes(); ++k)
+    E.gravity += system.weights()[k].potential(state.frames[k], loads.gravity);
   return E;
 }
 
-namespace {
-
-elements::BeamElement::EndForces end_forces(const elements::BeamElement& beam, const State& state) {
-  return beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
-                              state.v.segment<6>(6 * beam.node1()), state.v.segment<6>(6 * beam.node2()),
-                              state.elapsed());
-}
-
-}  // namespace
-
-double bow_power(const System& system, const State& state) {
-  double power = 0;
-  for (const auto& beam : system.beams()) {
-    if (beam.grows()) power += end_forces(beam, state).bow_power;
-  }
-  return power;
-}
-
-double link_dissipation(const System& system, const State& state) {
-  double power = 0;
-  for (const auto& beam : system.beams()) {
-    if (beam.damping_time() > 0) power += end_forces(beam, state).dissipation;
-  }
-  for (const auto& part : system.superelements()) {
-    power += part.internal_forces(system.configuration(part, state), system.velocities(part, state.v),
-                                  Vector3d::Zero())
-                 .dissipation;
-  }
-  return power;
-}
-
-Eigen::VectorXd law_losses(const System& system, const State& state) {
-  Eigen::VectorXd loss(system.laws().size());
+template <int D>
+void law_losses(const SystemIn<D>& system, const StateIn<D>& state, Eigen::VectorXd& loss) {
+  loss.resize(static_cast<Eigen::Index>(system.laws().size()));
   for (std::size_t k = 0; k < system.laws().size(); ++k) {
     const auto& law = system.laws()[k];
     const double rate = system.deflection(law, state.v.tail(system.n_scalars()));
     loss[k] = joints::respond(law.law, system.deflection(law, state.s), rate, state.laws[k]).loss;
   }
-  return loss;
 }
 
-double load_power(const System& system, const State& state, const Loads& loads) {
+template <int D>
+double load_power(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads) {
   double power = 0;
   for (const auto& load : loads.points) {
-    const Matrix3d& R = system.point_frame(state, load.point).R;
-    const Vector6d v = system.point_velocity(state, load.point);
-    const Vector3d force = load.follows ? load.force : Vector3d(R.transpose() * load.force);
-    const Vector3d moment = load.follows ? load.moment : Vector3d(R.transpose() * load.moment);
-    power += force.dot(v.head<3>()) + moment.dot(v.tail<3>());
+    const Rotation<D> R = system.point_frame(state, load.point).R;
+    const Twist<D> v = system.point_velocity(state, load.point);
+    const Point<D> force = load.follows ? load.force : Point<D>(R.transpose() * load.force);
+    Turn<D> moment = load.moment;
+    if constexpr (D == 3) {
+      if (!load.follows) moment = R.transpose() * load.moment;
+    }
+    power += force.dot(v.template head<D>()) + moment.dot(v.template tail<turns<D>>());
   }
   return power;
 }
+
+#define FLEXARM_INSTANTIATE(D)                                                             \
+  template Energies energies<D>(const SystemIn<D>&, const StateIn<D>&, const LoadsIn<D>&); \
+  template void law_losses<D>(const SystemIn<D>&, const StateIn<D>&, Eigen::VectorXd&);    \
+  template double load_power<D>(const SystemIn<D>&, const StateIn<D>&, const LoadsIn<D>&);
+FLEXARM_INSTANTIATE(2)
+FLEXARM_INSTANTIATE(3)
 
 }  // namespace flexarm::simulation

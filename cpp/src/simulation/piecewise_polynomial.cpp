@@ -37,16 +37,28 @@ PiecewisePolynomial PiecewisePolynomial::constant(double value) {
 }
 
 std::array<double, 3> PiecewisePolynomial::operator()(double t) const {
+  std::size_t piece = breaks_.size();
+  return (*this)(t, piece);
+}
+
+std::array<double, 3> PiecewisePolynomial::operator()(double t, std::size_t& piece) const {
   if (breaks_.empty()) return {0.0, 0.0, 0.0};
   const double held = std::clamp(t, breaks_.front(), breaks_.back());
-  const auto after = std::upper_bound(breaks_.begin() + 1, breaks_.end() - 1, held);
-  const auto k = after - breaks_.begin() - 1;
-  const double x = held - breaks_[k];
+  const std::size_t last = breaks_.size() - 2;
+  const auto within = [&](std::size_t k) {
+    return k <= last && (k == 0 || breaks_[k] <= held) && (k == last || held < breaks_[k + 1]);
+  };
+  if (!within(piece) && !within(++piece)) {
+    const auto after = std::upper_bound(breaks_.begin() + 1, breaks_.end() - 1, held);
+    piece = static_cast<std::size_t>(after - breaks_.begin() - 1);
+  }
+  const double x = held - breaks_[piece];
+  const double* coefficient = &coefficients_(0, static_cast<Eigen::Index>(piece));
   double value = 0, first = 0, second = 0;  // Horner's scheme with derivatives
   for (Eigen::Index j = 0; j < coefficients_.rows(); ++j) {
     second = second * x + 2 * first;
     first = first * x + value;
-    value = value * x + coefficients_(j, k);
+    value = value * x + coefficient[j];
   }
   if (std::abs(held - t) > rounding * std::max(1.0, std::abs(t))) return {value, 0.0, 0.0};
   return {value, first, second};

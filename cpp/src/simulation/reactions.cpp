@@ -7,38 +7,51 @@ using namespace geometry;
 namespace {
 
 /// Forces that act on the two ends of an element from outside, in the nodes' axes.
-elements::Vector12d end_forces(const elements::BeamElement& beam, const State& state, const Loads& loads) {
-  const int n1 = 6 * beam.node1(), n2 = 6 * beam.node2();
-  const Frame &H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
-  elements::Vector12d v, v_dot;
-  v << state.v.segment<6>(n1), state.v.segment<6>(n2);
-  v_dot << state.v_dot.segment<6>(n1), state.v_dot.segment<6>(n2);
-  const auto internal = beam.internal_forces(H1, H2, v.head<6>(), v.tail<6>(), state.elapsed());
-  elements::Vector12d f = beam.inertia_forces(v, v_dot);
-  const Vector3d arm = Vector3d::UnitX() * beam.end_moment();
-  f.head<6>() += internal.f1 - elements::Weight{beam.end_mass(), arm}.force(H1.R, loads.gravity);
-  f.tail<6>() += internal.f2 - elements::Weight{beam.end_mass(), -arm}.force(H2.R, loads.gravity);
+template <int D>
+elements::TwoTwists<D> end_forces(const elements::BeamElementIn<D>& beam, const StateIn<D>& state,
+                                  const LoadsIn<D>& loads) {
+  constexpr int n = freedoms<D>;
+  const int n1 = n * beam.node1(), n2 = n * beam.node2();
+  const FrameIn<D>&H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
+  elements::TwoTwists<D> v, v_dot;
+  v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
+  v_dot << state.v_dot.template segment<n>(n1), state.v_dot.template segment<n>(n2);
+  const auto internal =
+      beam.internal_forces(H1, H2, v.template head<n>(), v.template tail<n>(), state.elapsed());
+  elements::TwoTwists<D> f = beam.inertia_forces(v, v_dot);
+  const Point<D> arm = Point<D>::UnitX() * beam.end_moment();
+  f.template head<n>() +=
+      internal.f1 - elements::WeightIn<D>{beam.end_mass(), arm}.force(H1.R, loads.gravity);
+  f.template tail<n>() +=
+      internal.f2 - elements::WeightIn<D>{beam.end_mass(), -arm}.force(H2.R, loads.gravity);
   return f;
 }
 
 }  // namespace
 
-SectionForces section_forces(const System& system, const State& state, const Loads& loads, int link) {
+template <int D>
+SectionForces section_forces(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads,
+                             int link, const InSpace<D>& space) {
+  constexpr int n = freedoms<D>;
   const assembly::LinkMesh& mesh = system.meshes()[link];
   if (!mesh.is_beam()) return {};
   const auto& first = system.beams()[mesh.first_element];
   const auto& last = system.beams()[mesh.first_element + mesh.n_nodes() - 2];
-  return {-end_forces(first, state, loads).head<6>(), end_forces(last, state, loads).tail<6>()};
+  return {-space.wrench_at_node(first.node1(), end_forces(first, state, loads).template head<n>()),
+          space.wrench_at_node(last.node2(), end_forces(last, state, loads).template tail<n>())};
 }
 
-double joint_torque(const System& system, const State& state, int joint) {
+template <int D>
+double joint_torque(const SystemIn<D>& system, const StateIn<D>& state, int joint) {
   int row = 0;
   for (int k = 0; k < joint; ++k) row += system.constraints()[k].rows();
   const auto& constraint = system.constraints()[joint];
-  return constraint.coordinate() < 0 ? 0.0 : -constraint.twist().dot(state.multipliers.segment<6>(row));
+  if (constraint.coordinate() < 0) return 0.0;
+  return -constraint.twist().dot(state.multipliers.template segment<freedoms<D>>(row));
 }
 
-Eigen::VectorXd motor_torques(const System& system, const State& state, bool friction) {
+template <int D>
+Eigen::VectorXd motor_torques(const SystemIn<D>& system, const StateIn<D>& state, bool friction) {
   Eigen::VectorXd rows(system.n_scalars());
   system.scalar_residual(state, friction, rows);
   Eigen::VectorXd torque = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system.joints().size()));
@@ -49,22 +62,33 @@ Eigen::VectorXd motor_torques(const System& system, const State& state, bool fri
   return torque;
 }
 
-Vector6d base_wrench(const System& system, const State& state) {
+template <int D>
+Vector6d base_wrench(const SystemIn<D>& system, const StateIn<D>& state, const InSpace<D>& space) {
   const int base = system.pedestal().node;  // a pedestal turns about the base's origin: moments stay
-  const Frame H = base < 0 ? Frame{} : state.frames[base];
+  const FrameIn<D> H = base < 0 ? FrameIn<D>{} : state.frames[base];
   Vector6d wrench = Vector6d::Zero();
   int row = 0;
-  for (const auto& joint : system.constraints()) {
+  for (std::size_t k = 0; k < system.constraints().size(); ++k) {
+    const auto& joint = system.constraints()[k];
     if (joint.node_a() == base) {
-      Vector6d lambda = Vector6d::Zero();
+      Twist<D> lambda = Twist<D>::Zero();
       lambda.head(joint.rows()) = state.multipliers.segment(row, joint.rows());
       const int q = joint.coordinate();
-      wrench -= joint.forces(H, state.frames[joint.node_b()], q < 0 ? 0.0 : state.s[q], lambda).a;
+      const Twist<D> f = joint.forces(H, state.frames[joint.node_b()], q < 0 ? 0.0 : state.s[q], lambda).a;
+      wrench -= space.wrench_on_base(static_cast<int>(k), adjoint<D>(FrameIn<D>::rotation(H.R)) * f);
     }
     row += joint.rows();
   }
-  wrench << H.R * wrench.head<3>(), H.R * wrench.tail<3>();
   return wrench;
 }
+
+#define FLEXARM_INSTANTIATE(D)                                                                            \
+  template SectionForces section_forces<D>(const SystemIn<D>&, const StateIn<D>&, const LoadsIn<D>&, int, \
+                                           const InSpace<D>&);                                            \
+  template double joint_torque<D>(const SystemIn<D>&, const StateIn<D>&, int);                            \
+  template Eigen::VectorXd motor_torques<D>(const SystemIn<D>&, const StateIn<D>&, bool);                 \
+  template Vector6d base_wrench<D>(const SystemIn<D>&, const StateIn<D>&, const InSpace<D>&);
+FLEXARM_INSTANTIATE(2)
+FLEXARM_INSTANTIATE(3)
 
 }  // namespace flexarm::simulation

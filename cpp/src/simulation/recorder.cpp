@@ -12,8 +12,10 @@ void resize(Eigen::Index n, std::initializer_list<std::pair<Eigen::MatrixXd*, Ei
 
 }  // namespace
 
-Recorder::Recorder(const System& system, const TransientOptions& options, Eigen::Index n, Transient& out)
-    : system_(system), options_(options), out_(out) {
+template <int D>
+RecorderIn<D>::RecorderIn(const SystemIn<D>& system, const TransientOptions& options, Eigen::Index n,
+                          Transient& out, const InSpace<D>& space)
+    : system_(system), space_(space), options_(options), out_(out) {
   const auto p = static_cast<Eigen::Index>(system.points().size());
   const auto j = static_cast<Eigen::Index>(system.joints().size());
   const auto l = static_cast<Eigen::Index>(system.meshes().size());
@@ -25,91 +27,107 @@ Recorder::Recorder(const System& system, const TransientOptions& options, Eigen:
     resize(n, {{&out.joint_torque, j}, {&out.motor_torque, j}});
   }
   if (options.record_energies) {
-    for (auto* column : {&out.kinetic, &out.elastic, &out.gravity, &out.damped, &out.work})
-      column->setZero(n);
+    for (auto* column : {&out.kinetic, &out.elastic, &out.gravity, &out.damped, &out.work}) column->resize(n);
   }
   if (options.record_forces) resize(n, {{&out.section_forces, 12 * l}, {&out.base_wrench, 6}});
+  now_.drives.resize(system.n_scalars());
+  last_.drives.resize(system.n_scalars());
 }
 
-void Recorder::record(Eigen::Index k, const State& state, const Loads& loads) {
+template <int D>
+void RecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
   out_.time[k] = state.t;
+  system_.scalar_residual(state, true, now_.drives);
   if (options_.record_points || options_.record_rotations) points(k, state);
   if (options_.record_joints) joints(k, state);
   if (options_.record_energies) energy(k, state, loads);
   if (options_.record_forces) forces(k, state, loads);
 }
 
-void Recorder::points(Eigen::Index k, const State& state) {
+template <int D>
+void RecorderIn<D>::points(Eigen::Index k, const StateIn<D>& state) {
   for (int p = 0; p < static_cast<int>(system_.points().size()); ++p) {
-    const geometry::Frame H = system_.point_frame(state, p);
-    const geometry::Vector6d v = system_.point_velocity(state, p);
+    const FrameIn<D> H = system_.point_frame(state, p);
+    const Twist<D> v = system_.point_velocity(state, p);
     if (options_.record_points) {
-      out_.position.col(k).segment<3>(3 * p) = H.x;
-      out_.velocity.col(k).segment<3>(3 * p) = H.R * v.head<3>();
+      out_.position.col(k).segment<3>(3 * p) = space_.place(p, H.x);
+      out_.velocity.col(k).segment<3>(3 * p) = space_.arrow(H.R * v.template head<D>());
     }
     if (options_.record_rotations) {
-      out_.orientation.col(k).segment<4>(4 * p) = Eigen::Quaterniond(H.R).normalized().coeffs();
-      out_.angular_rate.col(k).segment<3>(3 * p) = v.tail<3>();
+      const Matrix3d R = space_.orientation(p, H.R);
+      out_.orientation.col(k).segment<4>(4 * p) = Eigen::Quaterniond(R).normalized().coeffs();
+      out_.angular_rate.col(k).segment<3>(3 * p) =
+          space_.spin_at_point(p, v.template tail<geometry::turns<D>>());
     }
   }
 }
 
-void Recorder::joints(Eigen::Index k, const State& state) {
-  const Eigen::VectorXd motor = motor_torques(system_, state, true);
+template <int D>
+void RecorderIn<D>::joints(Eigen::Index k, const StateIn<D>& state) {
+  const double* rates = state.v.data() + system_.scalar_offset();
+  int row = 0;
   for (int j = 0; j < static_cast<int>(system_.joints().size()); ++j) {
     const int theta = system_.joints()[j].theta, phi = system_.joints()[j].phi;
-    const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system_.scalar_offset() + s]; };
-    const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
-    out_.joint_angle(j, k) = angle(theta);
-    out_.joint_rate(j, k) = rate(theta);
-    out_.drive_angle(j, k) = angle(phi);
-    out_.drive_rate(j, k) = rate(phi);
-    out_.joint_torque(j, k) = joint_torque(system_, state, j);
-    out_.motor_torque(j, k) = motor[j];
+    const auto& constraint = system_.constraints()[j];
+    const bool moves = theta >= 0;
+    out_.joint_angle(j, k) = moves ? state.s[theta] : 0.0;
+    out_.joint_rate(j, k) = moves ? rates[theta] : 0.0;
+    out_.drive_angle(j, k) = moves ? state.s[phi] : 0.0;
+    out_.drive_rate(j, k) = moves ? rates[phi] : 0.0;
+    out_.motor_torque(j, k) = moves ? now_.drives[phi] : 0.0;
+    out_.joint_torque(j, k) =
+        moves ? -constraint.twist().dot(state.multipliers.template segment<geometry::freedoms<D>>(row)) : 0.0;
+    row += constraint.rows();
   }
 }
 
-void Recorder::forces(Eigen::Index k, const State& state, const Loads& loads) {
+template <int D>
+void RecorderIn<D>::forces(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
   for (int link = 0; link < static_cast<int>(system_.meshes().size()); ++link) {
-    const SectionForces f = section_forces(system_, state, loads, link);
-    out_.section_forces.col(k).segment<12>(12 * link) << f.start, f.end;
+    const SectionForces f = section_forces(system_, state, loads, link, space_);
+    out_.section_forces.col(k).template segment<12>(12 * link) << f.start, f.end;
   }
-  out_.base_wrench.col(k) = base_wrench(system_, state);
+  out_.base_wrench.col(k) = base_wrench(system_, state, space_);
 }
 
 /// Equation (1).
-void Recorder::energy(Eigen::Index k, const State& state, const Loads& loads) {
+template <int D>
+void RecorderIn<D>::energy(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
   const Energies E = energies(system_, state, loads);
   out_.kinetic[k] = E.kinetic;
   out_.elastic[k] = E.elastic;
   out_.gravity[k] = E.gravity;
-  Instant now{link_dissipation(system_, state),
-              load_power(system_, state, loads) + bow_power(system_, state),
-              law_losses(system_, state),
-              motor_torques(system_, state, true),
-              state.s,
-              state.t};
+  now_.dissipation = E.dissipation;
+  now_.power = load_power(system_, state, loads) + E.bow_power;
+  law_losses(system_, state, now_.loss);
+  now_.s = state.s;
+  now_.t = state.t;
+  out_.damped[k] = out_.work[k] = 0;
   if (k > 0) {
-    const double h = now.t - last_.t;
-    double damped = 0.5 * h * (now.dissipation + last_.dissipation);
-    double work = 0.5 * h * (now.power + last_.power);
+    const double h = now_.t - last_.t;
+    double damped = 0.5 * h * (now_.dissipation + last_.dissipation);
+    double work = 0.5 * h * (now_.power + last_.power);
     for (std::size_t i = 0; i < system_.laws().size(); ++i) {
-      const double dx =
-          system_.deflection(system_.laws()[i], now.s) - system_.deflection(system_.laws()[i], last_.s);
-      damped += 0.5 * dx * (now.loss[i] + last_.loss[i]);
+      const auto& law = system_.laws()[i];
+      const double dx = system_.deflection(law, now_.s) - system_.deflection(law, last_.s);
+      damped += 0.5 * dx * (now_.loss[i] + last_.loss[i]);
     }
-    for (std::size_t j = 0; j < system_.joints().size(); ++j) {
-      const int phi = system_.joints()[j].phi;
-      if (phi >= 0) work += 0.5 * (now.s[phi] - last_.s[phi]) * (now.motor[j] + last_.motor[j]);
+    for (const auto& joint : system_.joints()) {
+      if (joint.phi < 0) continue;
+      const double turned = now_.s[joint.phi] - last_.s[joint.phi];
+      work += 0.5 * turned * (now_.drives[joint.phi] + last_.drives[joint.phi]);
     }
     if (const int theta = system_.pedestal().theta; theta >= 0) {
-      const auto& pedestal = *system_.arm().pedestal;
-      work += 0.5 * (now.s[theta] - last_.s[theta]) * (pedestal.moment(now.t) + pedestal.moment(last_.t));
+      const auto& pedestal = system_.pedestal();
+      work += 0.5 * (now_.s[theta] - last_.s[theta]) * (pedestal.moment(now_.t) + pedestal.moment(last_.t));
     }
     out_.damped[k] = out_.damped[k - 1] + damped;
     out_.work[k] = out_.work[k - 1] + work;
   }
-  last_ = std::move(now);
+  std::swap(last_, now_);
 }
+
+template class RecorderIn<2>;
+template class RecorderIn<3>;
 
 }  // namespace flexarm::simulation

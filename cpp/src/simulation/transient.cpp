@@ -29,13 +29,15 @@ void Transient::finish(Eigen::Index n) {
   }
 }
 
-solvers::Drives drives_of_joints(const System& system, const State& state,
+template <int D>
+solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
                                  std::vector<PiecewisePolynomial> drives) {
   struct Driven {
     int phi;
     DriveKind kind;
     PiecewisePolynomial value;
     const joints::Transmission* backwards;  // the drive prescribes ψ(φ)
+    std::size_t piece;                      // where t was last: times of a run hardly ever go back
   };
   std::vector<Driven> driven;
   for (std::size_t j = 0; j < system.joints().size(); ++j) {
@@ -45,14 +47,13 @@ solvers::Drives drives_of_joints(const System& system, const State& state,
     driven.push_back(
         {phi, kind,
          kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j]),
-         kind == DriveKind::link_angle ? system.transmission(static_cast<int>(j)) : nullptr});
+         kind == DriveKind::link_angle ? system.transmission(static_cast<int>(j)) : nullptr, 0});
   }
-  const int base = system.pedestal().theta;
-  const model::Pedestal pedestal = system.arm().pedestal.value_or(model::Pedestal{});
-  return [driven = std::move(driven), base, pedestal](double t, solvers::DriveValues& values) {
-    if (base >= 0) values.torques[base] = pedestal.moment(t);
-    for (const Driven& d : driven) {
-      auto [value, first, second] = d.value(t);
+  return [driven = std::move(driven), pedestal = system.pedestal()](double t,
+                                                                    solvers::DriveValues& values) mutable {
+    if (pedestal.theta >= 0) values.torques[pedestal.theta] = pedestal.moment(t);
+    for (Driven& d : driven) {
+      auto [value, first, second] = d.value(t, d.piece);
       if (d.backwards != nullptr) {  // φ = ψ⁻¹(θ), ψ' φ' = θ', ψ' φ'' + ψ'' φ'² = θ''
         value = d.backwards->inverse(value);
         const auto psi = (*d.backwards)(value);
@@ -70,6 +71,11 @@ solvers::Drives drives_of_joints(const System& system, const State& state,
   };
 }
 
+template solvers::Drives drives_of_joints<2>(const assembly::SystemIn<2>&, const assembly::StateIn<2>&,
+                                             std::vector<PiecewisePolynomial>);
+template solvers::Drives drives_of_joints<3>(const assembly::SystemIn<3>&, const assembly::StateIn<3>&,
+                                             std::vector<PiecewisePolynomial>);
+
 Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePolynomial>& drives,
                              const TransientOptions& options) {
   if (!(options.step > 0))
@@ -85,32 +91,32 @@ Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePo
   return static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
 }
 
-Transient simulate(const System& system, const Equilibrium& equilibrium,
-                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                   const Progress& progress, const Companion& companion) {
-  const Eigen::Index n_steps = number_of_steps(system, drives, options);
-  Transient run;
-  Recorder recorder(system, options, n_steps + 1, run);
-  State state = equilibrium.state;
-  state.t = state.start = options.start;
-  const solvers::Drives drive = drives_of_joints(system, state, drives);
-  solvers::HhtStepper stepper(system, solvers::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
-                              {.tolerance = options.tolerance});
-  stepper.follow_with(companion.step);
-  const auto record = [&](Eigen::Index k, const Loads& loads) {
-    recorder.record(k, state, loads);
-    if (companion.record) companion.record(k, state, loads);
-  };
+namespace {
+
+template <int D>
+using RecordIn =
+    std::function<void(Eigen::Index k, const assembly::StateIn<D>& state, const assembly::LoadsIn<D>& loads)>;
+
+/// The steps of a run. @return the state at its end
+template <int D>
+assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn<D> state,
+                          const assembly::LoadsIn<D>& loads, const solvers::Drives& drive,
+                          Eigen::Index n_steps, const TransientOptions& options, const Progress& progress,
+                          const solvers::FollowerIn<D>& follower, const RecordIn<D>& record, Transient& run) {
+  solvers::HhtStepperIn<D> stepper(system, solvers::HhtCoefficients::from_alpha(options.alpha), loads,
+                                   {.tolerance = options.tolerance});
+  stepper.follow_with(follower);
   const auto began = Clock::now();
   auto called = began;
   const auto seconds_since = [](Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
   };
-  record(0, equilibrium.loads);
+  state.t = state.start = options.start;
+  record(0, state, loads);
   for (Eigen::Index k = 1; k <= n_steps; ++k) {
     stepper.advance(state, options.step, drive);
     state.t = options.start + static_cast<double>(k) * options.step;  // no drift from adding up
-    record(k, stepper.loads());
+    record(k, state, stepper.loads());
     if (progress && k % steps_between_looks == 0 && seconds_since(called) > seconds_between_calls) {
       called = Clock::now();
       if (!progress(static_cast<double>(k) / static_cast<double>(n_steps))) {
@@ -122,7 +128,49 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
   }
   run.seconds = seconds_since(began);
   run.statistics = stepper.statistics();
-  run.final_state = std::move(state);
+  run.dimension = D;
+  return state;
+}
+
+/// The plane of the motion; none if the arm leaves it or nobody looks for it.
+assembly::PlanarSystem::Attempt plane_of(const System& system, const Equilibrium& equilibrium,
+                                         const TransientOptions& options, const Companion& companion) {
+  const bool followed = companion.step || companion.record;
+  if (followed && options.dimension == Dimension::plane) {
+    throw InvalidParameter("a run that is differentiated is computed in space, not in a plane");
+  }
+  if (followed || options.dimension == Dimension::space) return {};
+  auto attempt = assembly::PlanarSystem::about(system, equilibrium.state, equilibrium.loads);
+  if (!attempt.system && options.dimension == Dimension::plane) {
+    throw InvalidParameter("the arm does not move in a plane: " + attempt.obstacle);
+  }
+  return attempt;
+}
+
+}  // namespace
+
+Transient simulate(const System& system, const Equilibrium& equilibrium,
+                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                   const Progress& progress, const Companion& companion) {
+  const Eigen::Index n_steps = number_of_steps(system, drives, options);
+  Transient run;
+  if (const auto plane = plane_of(system, equilibrium, options, companion).system) {
+    RecorderIn<2> recorder(*plane, options, n_steps + 1, run, InSpace<2>(*plane));
+    const auto state = plane->part(equilibrium.state);
+    const auto end =
+        walk<2>(*plane, state, plane->part(equilibrium.loads), drives_of_joints<2>(*plane, state, drives),
+                n_steps, options, progress, {}, std::bind_front(&RecorderIn<2>::record, &recorder), run);
+    run.final_state = plane->embed(end, equilibrium.state);
+    return run;
+  }
+  RecorderIn<3> recorder(system, options, n_steps + 1, run);
+  const auto record = [&](Eigen::Index k, const State& state, const Loads& loads) {
+    recorder.record(k, state, loads);
+    if (companion.record) companion.record(k, state, loads);
+  };
+  run.final_state = walk<3>(system, equilibrium.state, equilibrium.loads,
+                            drives_of_joints<3>(system, equilibrium.state, drives), n_steps, options,
+                            progress, companion.step, record, run);
   return run;
 }
 

@@ -16,9 +16,21 @@ constexpr long trusted_steps = 16;
 // Increments below this are rounding: they neither shrink nor matter.
 constexpr double rounding_floor = 1e-14;
 
-bool has_memory(const System& system) {
+template <int D>
+bool has_memory(const SystemIn<D>& system) {
   return std::any_of(system.laws().begin(), system.laws().end(),
                      [](const assembly::PlacedLaw& law) { return !joints::acts_at_rest(law.law); });
+}
+
+template <int D>
+bool linear_laws(const SystemIn<D>& system) {
+  return std::all_of(system.laws().begin(), system.laws().end(), [](const assembly::PlacedLaw& law) {
+    if (const auto* spring = std::get_if<joints::ReducerSpring>(&law.law)) {
+      return spring->cubic_stiffness == 0 && spring->gap == 0;
+    }
+    return std::holds_alternative<joints::CableTorque>(law.law) ||
+           std::holds_alternative<joints::ViscousFriction>(law.law);
+  });
 }
 
 }  // namespace
@@ -38,8 +50,9 @@ HhtCoefficients HhtCoefficients::from_spectral_radius(double rho) {
   return from_alpha((rho - 1) / (rho + 1));
 }
 
-HhtStepper::HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads,
-                       HhtOptions options)
+template <int D>
+HhtStepperIn<D>::HhtStepperIn(const SystemIn<D>& system, const HhtCoefficients& coefficients,
+                              const LoadsIn<D>& loads, HhtOptions options)
     : system_(system),
       coefficients_(coefficients),
       loads_(loads),
@@ -51,14 +64,16 @@ HhtStepper::HhtStepper(const System& system, const HhtCoefficients& coefficients
       phi_(system.n_constraints()),
       dx_(system.n_unknowns()),
       kept_tangents_(VectorXd::Zero(system.laws().size())),
+      laws_keep_tangent_(linear_laws(system)),
       law_solutions_(system.n_unknowns(), system.laws().size()) {
   const VectorXd zero = VectorXd::Zero(system.n_scalars());
   drive_ = {zero, zero, zero, zero};
 }
 
-void HhtStepper::advance(State& state, double h, const Drives& drives) {
+template <int D>
+void HhtStepperIn<D>::advance(StateIn<D>& state, double h, const Drives& drives) {
   if (step(state, h, drives)) return;
-  const State before = state;
+  const StateIn<D> before = state;
   try {
     halve(state, h, drives, 1);
   } catch (const NotConverged&) {
@@ -67,7 +82,8 @@ void HhtStepper::advance(State& state, double h, const Drives& drives) {
   }
 }
 
-void HhtStepper::halve(State& state, double h, const Drives& drives, int depth) {
+template <int D>
+void HhtStepperIn<D>::halve(StateIn<D>& state, double h, const Drives& drives, int depth) {
   if (depth > options_.max_halvings) {
     const double residual = r_.head(system_.n_free()).cwiseAbs().maxCoeff();
     char text[200];
@@ -84,55 +100,86 @@ void HhtStepper::halve(State& state, double h, const Drives& drives, int depth) 
   }
 }
 
-bool HhtStepper::step(State& state, double h, const Drives& drives) {
-  before_ = state;
+/// State 0 moves into before_; all of state 1 that a step does not write stays what it was in state 0.
+template <int D>
+void HhtStepperIn<D>::set_aside(StateIn<D>& state) {
+  std::swap(before_, state);
+  const bool fits = state.frames.size() == before_.frames.size() && state.v.size() == before_.v.size() &&
+                    state.laws.size() == before_.laws.size();
+  if (!fits) {
+    state = before_;
+    return;
+  }
+  const int n_driven = system_.n_velocities() - system_.n_free();
+  state.start = before_.start;
+  state.a.tail(n_driven) = before_.a.tail(n_driven);
+  state.multipliers = before_.multipliers;
+  state.laws = before_.laws;
+}
+
+template <int D>
+bool HhtStepperIn<D>::step(StateIn<D>& state, double h, const Drives& drives) {
+  if (factored_h_ != h) {
+    drives(state.t + h, drive_);
+    loads_.torques = drive_.torques;
+    const double t = state.t;
+    state.t += h;
+    const bool regular = factor(state, h);
+    state.t = t;
+    if (!regular) return false;
+  }
+  set_aside(state);
   state.t = before_.t + h;
   drives(state.t, drive_);
   loads_.torques = drive_.torques;
-  if (factored_h_ != h && !factor(state, h)) {
-    state = before_;
-    return false;
-  }
   predict(h);
   configure(state, h);
   if (!iterate(state, h)) {
-    state = before_;
+    std::swap(before_, state);
     factored_h_ = 0;
     return false;
   }
-  for (std::size_t k = 0; k < state.laws.size(); ++k) {  // the laws remember the accepted state
-    const auto& law = system_.laws()[k];
-    const double x = system_.deflection(law, state.s);
-    const double z =
-        joints::respond(law.law, x, system_.deflection(law, state.v.tail(system_.n_scalars())), state.laws[k])
-            .z;
-    state.laws[k] = {x, z};
-  }
+  remember(state);
   ++statistics_.steps;
   if (follower_) follower_(before_, state, exponent_, h, loads_);
   ++memory_.steps;
   return true;
 }
 
+/// The laws remember the accepted state.
+template <int D>
+void HhtStepperIn<D>::remember(StateIn<D>& state) const {
+  for (std::size_t k = 0; k < state.laws.size(); ++k) {
+    const auto& law = system_.laws()[k];
+    const double x = system_.deflection(law, state.s);
+    const double rate = system_.deflection(law, state.v.tail(system_.n_scalars()));
+    state.laws[k] = {x, joints::respond(law.law, x, rate, state.laws[k]).z};
+  }
+}
+
 /// Accelerations of state 1 start at those of state 0, so that a₁ = v̇₀ by (2).
-void HhtStepper::predict(double h) {
-  const double beta = coefficients_.beta;
+template <int D>
+void HhtStepperIn<D>::predict(double h) {
+  const double of_a = h * h * (0.5 - coefficients_.beta), of_v_dot = h * h * coefficients_.beta;
   const int n = system_.n_free();
-  exponent_ = h * before_.v.head(n) +
-              h * h * ((0.5 - beta) * before_.a.head(n) + beta * before_.v_dot.head(n));  // eq. (3)
+  exponent_ = h * before_.v.head(n) + of_a * before_.a.head(n) + of_v_dot * before_.v_dot.head(n);  // eq. (3)
 }
 
 /// State 1 from the exponent: (3), (2) and (4) solved for a₁, v̇₁, v₁; prescribed coordinates from the drives.
-void HhtStepper::configure(State& state, double h) const {
+template <int D>
+void HhtStepperIn<D>::configure(StateIn<D>& state, double h) const {
+  constexpr int n_node = geometry::freedoms<D>;
   const auto [alpha, beta, gamma] = coefficients_;
   const int n = system_.n_free(), n_scalars = system_.n_scalars(), offset = system_.scalar_offset();
   for (int k = 0; k < system_.n_nodes(); ++k) {
-    state.frames[k] = before_.frames[k] * geometry::exp6(exponent_.segment<6>(6 * k));  // eq. (3)
+    state.frames[k] =
+        before_.frames[k] * geometry::exponential<D>(exponent_.template segment<n_node>(n_node * k));  // (3)
   }
   const auto v0 = before_.v.head(n), a0 = before_.a.head(n);
-  state.a.head(n) = (exponent_ - h * v0) / (beta * h * h) - (0.5 - beta) / beta * a0;
-  state.v.head(n) = v0 + h * ((1 - gamma) * a0 + gamma * state.a.head(n));                // eq. (4)
-  state.v_dot.head(n) = (state.a.head(n) + alpha * before_.v_dot.head(n)) / (1 + alpha);  // eq. (2)
+  const double per_h2 = 1 / (beta * h * h), of_a = (0.5 - beta) / beta;
+  state.a.head(n) = per_h2 * (exponent_ - h * v0) - of_a * a0;
+  state.v.head(n) = v0 + h * (1 - gamma) * a0 + h * gamma * state.a.head(n);                  // eq. (4)
+  state.v_dot.head(n) = 1 / (1 + alpha) * (state.a.head(n) + alpha * before_.v_dot.head(n));  // eq. (2)
   const int n_free_scalars = n - offset;
   state.s.head(n_free_scalars) = before_.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
   const int n_driven = n_scalars - n_free_scalars;
@@ -141,7 +188,8 @@ void HhtStepper::configure(State& state, double h) const {
   state.v_dot.tail(n_driven) = drive_.v_dot.tail(n_driven);
 }
 
-bool HhtStepper::iterate(State& state, double h) {
+template <int D>
+bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   const int n = system_.n_free();
   const double beta_h2 = coefficients_.beta * h * h;
   const double tolerance = std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2);
@@ -181,19 +229,21 @@ bool HhtStepper::iterate(State& state, double h) {
   return false;
 }
 
-HhtMemory HhtStepper::memory() const {
-  HhtMemory memory = memory_;
+template <int D>
+HhtMemoryIn<D> HhtStepperIn<D>::memory() const {
+  HhtMemoryIn<D> memory = memory_;
   if (factored_h_ == 0) memory.factored = nullptr;
   return memory;
 }
 
-void HhtStepper::recall(const HhtMemory& memory) {
+template <int D>
+void HhtStepperIn<D>::recall(const HhtMemoryIn<D>& memory) {
   const bool at_hand = factored_h_ != 0 && memory.factored == memory_.factored;
   memory_ = memory;
   if (at_hand) return;
   factored_h_ = 0;
   if (memory.factored == nullptr) return;
-  const Linearisation& at = *memory.factored;
+  const LinearisationIn<D>& at = *memory.factored;
   loads_ = at.loads;
   if (!factor(at.state, at.h)) {
     throw NotConverged("the matrix that was factored at t = " + std::to_string(at.state.t) + " s is singular",
@@ -202,14 +252,15 @@ void HhtStepper::recall(const HhtMemory& memory) {
   memory_.factored = memory.factored;
 }
 
-bool HhtStepper::factor(const State& state, double h) {
+template <int D>
+bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const double per_h2 = 1 / (beta * h * h);
   const assembly::TangentFactors c{per_h2 / (1 + alpha), gamma / (beta * h), 1, mass_scale_ * per_h2};
   kept_tangents_ = system_.law_tangents(state, c, true);
   ++statistics_.factorisations;
   if (options_.reproducible) {  // neither the pattern nor the pivots of earlier numbers
-    memory_.factored = std::make_shared<const Linearisation>(state, loads_, h);
+    memory_.factored = std::make_shared<const LinearisationIn<D>>(state, loads_, h);
     matrix_.forget();
     factor_ = SparseFactor();
   }
@@ -230,7 +281,8 @@ bool HhtStepper::factor(const State& state, double h) {
 }
 
 /// dx := S⁻¹ (−r, −s Φ), with the joint laws' present tangents by the Woodbury identity.
-void HhtStepper::solve(const State& state, double h) {
+template <int D>
+void HhtStepperIn<D>::solve(const StateIn<D>& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const double per_h2 = 1 / (beta * h * h);
   dx_.head(system_.n_free()) = -r_.head(system_.n_free());
@@ -239,6 +291,7 @@ void HhtStepper::solve(const State& state, double h) {
 
   const auto n_laws = static_cast<int>(system_.laws().size());
   if (n_laws == 0) return;
+  if (laws_keep_tangent_) return;
   const VectorXd change = system_.law_tangents(state, {0, gamma / (beta * h), 1}, true) - kept_tangents_;
   if ((change.cwiseAbs().array() <= 1e-12 * kept_tangents_.cwiseAbs().array()).all()) return;
   const auto along = [&](const auto& x, int k) {  // the law's deflection in an increment
@@ -255,5 +308,8 @@ void HhtStepper::solve(const State& state, double h) {
   }
   dx_ -= law_solutions_ * small.partialPivLu().solve(rhs);
 }
+
+template class HhtStepperIn<2>;
+template class HhtStepperIn<3>;
 
 }  // namespace flexarm::solvers

@@ -4,23 +4,31 @@
 
 namespace flexarm::solvers {
 
-void move(const System& system, const Eigen::Ref<const VectorXd>& dx, State& state) {
-  for (int n = 0; n < system.n_nodes(); ++n) {
-    state.frames[n] = state.frames[n] * geometry::exp6(dx.segment<6>(6 * n));
+template <int D>
+void move(const SystemIn<D>& system, const Eigen::Ref<const VectorXd>& dx, StateIn<D>& state) {
+  constexpr int n = geometry::freedoms<D>;
+  for (int k = 0; k < system.n_nodes(); ++k) {
+    state.frames[k] = state.frames[k] * geometry::exponential<D>(dx.segment<n>(n * k));
   }
   const int n_scalars = system.n_free() - system.scalar_offset();
   state.s.head(n_scalars) += dx.segment(system.scalar_offset(), n_scalars);
 }
 
-double increment_norm(const System& system, const Eigen::Ref<const VectorXd>& dx) {
-  double largest = 0;
-  const double per_length = 1 / system.reach();
-  for (int n = 0; n < system.n_nodes(); ++n) {
-    largest = std::max(largest, per_length * dx.segment<3>(6 * n).cwiseAbs().maxCoeff());
-    largest = std::max(largest, dx.segment<3>(6 * n + 3).cwiseAbs().maxCoeff());
+template <int D>
+double increment_norm(const SystemIn<D>& system, const Eigen::Ref<const VectorXd>& dx) {
+  constexpr int n = geometry::freedoms<D>, turns = geometry::turns<D>;
+  double translation = 0, rest = 0;
+  for (int k = 0; k < system.n_nodes(); ++k) {
+    translation = std::max(translation, dx.segment<D>(n * k).cwiseAbs().maxCoeff());
+    rest = std::max(rest, dx.segment<turns>(n * k + D).cwiseAbs().maxCoeff());
   }
-  for (int k = system.scalar_offset(); k < system.n_free(); ++k) largest = std::max(largest, std::abs(dx[k]));
-  return largest;
+  for (int k = system.scalar_offset(); k < system.n_free(); ++k) rest = std::max(rest, std::abs(dx[k]));
+  return std::max(translation / system.reach(), rest);
 }
+
+template void move<2>(const SystemIn<2>&, const Eigen::Ref<const VectorXd>&, StateIn<2>&);
+template void move<3>(const SystemIn<3>&, const Eigen::Ref<const VectorXd>&, StateIn<3>&);
+template double increment_norm<2>(const SystemIn<2>&, const Eigen::Ref<const VectorXd>&);
+template double increment_norm<3>(const SystemIn<3>&, const Eigen::Ref<const VectorXd>&);
 
 }  // namespace flexarm::solvers

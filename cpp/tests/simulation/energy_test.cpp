@@ -28,7 +28,8 @@ void check_power_balance(const System& system) {
     return E.kinetic + E.elastic + E.gravity;
   };
   double loss = link_dissipation(system, state);
-  const VectorXd losses = law_losses(system, state);
+  VectorXd losses;
+  law_losses(system, state, losses);
   for (std::size_t k = 0; k < system.laws().size(); ++k) {
     loss += losses[static_cast<Eigen::Index>(k)] *
             system.deflection(system.laws()[k], state.v.tail(system.n_scalars()));

@@ -1,6 +1,6 @@
 /// @file
-/// The tangent of a System as a compressed sparse matrix whose pattern is found once: later assemblies only
-/// add numbers.
+/// The tangent of the equations of motion as a compressed sparse matrix whose pattern is found once: later
+/// assemblies only add numbers.
 ///
 /// Entries that are negligible beside their row and column stay out of the pattern. A plane arm thus falls
 /// into its motion in the plane and across it, which halves the factors. An entry that grows later joins the
@@ -9,32 +9,35 @@
 
 #include <vector>
 
-#include "flexarm/assembly/system.hpp"
+#include "flexarm/assembly/equations.hpp"
 
 namespace flexarm::assembly {
 
-class IterationMatrix {
+template <int D>
+class IterationMatrixIn {
  public:
-  explicit IterationMatrix(const System& system) : system_(system) {}
+  explicit IterationMatrixIn(const SystemIn<D>& system) : system_(system) {}
 
   /// The pattern of the result changes from one call to the next only by growing.
-  const Eigen::SparseMatrix<double>& assemble(const State& state, const Loads& loads,
+  const Eigen::SparseMatrix<double>& assemble(const StateIn<D>& state, const LoadsIn<D>& loads,
                                               const TangentFactors& factors, const VectorXd& law_tangents);
 
   /// The next pattern is that of the next numbers, whatever came before.
   void forget();
 
  private:
-  void find_slots(const State& state, const Loads& loads, const TangentFactors& factors,
+  void find_slots(const StateIn<D>& state, const LoadsIn<D>& loads, const TangentFactors& factors,
                   const VectorXd& law_tangents);
   bool significant_entries_join();
   void compress();
 
-  const System& system_;
+  const SystemIn<D>& system_;
   Eigen::SparseMatrix<double> full_;  // all entries that are emitted
   std::vector<int> slots_;            // where in it the k-th emitted number goes
   std::vector<bool> kept_;            // which of its entries are in the pattern
   Eigen::SparseMatrix<double> matrix_;
 };
+
+using IterationMatrix = IterationMatrixIn<3>;
 
 }  // namespace flexarm::assembly

@@ -55,12 +55,15 @@ struct Place {
 };
 
 /// A position fixed to a link: on one node, or within an element.
-struct Attachment {
-  int node = 0;      ///< the node, or the element's first node
-  int element = -1;  ///< −1: on the node
-  double xi = 0;     ///< place in the element, 0 to 1
-  Frame offset;      ///< from the node's (or the section's) frame to the place, in link axes there
+template <int D>
+struct AttachmentIn {
+  int node = 0;                 ///< the node, or the element's first node
+  int element = -1;             ///< −1: on the node
+  double xi = 0;                ///< place in the element, 0 to 1
+  geometry::FrameIn<D> offset;  ///< from the node's (or the section's) frame to the place, in link axes there
 };
+
+using Attachment = AttachmentIn<3>;
 
 /// @param on_node put it rigidly on the nearest node (masses) instead of within an element (sensors).
 /// @param interface of a super-element, from whose frame `position` counts.

@@ -12,20 +12,23 @@ namespace flexarm::assembly {
 
 using Eigen::VectorXd;
 
-/// Velocities and accelerations hold six entries a node, in the node's axes, then one for each scalar
-/// coordinate.
-struct State {
-  double t = 0;                         ///< time [s]
-  double start = 0;                     ///< when the run started [s]
-  std::vector<geometry::Frame> frames;  ///< nodes in the base frame
-  VectorXd s;                           ///< scalar coordinates: angles φ, θ of the joints
-  VectorXd v;                           ///< velocities
-  VectorXd v_dot;                       ///< accelerations
-  VectorXd a;                           ///< algorithmic accelerations of the time stepping
-  VectorXd multipliers;                 ///< λ, joint wrenches
-  std::vector<joints::LawMemory> laws;  ///< internal states of the joint laws
+/// Velocities and accelerations hold the freedoms of every node (six, three in a plane), in the node's axes,
+/// then one entry for each scalar coordinate.
+template <int D>
+struct StateIn {
+  double t = 0;                              ///< time [s]
+  double start = 0;                          ///< when the run started [s]
+  std::vector<geometry::FrameIn<D>> frames;  ///< nodes in the base frame
+  VectorXd s;                                ///< scalar coordinates: angles φ, θ of the joints
+  VectorXd v;                                ///< velocities
+  VectorXd v_dot;                            ///< accelerations
+  VectorXd a;                                ///< algorithmic accelerations of the time stepping
+  VectorXd multipliers;                      ///< λ, joint wrenches
+  std::vector<joints::LawMemory> laws;       ///< internal states of the joint laws
 
   double elapsed() const { return t - start; }  ///< since the start of the run [s]
 };
+
+using State = StateIn<3>;
 
 }  // namespace flexarm::assembly

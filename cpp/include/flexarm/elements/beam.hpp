@@ -24,23 +24,35 @@
 ///     b(t) = b (1 − exp(−t/τ)),   b' = b exp(−t/τ)/τ           constant for τ = 0                   (7)
 ///
 /// and a uniform curvature κ of it has b = L (0, 0, 0, 0, κ_y, κ_z) exactly. Since (1)-(4) see relative
-/// motion only, they do not change when the element moves as a rigid body. Units: SI. Sources:
-/// [Sonneville2014] for (1)-(4), [Friedman1993] for the shape functions of (6); docs/theory.md, section
-/// "Beams".
+/// motion only, they do not change when the element moves as a rigid body. In a plane (D = 2) stretch and one
+/// plane of bending are left of (5) and (6). Units: SI. Sources: [Sonneville2014] for (1)-(4), [Friedman1993]
+/// for the shape functions of (6); docs/theory.md, section "Beams".
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cmath>
 
+#include "flexarm/geometry/plane.hpp"
 #include "flexarm/geometry/se3.hpp"
 #include "flexarm/model/arm.hpp"
 
 namespace flexarm::elements {
 
 using geometry::Frame;
+using geometry::FrameIn;
 using geometry::Matrix6d;
+using geometry::Twist;
+using geometry::TwistMatrix;
 using geometry::Vector6d;
-using Matrix12d = Eigen::Matrix<double, 12, 12>;
-using Vector12d = Eigen::Matrix<double, 12, 1>;
+
+/// Two nodes' twists, one after the other.
+template <int D>
+using TwoTwists = Eigen::Matrix<double, 2 * geometry::freedoms<D>, 1>;
+template <int D>
+using TwoTwistsMatrix = Eigen::Matrix<double, 2 * geometry::freedoms<D>, 2 * geometry::freedoms<D>>;
+using Matrix12d = TwoTwistsMatrix<3>;
+using Vector12d = TwoTwists<3>;
 
 /// Stiffness and inertia per length of a beam, in section axes.
 struct BeamProperties {
@@ -57,60 +69,76 @@ struct BeamProperties {
 /// shear.
 Eigen::Matrix<double, 2, 4> bending_shape(double xi, double length, double Phi);
 
-class BeamElement {
+template <int D>
+class BeamElementIn {
  public:
+  static constexpr int n = geometry::freedoms<D>;
+  using FrameD = FrameIn<D>;
+  using TwistD = Twist<D>;
+  using Ends = TwoTwists<D>;
+  using EndsMatrix = TwoTwistsMatrix<D>;
+  using StrainMatrix = Eigen::Matrix<double, n, 2 * n>;
+
   /// @param H1,H2 placements of the nodes in the undeformed arm, x axes along the element.
-  BeamElement(int node1, int node2, const Frame& H1, const Frame& H2, const BeamProperties& properties);
+  BeamElementIn(int node1, int node2, const Frame& H1, const Frame& H2, const BeamProperties& properties)
+    requires(D == 3);
+
+  /// The part of a beam within a plane, whose `axes` seen from both nodes have their first along the beam.
+  BeamElementIn(const BeamElementIn<3>& beam, const geometry::PlaneAxes& axes)
+    requires(D == 2);
 
   int node1() const { return node1_; }
   int node2() const { return node2_; }
   double length() const { return length_; }
-  const Vector6d& stiffness() const { return K_; }   ///< diagonal of (5)
-  const Matrix12d& mass() const { return M_; }       ///< equation (6)
+  const TwistD& stiffness() const { return K_; }     ///< diagonal of (5)
+  const EndsMatrix& mass() const { return M_; }      ///< equation (6)
   double mass_total() const { return mass_total_; }  ///< ρA L [kg]
 
   /// Equation (7): b of this element and τ [s].
-  void set_bow(const Vector6d& b, double tau) { bow_ = b, bow_time_ = tau; }
+  void set_bow(const TwistD& b, double tau) { bow_ = b, bow_time_ = tau, rest_ = d0_ + b; }
+  const TwistD& bow() const { return bow_; }
   bool grows() const { return bow_time_ > 0; }
 
   double damping_time() const { return eta_; }
   void set_damping_time(double eta) { eta_ = eta; }  ///< η of (3) [s]
 
   /// Equation (1): e. Here and below t is the time since the start of the run [s].
-  Vector6d deformation(const Frame& H1, const Frame& H2, double t = 0) const;
+  TwistD deformation(const FrameD& H1, const FrameD& H2, double t = 0) const {
+    return geometry::logarithm<D>(geometry::relative<D>(H1, H2)) - rest(t);
+  }
 
   /// Equation (3); zero velocities give the elastic part, but for the rate of a growing bow.
   struct EndForces {
-    Vector6d f1, f2;
+    TwistD f1, f2;
     double energy;       ///< ½ eᵀ K e [J]
     double dissipation;  ///< η e'ᵀ K e' [W]
     double bow_power;    ///< −b'ᵀ K (e + η e'): what the growing bow gives [W]
   };
-  EndForces internal_forces(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2,
+  EndForces internal_forces(const FrameD& H1, const FrameD& H2, const TwistD& v1, const TwistD& v2,
                             double t = 0) const;
 
   /// M v, using that stretch, twist and the two bending planes do not couple.
-  Vector12d momentum(const Vector12d& v) const;
+  Ends momentum(const Ends& v) const;
 
   /// Equation (4).
-  Vector12d inertia_forces(const Vector12d& v, const Vector12d& v_dot) const;
+  Ends inertia_forces(const Ends& v, const Ends& v_dot) const;
 
   /// ∂(3)/∂(increments of the nodes), geometric stiffness included.
-  Matrix12d stiffness_matrix(const Frame& H1, const Frame& H2, const Vector6d& v1 = Vector6d::Zero(),
-                             const Vector6d& v2 = Vector6d::Zero(), double t = 0) const;
+  EndsMatrix stiffness_matrix(const FrameD& H1, const FrameD& H2, const TwistD& v1 = TwistD::Zero(),
+                              const TwistD& v2 = TwistD::Zero(), double t = 0) const;
 
   /// ∂(3)/∂(velocities) = η Bᵀ K B with B = [−T_l⁻¹, T_r⁻¹].
-  Matrix12d damping_matrix(const Frame& H1, const Frame& H2) const;
+  EndsMatrix damping_matrix(const FrameD& H1, const FrameD& H2) const;
 
   /// ∂(4)/∂(velocities): gyroscopic terms.
-  Matrix12d gyroscopic_matrix(const Vector12d& v) const;
+  EndsMatrix gyroscopic_matrix(const Ends& v) const;
 
   /// Placement of the section at ξ in [0, 1], from the shape functions in the coordinates (1).
-  Frame interpolate(const Frame& H1, const Frame& H2, double xi) const;
+  FrameD interpolate(const FrameD& H1, const FrameD& H2, double xi) const;
 
   /// Velocity of that section in its own axes.
-  Vector6d interpolate_velocity(const Frame& H1, const Frame& H2, const Vector6d& v1, const Vector6d& v2,
-                                double xi) const;
+  TwistD interpolate_velocity(const FrameD& H1, const FrameD& H2, const TwistD& v1, const TwistD& v2,
+                              double xi) const;
 
   /// Share of the element's weight at its two ends: mass [kg] and first moment [kg m] of the consistent
   /// gravity load.
@@ -118,18 +146,87 @@ class BeamElement {
   double end_moment() const { return mass_total_ * length_ / 12; }
 
  private:
-  Matrix6d shape_matrix(double xi) const;
-  Vector6d rest(double t) const;      // d₀ + b(t)
-  Vector6d bow_rate(double t) const;  // b'(t)
+  /// Components of a twist that stand alone, and those of each bending plane: w₁, θ₁, w₂, θ₂ of two twists.
+  using Bending = std::array<int, 4>;
+  static constexpr auto alone = [] {
+    if constexpr (D == 2) return std::array{0};
+    if constexpr (D == 3) return std::array{0, 3};
+  }();
+  static constexpr auto bending = [] {
+    if constexpr (D == 2) return std::array<Bending, 1>{{{1, 2, 4, 5}}};
+    if constexpr (D == 3) return std::array<Bending, 2>{{{1, 5, 7, 11}, {2, 4, 8, 10}}};
+  }();
+
+  TwistMatrix<D> shape_matrix(double xi) const;
+  StrainMatrix strain_matrix(const TwistD& d) const;  // B
+  TwistD rest(double t) const {                       // d₀ + b(t), eq. (7)
+    return grows() ? TwistD(d0_ - std::expm1(-t / bow_time_) * bow_) : rest_;
+  }
+  TwistD bow_rate(double t) const { return std::exp(-t / bow_time_) / bow_time_ * bow_; }  // b'(t)
+
+  template <int>
+  friend class BeamElementIn;
 
   int node1_, node2_;
   double length_, mass_total_;
-  double Phi_y_, Phi_z_;
+  std::array<double, D - 1> Phi_;  // shear parameters of the bending planes
   double eta_ = 0;
-  Vector6d d0_, K_;
-  Vector6d bow_ = Vector6d::Zero();  // b
-  double bow_time_ = 0;              // τ
-  Matrix12d M_;
+  TwistD d0_, K_;
+  TwistD bow_ = TwistD::Zero(), rest_;  // b; d₀ + b
+  double bow_time_ = 0;                 // τ
+  EndsMatrix M_;
 };
+
+using BeamElement = BeamElementIn<3>;
+
+template <int D>
+typename BeamElementIn<D>::EndForces BeamElementIn<D>::internal_forces(const FrameD& H1, const FrameD& H2,
+                                                                       const TwistD& v1, const TwistD& v2,
+                                                                       double t) const {
+  const TwistD d = geometry::logarithm<D>(geometry::relative<D>(H1, H2));
+  const geometry::InverseTangentIn<D> tangent(d);
+  const TwistD e = d - rest(t);  // eq. (1)
+  TwistD stress = K_.cwiseProduct(e);
+  EndForces out;
+  out.energy = 0.5 * stress.dot(e);
+  out.dissipation = 0;
+  if (eta_ > 0) {
+    TwistD e_dot = tangent.strain_rate(v1, v2);
+    if (grows()) e_dot -= bow_rate(t);  // eq. (2)
+    const TwistD viscous = eta_ * K_.cwiseProduct(e_dot);
+    out.dissipation = viscous.dot(e_dot);
+    stress += viscous;
+  }
+  out.bow_power = grows() ? -bow_rate(t).dot(stress) : 0.0;
+  const auto pair = tangent.transpose_times(stress);
+  out.f1 = -pair.left;  // eq. (3)
+  out.f2 = pair.right;
+  return out;
+}
+
+template <int D>
+typename BeamElementIn<D>::Ends BeamElementIn<D>::momentum(const Ends& v) const {
+  Ends p;
+  for (int k : alone) {
+    p[k] = M_(k, k) * v[k] + M_(k, k + n) * v[k + n];
+    p[k + n] = M_(k + n, k) * v[k] + M_(k + n, k + n) * v[k + n];
+  }
+  for (const auto& plane : bending) {
+    for (int row : plane) {
+      p[row] = M_(row, plane[0]) * v[plane[0]] + M_(row, plane[1]) * v[plane[1]] +
+               M_(row, plane[2]) * v[plane[2]] + M_(row, plane[3]) * v[plane[3]];
+    }
+  }
+  return p;
+}
+
+template <int D>
+typename BeamElementIn<D>::Ends BeamElementIn<D>::inertia_forces(const Ends& v, const Ends& v_dot) const {
+  const Ends p = momentum(v);
+  Ends f = momentum(v_dot);
+  f.template head<n>() -= geometry::ad_transpose<D>(v.template head<n>(), p.template head<n>());  // eq. (4)
+  f.template tail<n>() -= geometry::ad_transpose<D>(v.template tail<n>(), p.template tail<n>());
+  return f;
+}
 
 }  // namespace flexarm::elements

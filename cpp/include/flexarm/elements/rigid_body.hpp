@@ -12,35 +12,40 @@
 
 namespace flexarm::elements {
 
-using geometry::Frame;
 using geometry::Matrix3d;
 using geometry::Matrix6d;
+using geometry::Twist;
+using geometry::TwistMatrix;
 using geometry::Vector3d;
-using geometry::Vector6d;
 
-class RigidBody {
+template <int D>
+class RigidBodyIn {
  public:
-  explicit RigidBody(int node) : node_(node) { M_.setZero(); }
+  explicit RigidBodyIn(int node, const TwistMatrix<D>& mass = TwistMatrix<D>::Zero())
+      : node_(node), M_(mass) {}
 
   /// Adds a body with its centre at `com` and `inertia` about the centre, both in the node's axes. Equation
   /// (1).
-  void add(double mass, const Vector3d& com, const Matrix3d& inertia);
+  void add(double mass, const Vector3d& com, const Matrix3d& inertia)
+    requires(D == 3);
 
   int node() const { return node_; }
-  const Matrix6d& mass() const { return M_; }
+  const TwistMatrix<D>& mass() const { return M_; }
 
-  Vector6d inertia_forces(const Vector6d& v, const Vector6d& v_dot) const {
-    return M_ * v_dot - geometry::ad_transpose(v, M_ * v);  // eq. (1)
+  Twist<D> inertia_forces(const Twist<D>& v, const Twist<D>& v_dot) const {
+    return M_ * v_dot - geometry::ad_transpose<D>(v, M_ * v);  // eq. (1)
   }
 
   /// ∂(inertia forces)/∂v.
-  Matrix6d gyroscopic_matrix(const Vector6d& v) const {
-    return -geometry::ad(v).transpose() * M_ - geometry::ad_transpose_by_twist(M_ * v);
+  TwistMatrix<D> gyroscopic_matrix(const Twist<D>& v) const {
+    return -geometry::ad<D>(v).transpose() * M_ - geometry::ad_transpose_by_twist<D>(M_ * v);
   }
 
  private:
   int node_;
-  Matrix6d M_;
+  TwistMatrix<D> M_;
 };
+
+using RigidBody = RigidBodyIn<3>;
 
 }  // namespace flexarm::elements

@@ -33,6 +33,7 @@
 #include <vector>
 
 #include "flexarm/elements/weight.hpp"
+#include "flexarm/geometry/plane.hpp"
 #include "flexarm/geometry/se3.hpp"
 #include "flexarm/model/arm.hpp"
 
@@ -41,35 +42,53 @@ namespace flexarm::elements {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using geometry::Frame;
+using geometry::FrameIn;
 using geometry::Matrix3d;
 using geometry::Matrix6d;
+using geometry::Twist;
+using geometry::TwistMatrix;
 using geometry::Vector3d;
 using geometry::Vector6d;
 
-class SuperElement {
+template <int D>
+class SuperElementIn {
  public:
+  static constexpr int n = geometry::freedoms<D>;
+  using PointD = geometry::Point<D>;
+  using TwistD = Twist<D>;
+
   /// @param first_node,first_mode the nodes and the scalar coordinates of the modes follow one another.
   /// @throws InvalidParameter naming the link if the matrices do not fit together.
-  SuperElement(const model::SuperElementLink& part, int first_node, int first_mode);
+  SuperElementIn(const model::SuperElementLink& part, int first_node, int first_mode)
+    requires(D == 3);
+
+  /// The part within a plane. @param modes columns: amplitudes η of the combinations of modes that stay.
+  SuperElementIn(const SuperElementIn<3>& part, const geometry::PlaneAxes& axes, const MatrixXd& modes,
+                 int first_mode)
+    requires(D == 2);
 
   int n_interfaces() const { return static_cast<int>(positions_.size()); }
   int n_modes() const { return n_modes_; }
-  int size() const { return 6 * n_interfaces() + n_modes_; }  ///< entries of V
+  int size() const { return n * n_interfaces() + n_modes_; }  ///< entries of V
   int node(int interface) const { return first_node_ + interface; }
   int mode(int k) const { return first_mode_ + k; }  ///< scalar coordinate of a mode
 
   const MatrixXd& mass() const { return M_; }
   const MatrixXd& deformation_stiffness() const { return K_; }  ///< K_ε
-  const Matrix6d& rigid_mass() const { return rigid_mass_; }    ///< about the first node
+  const MatrixXd& deformation_damping() const { return C_; }    ///< C_ε
+  const auto& weight_by_deformation() const { return Gamma_; }  ///< Γ
+  const std::string& name() const { return name_; }
+  const TwistMatrix<D>& rigid_mass() const { return rigid_mass_; }  ///< about the first node
   /// m and s₁ of (5).
-  Weight weight() const;
+  WeightIn<D> weight() const;
 
   /// C_ε = 2 ζ/ω₁ K_ε instead of the part's own; ω₁ is the lowest frequency with the first interface clamped.
-  void set_damping_ratio(double zeta);
+  void set_damping_ratio(double zeta)
+    requires(D == 3);
 
   /// Where the part is: its interfaces' frames and the amplitudes of its modes.
   struct Configuration {
-    std::vector<Frame> frames;
+    std::vector<FrameIn<D>> frames;
     VectorXd eta;
   };
 
@@ -83,13 +102,16 @@ class SuperElement {
     double gravity;      ///< −γ · Γᵀ ε, what (5) adds to the weight of the first node [J]
     double dissipation;  ///< ε'ᵀ C_ε ε' [W]
   };
-  Forces internal_forces(const Configuration& at, const VectorXd& V, const Vector3d& gravity) const;
+  Forces internal_forces(const Configuration& at, const VectorXd& V, const PointD& gravity) const;
+
+  /// M V.
+  VectorXd momentum(const VectorXd& V) const { return M_ * V; }
 
   /// Equation (4).
   VectorXd inertia_forces(const VectorXd& V, const VectorXd& V_dot) const;
 
   /// ∂(3)/∂(increments), geometric stiffness included.
-  MatrixXd stiffness_matrix(const Configuration& at, const VectorXd& V, const Vector3d& gravity) const;
+  MatrixXd stiffness_matrix(const Configuration& at, const VectorXd& V, const PointD& gravity) const;
 
   /// ∂(3)/∂V = Bᵀ C_ε B.
   MatrixXd damping_matrix(const Configuration& at) const;
@@ -102,20 +124,26 @@ class SuperElement {
     Frame frame;
     VectorXd u;
   };
-  Shape shape(const Configuration& at) const;
+  Shape shape(const Configuration& at) const
+    requires(D == 3);
 
  private:
+  template <int>
+  friend class SuperElementIn;
+
   VectorXd strains(const Configuration& at) const;                    // d_i of all but the first interface
   MatrixXd strain_matrix(const VectorXd& d) const;                    // B
   VectorXd to_nodes(const VectorXd& d, const VectorXd& sigma) const;  // Bᵀ σ
 
   std::string name_;
   int first_node_, first_mode_, n_modes_;
-  std::vector<Vector3d> positions_;
+  std::vector<PointD> positions_;
   VectorXd mode_scale_;  // amplitude of the part's mode for η = 1 m
   MatrixXd G_, M_, K_, C_;
-  Eigen::MatrixX3d Gamma_;
-  Matrix6d rigid_mass_;
+  Eigen::Matrix<double, Eigen::Dynamic, D> Gamma_;
+  TwistMatrix<D> rigid_mass_;
 };
+
+using SuperElement = SuperElementIn<3>;
 
 }  // namespace flexarm::elements

@@ -12,29 +12,36 @@
 
 namespace flexarm::elements {
 
-struct Weight {
-  double mass = 0;                                         ///< m [kg]
-  geometry::Vector3d moment = geometry::Vector3d::Zero();  ///< s [kg m]
+template <int D>
+struct WeightIn {
+  using Point = geometry::Point<D>;
+  using Rotation = geometry::Rotation<D>;
 
-  geometry::Vector6d force(const geometry::Matrix3d& R, const geometry::Vector3d& gravity) const {
-    const geometry::Vector3d gamma = R.transpose() * gravity;
-    geometry::Vector6d f;
-    f << mass * gamma, moment.cross(gamma);
+  double mass = 0;               ///< m [kg]
+  Point moment = Point::Zero();  ///< s [kg m]
+
+  geometry::Twist<D> force(const Rotation& R, const Point& gravity) const {
+    const Point gamma = R.transpose() * gravity;
+    geometry::Twist<D> f;
+    f << mass * gamma, geometry::moment_of<D>(moment, gamma);
     return f;
   }
 
-  double potential(const geometry::Frame& H, const geometry::Vector3d& gravity) const {
+  double potential(const geometry::FrameIn<D>& H, const Point& gravity) const {
     return -gravity.dot(mass * H.x + H.R * moment);  // eq. (1)
   }
 
   /// −∂force/∂(increment of the node).
-  geometry::Matrix6d stiffness(const geometry::Matrix3d& R, const geometry::Vector3d& gravity) const {
-    const geometry::Matrix3d gamma = geometry::skew(R.transpose() * gravity);
-    geometry::Matrix6d K = geometry::Matrix6d::Zero();
-    K.topRightCorner<3, 3>() = -mass * gamma;
-    K.bottomRightCorner<3, 3>() = -geometry::skew(moment) * gamma;
+  geometry::TwistMatrix<D> stiffness(const Rotation& R, const Point& gravity) const {
+    const auto gamma = geometry::lever_matrix<D>(R.transpose() * gravity);  // dγ = γ × δ
+    geometry::TwistMatrix<D> K = geometry::TwistMatrix<D>::Zero();
+    K.template topRightCorner<D, geometry::turns<D>>() = -mass * gamma;
+    K.template bottomRightCorner<geometry::turns<D>, geometry::turns<D>>() =
+        geometry::lever_matrix<D>(moment).transpose() * gamma;  // s × is −(s~)ᵀ
     return K;
   }
 };
+
+using Weight = WeightIn<3>;
 
 }  // namespace flexarm::elements

@@ -15,7 +15,8 @@
 ///
 ///     Φ = Rᵀ p of (R, p) = A⁻¹ B,    3 equations                                                      (3)
 ///
-/// Joints need not form a tree: a loop is closed by one more. Sources: [Bruls2012], [Sonneville2014].
+/// In a plane (D = 2) equations (1)-(2) have three rows, (3) has two. Joints need not form a tree: a loop is
+/// closed by one more. Sources: [Bruls2012], [Sonneville2014].
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +26,10 @@
 namespace flexarm::joints {
 
 using geometry::Frame;
+using geometry::FrameIn;
 using geometry::Matrix6d;
+using geometry::Twist;
+using geometry::TwistMatrix;
 using geometry::Vector3d;
 using geometry::Vector6d;
 
@@ -34,55 +38,68 @@ enum class JointType { revolute, prismatic, fixed, spherical };
 /// Twist ξ of a joint about or along the unit `axis`; zero without a coordinate.
 Vector6d motion_twist(JointType type, const Vector3d& axis);
 
-class JointConstraint {
+template <int D>
+class JointConstraintIn {
  public:
   static constexpr int ground = -1;
+  static constexpr int n = geometry::freedoms<D>;
+  using FrameD = FrameIn<D>;
+  using TwistD = Twist<D>;
 
   /// @param node_a node of the parent or `ground`; @param X_a, X_b joint frames in the nodes' frames.
-  /// @param coordinate index of θ among the scalar coordinates, −1 if the joint has none.
-  JointConstraint(JointType type, int node_a, const Frame& X_a, int node_b, const Frame& X_b,
-                  const Vector3d& axis, int coordinate);
+  /// @param twist ξ, @param coordinate index of θ among the scalar coordinates, −1 if the joint has none.
+  JointConstraintIn(JointType type, int node_a, const FrameD& X_a, int node_b, const FrameD& X_b,
+                    const TwistD& twist, int coordinate);
+  JointConstraintIn(JointType type, int node_a, const Frame& X_a, int node_b, const Frame& X_b,
+                    const Vector3d& axis, int coordinate)
+    requires(D == 3)
+      : JointConstraintIn(type, node_a, X_a, node_b, X_b, motion_twist(type, axis), coordinate) {}
 
+  JointType type() const { return type_; }
   int node_a() const { return node_a_; }
   int node_b() const { return node_b_; }
   int coordinate() const { return coordinate_; }
-  int rows() const { return type_ == JointType::spherical ? 3 : 6; }
-  const Vector6d& twist() const { return twist_; }
+  int rows() const { return type_ == JointType::spherical ? D : n; }
+  const TwistD& twist() const { return twist_; }
+  FrameD frame_a() const { return X_a_inverse_.inverse(); }  ///< X_a
+  const FrameD& frame_b() const { return X_b_; }             ///< X_b
 
   /// Φ in its first rows() entries. Equations (1), (3).
-  Vector6d violation(const Frame& H_a, const Frame& H_b, double theta) const;
+  TwistD violation(const FrameD& H_a, const FrameD& H_b, double theta) const;
 
   /// Equation (2): rows() rows count.
   struct Jacobian {
-    Matrix6d a, b;
-    Vector6d theta;
+    TwistMatrix<D> a, b;
+    TwistD theta;
   };
-  Jacobian jacobian(const Frame& H_a, const Frame& H_b, double theta) const;
+  Jacobian jacobian(const FrameD& H_a, const FrameD& H_b, double theta) const;
 
   /// Φ_aᵀ λ and Φ_bᵀ λ; Φ_θᵀ λ is −ξᵀ λ.
   struct Forces {
-    Vector6d a, b;
+    TwistD a, b;
   };
-  Forces forces(const Frame& H_a, const Frame& H_b, double theta, const Vector6d& multipliers) const;
+  Forces forces(const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const;
 
   /// Derivatives of Φ_aᵀ λ at fixed λ: with respect to θ (revolute, prismatic) and to the increments of the
   /// nodes.
   struct GeometricStiffness {
-    Vector6d a_theta = Vector6d::Zero();
-    Matrix6d a_a = Matrix6d::Zero(), a_b = Matrix6d::Zero();
+    TwistD a_theta = TwistD::Zero();
+    TwistMatrix<D> a_a = TwistMatrix<D>::Zero(), a_b = TwistMatrix<D>::Zero();
   };
-  GeometricStiffness geometric_stiffness(const Frame& H_a, const Frame& H_b, double theta,
-                                         const Vector6d& multipliers) const;
+  GeometricStiffness geometric_stiffness(const FrameD& H_a, const FrameD& H_b, double theta,
+                                         const TwistD& multipliers) const;
 
  private:
   /// exp(−ξ θ).
-  Frame back(double theta) const;
+  FrameD back(double theta) const { return geometry::exponential<D>(-theta * twist_); }
 
   JointType type_;
   int node_a_, node_b_, coordinate_;
-  Frame X_b_, X_a_inverse_;
-  Matrix6d Ad_a_, Ad_b_;  // of X_a⁻¹ and X_b⁻¹
-  Vector6d twist_;
+  FrameD X_b_, X_a_inverse_;
+  TwistMatrix<D> Ad_a_, Ad_b_;  // of X_a⁻¹ and X_b⁻¹
+  TwistD twist_;
 };
+
+using JointConstraint = JointConstraintIn<3>;
 
 }  // namespace flexarm::joints

@@ -7,31 +7,36 @@
 /// Units: J, W.
 #pragma once
 
-#include "flexarm/assembly/system.hpp"
+#include "flexarm/assembly/equations.hpp"
 
 namespace flexarm::simulation {
 
-using assembly::Loads;
-using assembly::State;
-using assembly::System;
+using assembly::LoadsIn;
+using assembly::StateIn;
+using assembly::SystemIn;
 
 struct Energies {
   double kinetic = 0, elastic = 0, gravity = 0;
+  double dissipation = 0;  ///< what the damping of beams and super-elements takes [W]
+  double bow_power = 0;    ///< what growing bows give the beams [W], equation (7) of elements/beam.hpp
 };
 
-/// Equation (1).
-Energies energies(const System& system, const State& state, const Loads& loads);
+/// Equation (1), and the powers of the elements.
+template <int D>
+Energies energies(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads);
 
 /// What the damping of beams and super-elements takes [W].
-double link_dissipation(const System& system, const State& state);
+template <int D>
+double link_dissipation(const SystemIn<D>& system, const StateIn<D>& state) {
+  return energies(system, state, LoadsIn<D>{}).dissipation;
+}
 
 /// Dissipating force of every joint law at the state, to be summed over its deflection [N m].
-Eigen::VectorXd law_losses(const System& system, const State& state);
-
-/// What growing bows give the beams [W], equation (7) of elements/beam.hpp.
-double bow_power(const System& system, const State& state);
+template <int D>
+void law_losses(const SystemIn<D>& system, const StateIn<D>& state, Eigen::VectorXd& loss);
 
 /// Power of the point loads [W].
-double load_power(const System& system, const State& state, const Loads& loads);
+template <int D>
+double load_power(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads);
 
 }  // namespace flexarm::simulation

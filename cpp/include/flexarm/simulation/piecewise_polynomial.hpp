@@ -19,6 +19,8 @@ class PiecewisePolynomial {
 
   /// Value and its first two derivatives.
   std::array<double, 3> operator()(double t) const;
+  /// The same; the piece where t lies is looked for from `piece` on and left there.
+  std::array<double, 3> operator()(double t, std::size_t& piece) const;
 
  private:
   std::vector<double> breaks_;

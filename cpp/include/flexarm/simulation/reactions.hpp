@@ -7,29 +7,35 @@
 /// inertia and weight of the end elements, so reactions balance weight and inertia to rounding.
 #pragma once
 
-#include "flexarm/assembly/system.hpp"
+#include "flexarm/assembly/equations.hpp"
+#include "flexarm/simulation/in_space.hpp"
 
 namespace flexarm::simulation {
 
-using assembly::Loads;
-using assembly::State;
-using assembly::System;
+using assembly::LoadsIn;
+using assembly::StateIn;
+using assembly::SystemIn;
 using geometry::Vector6d;
 
 /// Section forces at the two ends of a link; zero for rigid links.
 struct SectionForces {
   Vector6d start = Vector6d::Zero(), end = Vector6d::Zero();
 };
-SectionForces section_forces(const System& system, const State& state, const Loads& loads, int link);
+template <int D>
+SectionForces section_forces(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads,
+                             int link, const InSpace<D>& space = {});
 
 /// Torque on the child about the joint's axis, friction of the bearing already lost [N m, N].
-double joint_torque(const System& system, const State& state, int joint);
+template <int D>
+double joint_torque(const SystemIn<D>& system, const StateIn<D>& state, int joint);
 
 /// Torque of the motor, output-referred: rotor inertia and motor friction included. One a joint, zero without
 /// a drive.
-Eigen::VectorXd motor_torques(const System& system, const State& state, bool friction);
+template <int D>
+Eigen::VectorXd motor_torques(const SystemIn<D>& system, const StateIn<D>& state, bool friction);
 
 /// Force and moment about the origin that the arm puts on the base, in base axes.
-Vector6d base_wrench(const System& system, const State& state);
+template <int D>
+Vector6d base_wrench(const SystemIn<D>& system, const StateIn<D>& state, const InSpace<D>& space = {});
 
 }  // namespace flexarm::simulation

@@ -1,40 +1,49 @@
 /// @file
 /// Writes states of a run into columns, and sums losses and work from instant to instant.
 ///
-///     loss = ∫ P dt + Σ ∫ Q dx,   work = Σ ∫ T dφ + ∫ (F · v + B) dt  by the trapezoidal rule      (1)
+///     loss = ∫ P dt + Σ ∫ Q dx,   work = Σ ∫ T dφ + ∫ F · v dt        by the trapezoidal rule      (1)
 ///
 /// P: of the beams' damping [W], Q: dissipating force of a joint law over its deflection x, T: torque of a
-/// motor over its angle φ, or of what shakes the base over its angle, F: point loads, B: of growing bows [W].
+/// motor over its angle φ, F: point loads.
 #pragma once
 
+#include "flexarm/simulation/in_space.hpp"
 #include "flexarm/simulation/transient.hpp"
 
 namespace flexarm::simulation {
 
-class Recorder {
+using assembly::LoadsIn;
+using assembly::StateIn;
+using assembly::SystemIn;
+
+template <int D>
+class RecorderIn {
  public:
   /// Makes room for n instants in `out`.
-  Recorder(const System& system, const TransientOptions& options, Eigen::Index n, Transient& out);
+  RecorderIn(const SystemIn<D>& system, const TransientOptions& options, Eigen::Index n, Transient& out,
+             const InSpace<D>& space = {});
 
   /// Writes instant k, in rising order.
-  void record(Eigen::Index k, const State& state, const Loads& loads);
+  void record(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads);
 
  private:
   struct Instant {
-    double dissipation, power;
-    Eigen::VectorXd loss, motor, s;
-    double t;
+    double dissipation = 0, power = 0, t = 0;
+    Eigen::VectorXd loss, drives, s;  // drives: rows of the scalar coordinates, what motors give
   };
 
-  void points(Eigen::Index k, const State& state);
-  void joints(Eigen::Index k, const State& state);
-  void forces(Eigen::Index k, const State& state, const Loads& loads);
-  void energy(Eigen::Index k, const State& state, const Loads& loads);
+  void points(Eigen::Index k, const StateIn<D>& state);
+  void joints(Eigen::Index k, const StateIn<D>& state);
+  void forces(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads);
+  void energy(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads);
 
-  const System& system_;
+  const SystemIn<D>& system_;
+  const InSpace<D> space_;
   const TransientOptions options_;
   Transient& out_;
-  Instant last_{};
+  Instant last_, now_;
 };
+
+using Recorder = RecorderIn<3>;
 
 }  // namespace flexarm::simulation

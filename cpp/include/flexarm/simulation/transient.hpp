@@ -11,11 +11,20 @@
 
 namespace flexarm::simulation {
 
+/// Where a motion is computed. A motion in a plane takes three coordinates a node instead of six and is the
+/// same: assembly/planar_system.hpp.
+enum class Dimension {
+  automatic,  ///< in the plane, if the arm moves in one
+  plane,      ///< in the plane, or not at all
+  space,
+};
+
 struct TransientOptions {
   double start = 0, end = 1;  ///< [s]
   double step = 2e-3;         ///< [s]; the last instant is the first at or after `end`
   double alpha = -0.05;
-  double tolerance = 1e-10;       ///< of HhtOptions
+  double tolerance = 1e-10;  ///< of HhtOptions
+  Dimension dimension = Dimension::automatic;
   bool record_points = true;      ///< positions and velocities of the points
   bool record_rotations = false;  ///< their orientations and angular rates
   bool record_joints = true;      ///< angles, rates, torques
@@ -39,6 +48,7 @@ struct Transient {
   Matrix base_wrench;                         ///< (6, n)
   solvers::HhtStatistics statistics;
   State final_state;
+  int dimension = 3;       ///< 2 if it was computed in a plane
   double seconds = 0;      ///< of the stepping, wall clock
   bool cancelled = false;  ///< then only the instants reached are there
 
@@ -55,8 +65,8 @@ struct Companion {
 };
 
 /// @param drives one a joint: angle of driven joints [rad], torque of motors [N m]; not read for free and
-/// locked joints.
-/// @throws NotConverged
+/// locked joints. With a companion the run is computed in space.
+/// @throws NotConverged; InvalidParameter if a plane is asked for and something leaves it.
 Transient simulate(const System& system, const Equilibrium& equilibrium,
                    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
                    const Progress& progress = {}, const Companion& companion = {});
@@ -67,7 +77,8 @@ Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePo
                              const TransientOptions& options);
 
 /// Joint drives as drive values for the stepper; locked joints stay where the state has them.
-solvers::Drives drives_of_joints(const System& system, const State& state,
+template <int D>
+solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
                                  std::vector<PiecewisePolynomial> drives);
 
 }  // namespace flexarm::simulation

@@ -26,15 +26,15 @@
 #include <functional>
 #include <memory>
 
+#include "flexarm/assembly/equations.hpp"
 #include "flexarm/assembly/iteration_matrix.hpp"
-#include "flexarm/assembly/system.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
 
 namespace flexarm::solvers {
 
-using assembly::Loads;
-using assembly::State;
-using assembly::System;
+using assembly::LoadsIn;
+using assembly::StateIn;
+using assembly::SystemIn;
 using Eigen::VectorXd;
 
 /// Coefficients of (2)-(4). α = 0 is the trapezoidal rule, α = −1/3 damps most.
@@ -68,81 +68,93 @@ struct HhtOptions {
 };
 
 /// Where factors were made.
-struct Linearisation {
-  State state;
-  Loads loads;
+template <int D>
+struct LinearisationIn {
+  StateIn<D> state;
+  LoadsIn<D> loads;
   double h = 0;
 };
+using Linearisation = LinearisationIn<3>;
 
 /// What a stepper carries from one step to the next beside the state. A reproducible stepper that recalls it
 /// makes the same step to the last bit, whatever it did in between, and so does another one.
-struct HhtMemory {
-  std::shared_ptr<const Linearisation> factored;  ///< null: no factors yet
+template <int D>
+struct HhtMemoryIn {
+  std::shared_ptr<const LinearisationIn<D>> factored;  ///< null: no factors yet
   double contraction = 0.5;  ///< of the last steps, for the first iterate's error estimate
   long steps = 0;            ///< accepted so far
 };
+using HhtMemory = HhtMemoryIn<3>;
 
 /// Told of every accepted step: states 0 and 1, the argument of exp in (3), its size and the loads at its
 /// end.
-using Follower = std::function<void(const State& before, const State& after, const VectorXd& exponent,
-                                    double h, const Loads& loads)>;
+template <int D>
+using FollowerIn = std::function<void(const StateIn<D>& before, const StateIn<D>& after,
+                                      const VectorXd& exponent, double h, const LoadsIn<D>& loads)>;
+using Follower = FollowerIn<3>;
 
 /// Counts of a run.
 struct HhtStatistics {
   long steps = 0, iterations = 0, factorisations = 0, halvings = 0;
 };
 
-class HhtStepper {
+template <int D>
+class HhtStepperIn {
  public:
-  HhtStepper(const System& system, const HhtCoefficients& coefficients, const Loads& loads,
-             HhtOptions options = {});
+  HhtStepperIn(const SystemIn<D>& system, const HhtCoefficients& coefficients, const LoadsIn<D>& loads,
+               HhtOptions options = {});
 
   /// One step of size h; halved where Newton's iteration fails.
   /// @throws NotConverged naming time, iteration and residual; the state is then as before.
-  void advance(State& state, double h, const Drives& drives);
+  void advance(StateIn<D>& state, double h, const Drives& drives);
 
   /// Lets somebody walk along; steps that are halved are told half by half.
-  void follow_with(Follower follower) { follower_ = std::move(follower); }
+  void follow_with(FollowerIn<D> follower) { follower_ = std::move(follower); }
 
   /// Loads that act from now on, beside gravity and motors.
-  void set_point_loads(const std::vector<assembly::PointLoad>& points) { loads_.points = points; }
+  void set_point_loads(const std::vector<assembly::PointLoadIn<D>>& points) { loads_.points = points; }
 
   /// @throws NotConverged if the factors cannot be made again.
-  void recall(const HhtMemory& memory);
-  HhtMemory memory() const;
+  void recall(const HhtMemoryIn<D>& memory);
+  HhtMemoryIn<D> memory() const;
 
   const HhtStatistics& statistics() const { return statistics_; }
   /// Motor torques in the state last reached were part of the loads; needed to evaluate forces there.
-  const Loads& loads() const { return loads_; }
+  const LoadsIn<D>& loads() const { return loads_; }
 
  private:
-  bool step(State& state, double h, const Drives& drives);
-  bool iterate(State& state, double h);
+  bool step(StateIn<D>& state, double h, const Drives& drives);
+  void set_aside(StateIn<D>& state);
+  void remember(StateIn<D>& state) const;
+  bool iterate(StateIn<D>& state, double h);
   void predict(double h);
-  void configure(State& state, double h) const;
-  bool factor(const State& state, double h);
-  void solve(const State& state, double h);
-  void halve(State& state, double h, const Drives& drives, int depth);
+  void configure(StateIn<D>& state, double h) const;
+  bool factor(const StateIn<D>& state, double h);
+  void solve(const StateIn<D>& state, double h);
+  void halve(StateIn<D>& state, double h, const Drives& drives, int depth);
 
-  const System& system_;
+  const SystemIn<D>& system_;
   HhtCoefficients coefficients_;
-  Loads loads_;
+  LoadsIn<D> loads_;
   HhtOptions options_;
   HhtStatistics statistics_;
 
-  assembly::IterationMatrix matrix_;
+  assembly::IterationMatrixIn<D> matrix_;
   SparseFactor factor_;
   double factored_h_ = 0;  // step for which the factors hold; 0: none
-  HhtMemory memory_;
+  HhtMemoryIn<D> memory_;
   double mass_scale_;
 
-  State before_;       // state 0
+  StateIn<D> before_;  // state 0
   VectorXd exponent_;  // argument of exp in (3), and scalar increments
   VectorXd r_, phi_, dx_;
   VectorXd kept_tangents_;         // of the laws, in the factors
+  bool laws_keep_tangent_;         // all of them are linear
   Eigen::MatrixXd law_solutions_;  // S⁻¹ times each law's direction
   DriveValues drive_;
-  Follower follower_;
+  FollowerIn<D> follower_;
 };
+
+using HhtStepper = HhtStepperIn<3>;
 
 }  // namespace flexarm::solvers

@@ -1,0 +1,299 @@
+/// @file
+/// The assembled equations of motion: nodes, elements, constraints and laws with their place among the
+/// unknowns, in space (D = 3) or in a plane (D = 2).
+///
+///     M(v') − ad(v)ᵀ M v + f_int(H, v) + Φ_qᵀ λ = f_ext + τ                                          (1)
+///     Φ(H, s, t) = 0                                                                                 (2)
+///
+/// Unknowns are, in this order, the freedoms of every node (six, three in a plane), the free scalar
+/// coordinates, the multipliers. Scalar coordinates are angles of joints and amplitudes of internal modes.
+/// Prescribed ones (driven angles) come after the free ones; their rows of (1) yield the torque that drives
+/// them. Equations are constant after assembly; everything that moves is in the State.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "flexarm/assembly/mesh.hpp"
+#include "flexarm/assembly/state.hpp"
+#include "flexarm/elements/beam.hpp"
+#include "flexarm/elements/rigid_body.hpp"
+#include "flexarm/elements/superelement.hpp"
+#include "flexarm/elements/weight.hpp"
+#include "flexarm/joints/joint_constraint.hpp"
+#include "flexarm/model/arm.hpp"
+
+namespace flexarm::assembly {
+
+/// What a joint's motor is told.
+enum class DriveKind {
+  motor_angle,  ///< φ is prescribed
+  link_angle,   ///< θ is prescribed; springs of the drive train do not matter
+  torque,       ///< the motor's torque is prescribed (output-referred)
+  free,         ///< no torque
+  locked,       ///< φ stays
+};
+
+/// A joint's place among the scalar coordinates; −1 where it has none. Without a transmission psi == phi,
+/// without stages theta == psi.
+struct JointCoordinates {
+  int theta = -1, phi = -1, psi = -1;
+};
+
+/// A law between two scalar coordinates: x = s[plus] − s[minus], or s[plus] alone (minus = −1).
+struct PlacedLaw {
+  joints::JointLaw law;
+  int plus, minus;
+};
+
+/// The base's own node and angle, where it turns on a pedestal; −1 where it stands still.
+struct PedestalCoordinates {
+  int node = joints::JointConstraint::ground, theta = -1;
+  model::Pedestal shaking = {};  ///< whose moment acts on theta
+
+  double moment(double t) const { return shaking.moment(t); }  ///< [N m]
+};
+
+/// A force and a moment at a point: in the base's axes (dead) or in the link's (following).
+template <int D>
+struct PointLoadIn {
+  int point = 0;
+  geometry::Point<D> force = geometry::Point<D>::Zero();
+  geometry::Turn<D> moment = geometry::Turn<D>::Zero();
+  bool follows = false;
+};
+
+/// What acts on the arm from outside.
+template <int D>
+struct LoadsIn {
+  geometry::Point<D> gravity = -9.81 * geometry::Point<D>::Unit(D - 1);
+  std::vector<PointLoadIn<D>> points;
+  VectorXd torques;  ///< on the scalar coordinates, by the motors; empty: none
+};
+
+using PointLoad = PointLoadIn<3>;
+using Loads = LoadsIn<3>;
+
+/// Factors of mass, damping and stiffness in a tangent matrix c_M M + c_C C + c_K K.
+struct TangentFactors {
+  double mass, damping, stiffness;
+  double constraint = 1;  ///< scale s of constraints and multipliers: rows s Φ, forces s Φ_qᵀ λ̂
+};
+
+template <int D>
+class SystemIn {
+ public:
+  static constexpr int n = geometry::freedoms<D>;  ///< of a node
+  using FrameD = geometry::FrameIn<D>;
+  using TwistD = geometry::Twist<D>;
+  using TwistMatrixD = geometry::TwistMatrix<D>;
+  using StateD = StateIn<D>;
+  using LoadsD = LoadsIn<D>;
+  using Beam = elements::BeamElementIn<D>;
+  using Part = elements::SuperElementIn<D>;
+  using Joint = joints::JointConstraintIn<D>;
+
+  int n_nodes() const { return n_nodes_; }
+  int n_scalars() const { return static_cast<int>(scalar_inertia_.size()); }
+  int n_velocities() const { return n * n_nodes_ + n_scalars(); }
+  int n_free() const { return n * n_nodes_ + n_free_scalars_; }
+  int n_constraints() const { return n_constraints_; }
+  int n_unknowns() const { return n_free() + n_constraints_; }
+  int scalar_offset() const { return n * n_nodes_; }
+  bool is_free(int scalar) const { return scalar < n_free_scalars_; }
+
+  const std::vector<LinkMesh>& meshes() const { return meshes_; }
+  const std::vector<Beam>& beams() const { return beams_; }
+  const std::vector<elements::RigidBodyIn<D>>& bodies() const { return bodies_; }
+  const std::vector<Part>& superelements() const { return superelements_; }
+  const std::vector<elements::WeightIn<D>>& weights() const { return weights_; }  ///< one a node
+  const std::vector<double>& scalar_inertia() const { return scalar_inertia_; }   ///< one a scalar coordinate
+  const std::vector<Joint>& constraints() const { return constraints_; }
+  /// Gears between joints first, each with θ of its input and φ of its output; then the transmissions of
+  /// joints, from φ to ψ.
+  const std::vector<joints::GearConstraint>& gears() const { return gears_; }
+  /// The transmission of a joint; null without one.
+  const joints::Transmission* transmission(int joint) const;
+  const std::vector<PlacedLaw>& laws() const { return laws_; }
+  const std::vector<JointCoordinates>& joints() const { return joint_coordinates_; }
+  const std::vector<DriveKind>& drives() const { return drives_; }
+  const PedestalCoordinates& pedestal() const { return pedestal_; }
+  const std::vector<AttachmentIn<D>>& points() const { return points_; }
+  double reach() const { return reach_; }  ///< a length of the arm, to scale by [m]
+  double mass() const { return mass_; }    ///< of everything [kg]
+
+  /// Left side minus right side of (1) for all velocities, prescribed ones included; `r` has n_velocities()
+  /// entries. `friction` leaves out what has no part in statics: laws that only resist motion.
+  void residual(const StateD& state, const LoadsD& loads, bool friction, VectorXd& r) const;
+
+  /// The rows of the scalar coordinates without motor torques: what a motor must give. n_scalars() entries.
+  void scalar_residual(const StateD& state, bool friction, Eigen::Ref<VectorXd> r) const;
+
+  /// Equation (2).
+  void violation(const StateD& state, VectorXd& phi) const;
+
+  /// Tangent of (1), (2) with respect to the unknowns, as triplets in an order that never changes:
+  /// add(row, column, value). `law_tangents` are the stiffnesses to use for the laws.
+  template <class Add>
+  void emit_tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
+                    const VectorXd& law_tangents, Add&& add) const;
+
+  /// The same as a sparse matrix; with `constraints` off only the n_free() x n_free() block.
+  Eigen::SparseMatrix<double> tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
+                                      bool constraints = true) const;
+
+  /// ∂Φ/∂(free velocities).
+  Eigen::SparseMatrix<double> constraint_jacobian(const StateD& state) const;
+
+  /// c_K ∂Q/∂x + c_C ∂Q/∂x' of every law at the state.
+  VectorXd law_tangents(const StateD& state, const TangentFactors& c, bool friction) const;
+
+  double deflection(const PlacedLaw& law, const Eigen::Ref<const VectorXd>& s) const {
+    return s[law.plus] - (law.minus < 0 ? 0.0 : s[law.minus]);
+  }
+
+  /// The part of a state that a super-element sees, and its velocities (or accelerations) out of all of them.
+  typename Part::Configuration configuration(const Part& part, const StateD& state) const;
+  VectorXd velocities(const Part& part, const VectorXd& v) const;
+
+  /// Makes the state the one from which laws with memory count.
+  void remember(StateD& state) const;
+
+  /// Frame of a point (link axes there), and its velocity in those axes.
+  FrameD point_frame(const StateD& state, int point) const;
+  TwistD point_velocity(const StateD& state, int point) const;
+
+ protected:
+  int row(const Part& part, int k) const;  // of its k-th velocity
+  /// @throws InvalidParameter if there is no such point, or it has no node of its own to be loaded at.
+  const AttachmentIn<D>& loaded_point(int point) const;
+  const FrameD& frame(const StateD& state, int node) const {
+    static const FrameD base;
+    return node < 0 ? base : state.frames[node];
+  }
+
+  int n_nodes_ = 0, n_free_scalars_ = 0, n_constraints_ = 0;
+  double reach_ = 0, mass_ = 0;
+  std::vector<LinkMesh> meshes_;
+  std::vector<Beam> beams_;
+  std::vector<elements::RigidBodyIn<D>> bodies_;
+  std::vector<Part> superelements_;
+  std::vector<elements::WeightIn<D>> weights_;  // one a node
+  std::vector<Joint> constraints_;
+  std::vector<joints::GearConstraint> gears_;
+  std::vector<PlacedLaw> laws_;
+  std::vector<JointCoordinates> joint_coordinates_;
+  PedestalCoordinates pedestal_;
+  std::vector<DriveKind> drives_;
+  std::vector<double> scalar_inertia_;
+  std::vector<AttachmentIn<D>> points_;
+};
+
+template <int D>
+template <class Add>
+void SystemIn<D>::emit_tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
+                               const VectorXd& law_tangents, Add&& add) const {
+  const auto block = [&](int row, int column, const auto& B) {
+    for (int j = 0; j < B.cols(); ++j)
+      for (int i = 0; i < B.rows(); ++i) add(row + i, column + j, B(i, j));
+  };
+  const auto scalar = [&](int row, int column, double value) {
+    if (is_free(row) && is_free(column)) add(scalar_offset() + row, scalar_offset() + column, value);
+  };
+
+  for (const Beam& beam : beams_) {
+    const int n1 = n * beam.node1(), n2 = n * beam.node2();
+    const FrameD &H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
+    elements::TwoTwists<D> v;
+    v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
+    elements::TwoTwistsMatrix<D> S = c.mass * beam.mass();
+    if (c.stiffness != 0) {
+      S += c.stiffness *
+           beam.stiffness_matrix(H1, H2, v.template head<n>(), v.template tail<n>(), state.elapsed());
+    }
+    if (c.damping != 0) S += c.damping * (beam.damping_matrix(H1, H2) + beam.gyroscopic_matrix(v));
+    block(n1, n1, S.template topLeftCorner<n, n>());
+    block(n1, n2, S.template topRightCorner<n, n>());
+    block(n2, n1, S.template bottomLeftCorner<n, n>());
+    block(n2, n2, S.template bottomRightCorner<n, n>());
+  }
+  for (const auto& body : bodies_) {
+    const int at = n * body.node();
+    const TwistD v = state.v.template segment<n>(at);
+    block(at, at, TwistMatrixD(c.mass * body.mass() + c.damping * body.gyroscopic_matrix(v)));
+  }
+  for (const Part& part : superelements_) {
+    const auto at = configuration(part, state);
+    Eigen::MatrixXd S = c.mass * part.mass();
+    const VectorXd V = velocities(part, state.v);
+    if (c.stiffness != 0) S += c.stiffness * part.stiffness_matrix(at, V, loads.gravity);
+    if (c.damping != 0) S += c.damping * (part.damping_matrix(at) + part.gyroscopic_matrix(V));
+    for (int j = 0; j < part.size(); ++j)
+      for (int i = 0; i < part.size(); ++i) add(row(part, i), row(part, j), S(i, j));
+  }
+  for (int k = 0; k < n_nodes_; ++k) {
+    block(n * k, n * k, TwistMatrixD(c.stiffness * weights_[k].stiffness(state.frames[k].R, loads.gravity)));
+  }
+  for (const PointLoadIn<D>& load : loads.points) {
+    const auto& at = loaded_point(load.point);
+    if (load.follows) continue;
+    const geometry::Rotation<D>& R = state.frames[at.node].R;
+    TwistMatrixD K = elements::WeightIn<D>{1, at.offset.x}.stiffness(R, load.force);
+    if constexpr (D == 3) K.template bottomRightCorner<3, 3>() -= geometry::skew(R.transpose() * load.moment);
+    block(n * at.node, n * at.node, TwistMatrixD(c.stiffness * K));
+  }
+  for (int s = 0; s < n_free_scalars_; ++s) scalar(s, s, c.mass * scalar_inertia_[s]);
+  for (std::size_t k = 0; k < laws_.size(); ++k) {
+    const double kappa = law_tangents[k];
+    const PlacedLaw& law = laws_[k];
+    scalar(law.plus, law.plus, kappa);
+    if (law.minus < 0) continue;
+    scalar(law.minus, law.minus, kappa);
+    scalar(law.plus, law.minus, -kappa);
+    scalar(law.minus, law.plus, -kappa);
+  }
+
+  int first_row = n_free();
+  for (const Joint& joint : constraints_) {
+    const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
+    const FrameD &H_a = frame(state, a), &H_b = frame(state, b);
+    const double theta = q < 0 ? 0.0 : state.s[q];
+    const auto J = joint.jacobian(H_a, H_b, theta);
+    TwistD lambda = TwistD::Zero();
+    lambda.head(m) = state.multipliers.segment(first_row - n_free(), m);
+    const auto K = joint.geometric_stiffness(H_a, H_b, theta, lambda);
+    const auto both = [&](int column, const auto& B) {  // constraint rows and, transposed, multiplier columns
+      block(first_row, column, (c.constraint * B.topRows(m)).eval());
+      block(column, first_row, (c.constraint * B.topRows(m).transpose()).eval());
+    };
+    both(n * b, J.b);
+    if (a >= 0) {
+      both(n * a, J.a);
+      if (joint.type() == joints::JointType::spherical) {
+        block(n * a, n * a, TwistMatrixD(c.stiffness * K.a_a));
+        block(n * a, n * b, TwistMatrixD(c.stiffness * K.a_b));
+      }
+    }
+    if (q >= 0 && is_free(q)) {
+      both(scalar_offset() + q, J.theta);
+      if (a >= 0) block(n * a, scalar_offset() + q, TwistD(c.stiffness * K.a_theta));
+    }
+    first_row += m;
+  }
+  for (const joints::GearConstraint& gear : gears_) {
+    const auto both = [&](int coordinate, double value) {
+      if (!is_free(coordinate)) return;
+      add(first_row, scalar_offset() + coordinate, c.constraint * value);
+      add(scalar_offset() + coordinate, first_row, c.constraint * value);
+    };
+    const auto psi = gear.transmission(state.s[gear.input]);
+    both(gear.input, psi.first);
+    both(gear.output, -1);
+    scalar(gear.input, gear.input, c.stiffness * psi.second * state.multipliers[first_row - n_free()]);
+    ++first_row;
+  }
+}
+
+}  // namespace flexarm::assembly

@@ -1,0 +1,151 @@
+/// @file
+/// The special Euclidean groups SE(2) and SE(3): frames, their exponential and their logarithm.
+///
+/// A frame H = (R, x) maps components in its own axes to its parent's: p_parent = R p + x. Twists, increments
+/// and wrenches are in the axes of the frame they belong to.
+///
+///     exp(h) = (exp(ω~), V(ω) ρ),   V = I + b ω~ + c ω~²,   h = (ρ, ω)                               (1)
+///     a = sin φ/φ,  b = (1 − cos φ)/φ²,  c = (φ − sin φ)/φ³,   φ = |ω|
+///     V⁻¹ = I − ½ ω~ + A₁(φ²) ω~²,   A₁ = (1 − (φ/2) cot(φ/2))/φ²                                    (2)
+///     Ad_H = [R  x~R; 0  R]                twist in H's axes -> twist in the parent's                 (3)
+///
+/// In the plane the rotation in (3) is 1. Small angles use the power series in φ². Sources: [Bullo1995],
+/// [Sonneville2014]; docs/theory.md, section "Frames".
+#pragma once
+
+#include <cmath>
+
+#include "flexarm/geometry/twist.hpp"
+
+namespace flexarm::geometry {
+
+/// A rigid placement H = (R, x).
+template <int D>
+struct FrameIn {
+  Rotation<D> R = Rotation<D>::Identity();
+  Point<D> x = Point<D>::Zero();
+
+  static FrameIn translation(const Point<D>& x) { return {Rotation<D>::Identity(), x}; }
+  static FrameIn rotation(const Rotation<D>& R) { return {R, Point<D>::Zero()}; }
+
+  FrameIn operator*(const FrameIn& other) const { return {R * other.R, x + R * other.x}; }
+  Point<D> operator*(const Point<D>& point) const { return x + R * point; }
+  FrameIn inverse() const { return {R.transpose(), -(R.transpose() * x)}; }
+};
+
+/// H1⁻¹ H2, the placement of frame 2 seen from frame 1.
+template <int D>
+FrameIn<D> relative(const FrameIn<D>& H1, const FrameIn<D>& H2) {
+  return {H1.R.transpose() * H2.R, H1.R.transpose() * (H2.x - H1.x)};
+}
+
+/// Equation (3).
+template <int D>
+TwistMatrix<D> adjoint(const FrameIn<D>& H) {
+  TwistMatrix<D> Ad = TwistMatrix<D>::Zero();
+  Ad.template topLeftCorner<D, D>() = H.R;
+  if constexpr (D == 2) {
+    Ad.template topRightCorner<2, 1>() = lever_matrix<2>(H.x);
+    Ad(2, 2) = 1;
+  } else {
+    Ad.template topRightCorner<3, 3>() = skew(H.x) * H.R;
+    Ad.template bottomRightCorner<3, 3>() = H.R;
+  }
+  return Ad;
+}
+
+namespace series {
+
+// Below the limits the series are exact to the last digit with the terms kept.
+constexpr double tiny = 1e-3, small = 0.04;
+
+/// a, b, c of (1) as functions of φ².
+struct Exponential {
+  double a, b, c;
+};
+Exponential exponential_beyond(double phi_squared);  // closed forms
+
+inline Exponential exponential(double x) {
+  if (x < tiny) {
+    return {1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880)))),
+            0.5 + x * (-1.0 / 24 + x * (1.0 / 720 + x * (-1.0 / 40320))),
+            1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040 + x * (-1.0 / 362880)))};
+  }
+  return exponential_beyond(x);
+}
+
+/// A₁ of (2).
+double inverse_v_beyond(double phi_squared);
+
+inline double inverse_v(double x) {
+  if (x < tiny) return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240 + x * (1.0 / 1209600)));
+  return inverse_v_beyond(x);
+}
+
+/// Rotation vector from the axial vector s = sin φ n of a rotation by less than 0.1: φ/sin φ as a function of
+/// s².
+inline double arcsine_ratio(double y) {
+  return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112 +
+                                                 y * (35.0 / 1152 + y * (63.0 / 2816 + y * 231.0 / 13312)))));
+}
+
+}  // namespace series
+
+/// Rotation matrix of a rotation vector, and back (angle in [0, π]).
+Matrix3d exp3(const Vector3d& omega);
+Vector3d log3_beyond(const Matrix3d& R);  // any angle
+
+inline Vector3d log3(const Matrix3d& R) {
+  const Vector3d axial{0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1))};
+  const double s_squared = axial.squaredNorm();
+  if (s_squared < 0.01 && R.trace() > 1) return series::arcsine_ratio(s_squared) * axial;
+  return log3_beyond(R);
+}
+
+/// Angle of a rotation in the plane, in (−π, π].
+inline double log1(const Matrix2d& R) {
+  const double s = R(1, 0), s_squared = s * s;
+  if (s_squared < 0.01 && R(0, 0) > 0) return series::arcsine_ratio(s_squared) * s;
+  return std::atan2(s, R(0, 0));
+}
+
+/// Equation (1). Exact for every argument.
+template <int D>
+FrameIn<D> exponential(const Twist<D>& h) {
+  FrameIn<D> H;
+  if constexpr (D == 2) {
+    const double phi = h[2], x = phi * phi;
+    const auto [a, b, c] = series::exponential(x);
+    const double sine = a * phi, cosine = 1 - b * x, turned = b * phi;
+    H.R << cosine, -sine, sine, cosine;
+    H.x << a * h[0] - turned * h[1], a * h[1] + turned * h[0];  // I + c φ² J² = 1 − c φ² = a
+  } else {
+    const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
+    const double x = omega.squaredNorm();
+    const auto [a, b, c] = series::exponential(x);
+    H.R = b * omega * omega.transpose() + a * skew(omega);
+    H.R.diagonal().array() += 1 - b * x;
+    const Vector3d once = omega.cross(rho);
+    H.x = rho + b * once + c * omega.cross(once);
+  }
+  return H;
+}
+
+/// Inverse of (1): rotation angle in [0, π], in the plane in (−π, π].
+template <int D>
+Twist<D> logarithm(const FrameIn<D>& H) {
+  if constexpr (D == 2) {
+    const double phi = log1(H.R), half = 0.5 * phi, x = phi * phi;
+    const double alpha = 1 - series::inverse_v(x) * x;  // eq. (2) with J² = −I
+    return {alpha * H.x[0] + half * H.x[1], alpha * H.x[1] - half * H.x[0], phi};
+  } else {
+    const Vector3d omega = log3(H.R);
+    const Vector3d once = omega.cross(H.x);
+    Vector6d h;
+    h.head<3>() = H.x - 0.5 * once + series::inverse_v(omega.squaredNorm()) * omega.cross(once);  // eq. (2)
+    h.tail<3>() = omega;
+    return h;
+  }
+}
+
+}  // namespace flexarm::geometry

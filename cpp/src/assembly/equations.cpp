@@ -1,0 +1,213 @@
+#include "flexarm/assembly/equations.hpp"
+
+#include "flexarm/errors.hpp"
+
+namespace flexarm::assembly {
+
+using namespace geometry;
+
+template <int D>
+const AttachmentIn<D>& SystemIn<D>::loaded_point(int point) const {
+  if (point < 0 || point >= static_cast<int>(points_.size()) || points_[point].element >= 0) {
+    throw InvalidParameter("a point load needs a point of the arm that is declared as loaded, got number " +
+                           std::to_string(point));
+  }
+  return points_[point];
+}
+
+template <int D>
+typename SystemIn<D>::Part::Configuration SystemIn<D>::configuration(const Part& part,
+                                                                     const StateD& state) const {
+  const auto first = state.frames.begin() + part.node(0);
+  return {{first, first + part.n_interfaces()}, state.s.segment(part.mode(0), part.n_modes())};
+}
+
+template <int D>
+VectorXd SystemIn<D>::velocities(const Part& part, const VectorXd& v) const {
+  VectorXd own(part.size());
+  own << v.segment(n * part.node(0), n * part.n_interfaces()),
+      v.segment(scalar_offset() + part.mode(0), part.n_modes());
+  return own;
+}
+
+template <int D>
+int SystemIn<D>::row(const Part& part, int k) const {
+  const int modes_from = n * part.n_interfaces();
+  return k < modes_from ? n * part.node(0) + k : scalar_offset() + part.mode(k - modes_from);
+}
+
+template <int D>
+void SystemIn<D>::remember(StateD& state) const {
+  for (std::size_t k = 0; k < laws_.size(); ++k) {
+    state.laws[k].x = deflection(laws_[k], state.s);
+    state.laws[k].flank = joints::Flank::free;
+  }
+}
+
+template <int D>
+void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool friction, VectorXd& r) const {
+  r.setZero();
+  for (const Beam& beam : beams_) {
+    const int n1 = n * beam.node1(), n2 = n * beam.node2();
+    elements::TwoTwists<D> v, v_dot;
+    v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
+    v_dot << state.v_dot.template segment<n>(n1), state.v_dot.template segment<n>(n2);
+    const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
+                                        v.template head<n>(), v.template tail<n>(), state.elapsed());
+    const elements::TwoTwists<D> inertia = beam.inertia_forces(v, v_dot);
+    r.template segment<n>(n1) += f.f1 + inertia.template head<n>();
+    r.template segment<n>(n2) += f.f2 + inertia.template tail<n>();
+  }
+  for (const auto& body : bodies_) {
+    const int k = n * body.node();
+    r.template segment<n>(k) +=
+        body.inertia_forces(state.v.template segment<n>(k), state.v_dot.template segment<n>(k));
+  }
+  for (int k = 0; k < n_nodes_; ++k)
+    r.template segment<n>(n * k) -= weights_[k].force(state.frames[k].R, loads.gravity);
+  for (const PointLoadIn<D>& load : loads.points) {
+    const auto& at = loaded_point(load.point);
+    const Rotation<D> to_node = load.follows ? at.offset.R : Rotation<D>(state.frames[at.node].R.transpose());
+    const Point<D> force = to_node * load.force;
+    Turn<D> moment = load.moment;
+    if constexpr (D == 3) moment = to_node * load.moment;
+    r.template segment<D>(n * at.node) -= force;
+    r.template segment<turns<D>>(n * at.node + D) -= moment + moment_of<D>(at.offset.x, force);
+  }
+
+  int row = 0;
+  for (const Joint& joint : constraints_) {
+    const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
+    TwistD lambda = TwistD::Zero();
+    lambda.head(m) = state.multipliers.segment(row, m);
+    const auto f = joint.forces(frame(state, a), frame(state, b), q < 0 ? 0.0 : state.s[q], lambda);
+    r.template segment<n>(n * b) += f.b;
+    if (a >= 0) r.template segment<n>(n * a) += f.a;
+    row += m;
+  }
+  scalar_residual(state, friction, r.tail(n_scalars()));
+  if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
+
+  for (const Part& part : superelements_) {
+    const VectorXd V = velocities(part, state.v);
+    const VectorXd f = part.internal_forces(configuration(part, state), V, loads.gravity).f +
+                       part.inertia_forces(V, velocities(part, state.v_dot));
+    r.segment(n * part.node(0), n * part.n_interfaces()) += f.head(n * part.n_interfaces());
+    r.segment(scalar_offset() + part.mode(0), part.n_modes()) += f.tail(part.n_modes());
+  }
+}
+
+template <int D>
+void SystemIn<D>::scalar_residual(const StateD& state, bool friction, Eigen::Ref<VectorXd> r) const {
+  for (int k = 0; k < n_scalars(); ++k) r[k] = scalar_inertia_[k] * state.v_dot[scalar_offset() + k];
+  for (std::size_t k = 0; k < laws_.size(); ++k) {
+    const PlacedLaw& law = laws_[k];
+    if (!friction && !joints::acts_at_rest(law.law)) continue;
+    const double rate = deflection(law, state.v.tail(n_scalars()));
+    const double force = joints::respond(law.law, deflection(law, state.s), rate, state.laws[k]).force;
+    r[law.plus] += force;
+    if (law.minus >= 0) r[law.minus] -= force;
+  }
+  int row = 0;
+  for (const Joint& joint : constraints_) {
+    const int q = joint.coordinate();
+    if (q >= 0) r[q] -= joint.twist().dot(state.multipliers.template segment<n>(row));
+    row += joint.rows();
+  }
+  for (const joints::GearConstraint& gear : gears_) {
+    r[gear.input] += gear.transmission(state.s[gear.input]).first * state.multipliers[row];
+    r[gear.output] -= state.multipliers[row];
+    ++row;
+  }
+}
+
+template <int D>
+void SystemIn<D>::violation(const StateD& state, VectorXd& phi) const {
+  int row = 0;
+  for (const Joint& joint : constraints_) {
+    const int q = joint.coordinate();
+    phi.segment(row, joint.rows()) =
+        joint.violation(frame(state, joint.node_a()), frame(state, joint.node_b()), q < 0 ? 0.0 : state.s[q])
+            .head(joint.rows());
+    row += joint.rows();
+  }
+  for (const joints::GearConstraint& gear : gears_)
+    phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
+}
+
+template <int D>
+VectorXd SystemIn<D>::law_tangents(const StateD& state, const TangentFactors& c, bool friction) const {
+  VectorXd kappa(laws_.size());
+  for (std::size_t k = 0; k < laws_.size(); ++k) {
+    const PlacedLaw& law = laws_[k];
+    kappa[k] = 0;
+    if (!friction && !joints::acts_at_rest(law.law)) continue;
+    const auto response = joints::respond(law.law, deflection(law, state.s),
+                                          deflection(law, state.v.tail(n_scalars())), state.laws[k]);
+    kappa[k] = c.stiffness * response.stiffness + c.damping * response.damping;
+  }
+  return kappa;
+}
+
+template <int D>
+Eigen::SparseMatrix<double> SystemIn<D>::tangent(const StateD& state, const LoadsD& loads,
+                                                 const TangentFactors& c, bool constraints) const {
+  const int size = constraints ? n_unknowns() : n_free();
+  std::vector<Eigen::Triplet<double>> entries;
+  emit_tangent(state, loads, c, law_tangents(state, c, false), [&](int row, int column, double value) {
+    if (row < size && column < size) entries.emplace_back(row, column, value);
+  });
+  Eigen::SparseMatrix<double> matrix(size, size);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+template <int D>
+Eigen::SparseMatrix<double> SystemIn<D>::constraint_jacobian(const StateD& state) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  emit_tangent(state, LoadsD{}, {0, 0, 0}, VectorXd::Zero(laws_.size()),
+               [&](int row, int column, double value) {
+                 if (row >= n_free()) entries.emplace_back(row - n_free(), column, value);
+               });
+  Eigen::SparseMatrix<double> J(n_constraints_, n_free());
+  J.setFromTriplets(entries.begin(), entries.end());
+  return J;
+}
+
+template <int D>
+typename SystemIn<D>::FrameD SystemIn<D>::point_frame(const StateD& state, int point) const {
+  const auto& at = points_[point];
+  if (at.element < 0) return state.frames[at.node] * at.offset;
+  const Beam& beam = beams_[at.element];
+  return beam.interpolate(state.frames[beam.node1()], state.frames[beam.node2()], at.xi) * at.offset;
+}
+
+template <int D>
+typename SystemIn<D>::TwistD SystemIn<D>::point_velocity(const StateD& state, int point) const {
+  const auto& at = points_[point];
+  TwistD v;
+  if (at.element < 0) {
+    v = state.v.template segment<n>(n * at.node);
+  } else {
+    const Beam& beam = beams_[at.element];
+    v = beam.interpolate_velocity(state.frames[beam.node1()], state.frames[beam.node2()],
+                                  state.v.template segment<n>(n * beam.node1()),
+                                  state.v.template segment<n>(n * beam.node2()), at.xi);
+  }
+  return adjoint<D>(at.offset.inverse()) * v;
+}
+
+template <int D>
+const joints::Transmission* SystemIn<D>::transmission(int joint) const {
+  const JointCoordinates& at = joint_coordinates_[joint];
+  if (at.psi == at.phi) return nullptr;
+  for (const joints::GearConstraint& gear : gears_) {
+    if (gear.input == at.phi && gear.output == at.psi) return &gear.transmission;
+  }
+  return nullptr;
+}
+
+template class SystemIn<2>;
+template class SystemIn<3>;
+
+}  // namespace flexarm::assembly
