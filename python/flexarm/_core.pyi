@@ -640,7 +640,6 @@ class Transient:
         """
         2 if the run was computed in a plane, else 3.
         """
-
     @property
     def drive_angle(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
     @property
