@@ -220,8 +220,12 @@ void bind_transient(py::module_& m) {
       },
       "df/dp of the lowest modes, (mode, parameter) [Hz per unit].", py::arg("system"),
       py::arg("equilibrium"), py::arg("count"), py::arg("varied"), py::call_guard<py::gil_scoped_release>());
-  m.def("moved", &moved, "The state moved along its derivative by an amount of the k-th parameter.",
-        py::arg("system"), py::arg("state"), py::arg("derivative"), py::arg("k"), py::arg("amount"));
+  m.def(
+      "moved",
+      [](const System& system, const State& state, const StateDerivative& derivative, Eigen::Index k,
+         double amount) { return moved(system, state, derivative, k, amount); },
+      "The state moved along its derivative by an amount of the k-th parameter.", py::arg("system"),
+      py::arg("state"), py::arg("derivative"), py::arg("k"), py::arg("amount"));
   m.def("released_derivative",
         py::overload_cast<const System&, const StateDerivative&, const System&>(&released),
         "The derivative with motors let go.", py::arg("held"), py::arg("derivative"), py::arg("system"));

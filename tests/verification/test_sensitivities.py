@@ -352,3 +352,46 @@ def test_the_width_of_a_gap_is_differentiated_while_its_teeth_touch() -> None:
     slope = np.linalg.norm(found.sensitivities["position"][0, :, 0])
     assert found.sensitivities["link_angle"][0, 0] == pytest.approx(0.5, rel=2e-2)  # gravity adds a little
     assert slope == pytest.approx(0.5 * 3.1, rel=3e-2)
+
+
+def test_derivatives_in_the_plane_are_those_in_space() -> None:
+    """A planar arm in three coordinates a node: the same derivatives, friction and hysteresis included."""
+    arm = swing_arm(
+        gravity=[0.0, 0.0, -G],
+        payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
+        points=[point("tip", "rod", [0.05, 0.02, 3.1])],
+        effects=DRIVE_TRAIN,
+    )
+    keys = [
+        "links.rod.material.youngs_modulus",
+        "links.rod.damping_ratio",
+        "payloads.load.mass",
+        "points.tip.position",
+        "effects.joint_hysteresis.hinge.torque",
+        "effects.coulomb_friction.hinge.torque",
+        "effects.transmission_error.hinge.amplitude",
+    ]
+    runs = [
+        flexarm.simulate(arm, smooth_drive(), step=STEP, dimension=where, sensitivities=keys)
+        for where in ("plane", "space")
+    ]
+    assert [run.solver["dimension"] for run in runs] == [2, 3]
+    plane, space = (run.sensitivities for run in runs)
+    assert plane is not None and space is not None
+    for name, expected in space.arrays.items():
+        # Both are exact for their own iterates, which agree to Newton's tolerance.
+        largest = np.abs(expected).max(axis=tuple(range(expected.ndim - 1)))
+        assert np.all(np.abs(plane[name] - expected) <= 1e-7 * largest + 1e-12), name
+
+
+def test_a_parameter_that_leads_out_of_the_plane_takes_the_run_into_space() -> None:
+    arm = swing_arm(
+        gravity=[0.0, 0.0, -G],
+        payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
+        effects=[{"name": "payload_offset", "at": "load", "offset": [0.0, 0.0, 0.0]}],
+    )
+    key = "effects.payload_offset.load.offset.y"
+    assert flexarm.simulate(arm, smooth_drive(), step=STEP).solver["dimension"] == 2
+    assert flexarm.simulate(arm, smooth_drive(), step=STEP, sensitivities=[key]).solver["dimension"] == 3
+    with pytest.raises(flexarm.InvalidParameter, match="does not move in a plane"):
+        flexarm.simulate(arm, smooth_drive(), step=STEP, dimension="plane", sensitivities=[key])

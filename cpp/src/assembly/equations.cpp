@@ -207,6 +207,29 @@ const joints::Transmission* SystemIn<D>::transmission(int joint) const {
   return nullptr;
 }
 
+template <int D>
+SystemIn<D> SystemIn<D>::different_from(const SystemIn& other) const {
+  SystemIn rest = *this;
+  const auto keep_different = [](auto& mine, const auto& theirs) {
+    std::decay_t<decltype(mine)> kept;
+    for (std::size_t k = 0; k < mine.size(); ++k) {
+      if (!(mine[k] == theirs[k])) kept.push_back(mine[k]);
+    }
+    mine = std::move(kept);
+  };
+  keep_different(rest.beams_, other.beams_);
+  keep_different(rest.bodies_, other.bodies_);
+  keep_different(rest.superelements_, other.superelements_);
+  for (std::size_t k = 0; k < weights_.size(); ++k) {
+    if (weights_[k] == other.weights_[k]) rest.weights_[k] = {};
+  }
+  if (constraints_ == other.constraints_ && gears_ == other.gears_) {
+    rest.constraints_.clear();
+    rest.gears_.clear();
+  }
+  return rest;
+}
+
 template class SystemIn<2>;
 template class SystemIn<3>;
 

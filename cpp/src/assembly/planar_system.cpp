@@ -364,6 +364,15 @@ PlanarSystem::Attempt PlanarSystem::about(const System& system, const State& sta
   return attempt;
 }
 
+bool PlanarSystem::same_coordinates(const PlanarSystem& other) const {
+  const auto near = [](const PlaneAxes& a, const PlaneAxes& b) { return a.E.isApprox(b.E, 1e-12); };
+  bool same = near(base_, other.base_) && axes_.size() == other.axes_.size() &&
+              scalars_.rows() == other.scalars_.rows() && scalars_.cols() == other.scalars_.cols() &&
+              scalars_.isApprox(other.scalars_, 1e-12);
+  for (std::size_t k = 0; same && k < axes_.size(); ++k) same = near(axes_[k], other.axes_[k]);
+  return same;
+}
+
 StateIn<2> PlanarSystem::part(const State& state) const {
   StateIn<2> flat;
   flat.t = state.t;

@@ -4,7 +4,9 @@
 
 namespace flexarm::assembly {
 
-void TangentParts::assemble(const State& state, const Loads& loads, double constraint_scale, bool friction) {
+template <int D>
+void TangentPartsIn<D>::assemble(const StateIn<D>& state, const LoadsIn<D>& loads, double constraint_scale,
+                                 bool friction) {
   const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(system_.laws().size()));
   if (slots_.empty()) {
     find_slots(state, loads);
@@ -15,7 +17,8 @@ void TangentParts::assemble(const State& state, const Loads& loads, double const
   fill(K_, state, loads, stiffness, system_.law_tangents(state, stiffness, friction));
 }
 
-void TangentParts::find_slots(const State& state, const Loads& loads) {
+template <int D>
+void TangentPartsIn<D>::find_slots(const StateIn<D>& state, const LoadsIn<D>& loads) {
   std::vector<Eigen::Triplet<double>> entries;
   const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(system_.laws().size()));
   system_.emit_tangent(state, loads, {1, 1, 1, 1}, none,
@@ -33,13 +36,17 @@ void TangentParts::find_slots(const State& state, const Loads& loads) {
   M_ = C_ = K_;
 }
 
-void TangentParts::fill(Matrix& matrix, const State& state, const Loads& loads, const TangentFactors& factors,
-                        const VectorXd& law_tangents) {
+template <int D>
+void TangentPartsIn<D>::fill(Matrix& matrix, const StateIn<D>& state, const LoadsIn<D>& loads,
+                             const TangentFactors& factors, const VectorXd& law_tangents) {
   double* values = matrix.valuePtr();
   std::fill(values, values + matrix.nonZeros(), 0.0);
   std::size_t k = 0;
   system_.emit_tangent(state, loads, factors, law_tangents,
                        [&](int, int, double value) { values[slots_[k++]] += value; });
 }
+
+template class TangentPartsIn<2>;
+template class TangentPartsIn<3>;
 
 }  // namespace flexarm::assembly

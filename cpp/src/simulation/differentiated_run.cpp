@@ -1,71 +1,92 @@
 #include "flexarm/simulation/differentiated_run.hpp"
 
 #include <cmath>
+#include <memory>
 
-#include "flexarm/simulation/recorder.hpp"
+#include "flexarm/errors.hpp"
+#include "flexarm/simulation/derivative_recorder.hpp"
 
 namespace flexarm::simulation {
 namespace {
 
-/// The columns that have derivatives.
-constexpr Transient::Matrix Transient::* columns[] = {
-    &Transient::position,     &Transient::velocity,     &Transient::orientation,    &Transient::angular_rate,
-    &Transient::joint_angle,  &Transient::joint_rate,   &Transient::drive_angle,    &Transient::drive_rate,
-    &Transient::joint_torque, &Transient::motor_torque, &Transient::section_forces, &Transient::base_wrench};
+using assembly::PlanarSystem;
+using solvers::HhtCoefficients;
 
-TransientOptions without_energies(TransientOptions options) {
-  options.record_energies = false;
-  return options;
+/// A run and its derivatives, seen in the plane: the models of every parameter move in it too.
+struct InPlane {
+  std::unique_ptr<PlanarSystem> system;
+  std::vector<std::unique_ptr<PlanarSystem>> models;  // plus and minus of each variation
+};
+
+/// Nothing if the arm, or one of the models beside it, leaves the plane or has other axes in it.
+std::unique_ptr<InPlane> in_plane(const System& system, const Equilibrium& equilibrium,
+                                  const std::vector<Variation>& variations, const TransientOptions& options) {
+  if (options.dimension == Dimension::space) return nullptr;
+  const auto of = [&](const System& model) {
+    return PlanarSystem::about(model, equilibrium.state, equilibrium.loads);
+  };
+  auto found = std::make_unique<InPlane>();
+  auto nominal = of(system);
+  std::string obstacle = nominal.obstacle;
+  found->system = std::move(nominal.system);
+  for (const Variation& p : variations) {
+    for (const auto* model : {p.plus, p.minus}) {
+      if (!found->system) break;
+      auto beside = of(static_cast<const System&>(*model));  // in space all systems are
+      if (!beside.system || !beside.system->same_coordinates(*found->system)) {
+        obstacle = "with a parameter a little changed it leaves it. " + beside.obstacle;
+        found->system.reset();
+        break;
+      }
+      if (p.drive_plus && beside.system->n_scalars() != system.n_scalars()) {
+        obstacle = "its drives count coordinates of space";
+        found->system.reset();
+        break;
+      }
+      found->models.push_back(std::move(beside.system));
+    }
+  }
+  if (found->system) return found;
+  if (options.dimension == Dimension::plane) {
+    throw InvalidParameter("the arm does not move in a plane: " + obstacle);
+  }
+  return nullptr;
 }
 
-/// Differentiates outputs instant by instant.
-class DerivativeRecorder {
- public:
-  DerivativeRecorder(const System& system, const std::vector<Variation>& variations,
-                     const TransientOptions& options, Eigen::Index n, std::vector<Transient>& out)
-      : system_(system), variations_(variations), options_(without_energies(options)), out_(out) {
-    out_.resize(variations.size());
-    for (Transient& derivative : out_) Recorder(system, options_, n, derivative);  // makes room
+/// The derivative of a state in the coordinates of the plane.
+StateDerivative part(const PlanarSystem& plane, const State& state, const StateDerivative& derivative) {
+  StateDerivative flat(plane, derivative.size());
+  for (Eigen::Index k = 0; k < derivative.size(); ++k) {
+    State column = state;  // twists and wrenches go over as velocities and multipliers do
+    column.v = derivative.position.col(k);
+    column.multipliers = derivative.multipliers.col(k);
+    const auto projected = plane.part(column);
+    flat.position.col(k) = projected.v;
+    flat.multipliers.col(k) = projected.multipliers;
   }
+  flat.law_x = derivative.law_x;
+  flat.law_z = derivative.law_z;
+  return flat;
+}
 
-  void record(Eigen::Index k, const State& state, const StateDerivative& derivative, const Loads& loads) {
-    for (std::size_t p = 0; p < variations_.size(); ++p) {
-      const Variation& varied = variations_[p];
-      const auto column = static_cast<Eigen::Index>(p);
-      const Transient up = outputs(*varied.plus, moved(system_, state, derivative, column, varied.up), loads);
-      const Transient down =
-          outputs(*varied.minus, moved(system_, state, derivative, column, varied.down), loads);
-      out_[p].time[k] = state.t;
-      for (const auto member : columns) {
-        if ((out_[p].*member).size() == 0) continue;
-        (out_[p].*member).col(k) = ((up.*member).col(0) - (down.*member).col(0)) / varied.spread();
-      }
-      if (options_.record_rotations) orientations(k, p, up, down);
-    }
-  }
+template <int D>
+std::vector<VariationIn<D>> models_of(const std::vector<typename DerivativeRecorderIn<D>::Varied>& varied) {
+  std::vector<VariationIn<D>> models;
+  for (const auto& each : varied) models.push_back(each.models);
+  return models;
+}
 
- private:
-  Transient outputs(const System& system, const State& state, const Loads& loads) const {
-    Transient at;
-    Recorder(system, options_, 1, at).record(0, state, loads);
-    return at;
-  }
-
-  /// A quaternion and its opposite are one rotation: the difference is taken between neighbours.
-  void orientations(Eigen::Index k, std::size_t p, const Transient& up, const Transient& down) {
-    for (Eigen::Index i = 0; i + 4 <= up.orientation.rows(); i += 4) {
-      const Eigen::Vector4d a = up.orientation.col(0).segment<4>(i),
-                            b = down.orientation.col(0).segment<4>(i);
-      const double sign = a.dot(b) < 0 ? -1 : 1;
-      out_[p].orientation.col(k).segment<4>(i) = (a - sign * b) / variations_[p].spread();
-    }
-  }
-
-  const System& system_;
-  const std::vector<Variation>& variations_;
-  TransientOptions options_;
-  std::vector<Transient>& out_;
-};
+/// The two that walk along with a run.
+template <int D>
+CompanionIn<D> companion(SensitivitiesIn<D>& sensitivities, DerivativeRecorderIn<D>& recorder) {
+  using State = assembly::StateIn<D>;
+  using Loads = assembly::LoadsIn<D>;
+  return {[&](const State& before, const State& after, const VectorXd& exponent, double h,
+              const Loads& loads) { sensitivities.follow(before, after, exponent, h, loads); },
+          [&](Eigen::Index k, const State& state, const Loads& loads) {
+            recorder.record(k, state, sensitivities.derivative(), loads);
+          }};
+}
 
 }  // namespace
 
@@ -74,18 +95,30 @@ DifferentiatedRun simulate(const System& system, const Equilibrium& equilibrium,
                            std::vector<Variation> variations, StateDerivative initial,
                            const Progress& progress) {
   DifferentiatedRun result;
-  Sensitivities sensitivities(system, solvers::HhtCoefficients::from_alpha(options.alpha),
-                              std::move(variations), std::move(initial));
-  DerivativeRecorder recorder(system, sensitivities.variations(), options,
-                              number_of_steps(system, drives, options) + 1, result.derivatives);
-  const Companion companion{
-      [&](const State& before, const State& after, const VectorXd& exponent, double h, const Loads& loads) {
-        sensitivities.follow(before, after, exponent, h, loads);
-      },
-      [&](Eigen::Index k, const State& state, const Loads& loads) {
-        recorder.record(k, state, sensitivities.derivative(), loads);
-      }};
-  result.run = simulate(system, equilibrium, drives, options, progress, companion);
+  const Eigen::Index n = number_of_steps(system.joints().size(), drives, options) + 1;
+  const auto coefficients = HhtCoefficients::from_alpha(options.alpha);
+  if (const auto plane = in_plane(system, equilibrium, variations, options)) {
+    std::vector<DerivativeRecorderIn<2>::Varied> varied;
+    for (std::size_t k = 0; k < variations.size(); ++k) {
+      const PlanarSystem &plus = *plane->models[2 * k], &minus = *plane->models[2 * k + 1];
+      const Variation& p = variations[k];
+      varied.push_back(
+          {{&plus, &minus, p.up, p.down, p.drive_plus, p.drive_minus}, InSpace<2>(plus), InSpace<2>(minus)});
+    }
+    SensitivitiesIn<2> sensitivities(*plane->system, coefficients, models_of<2>(varied),
+                                     part(*plane->system, equilibrium.state, initial));
+    DerivativeRecorderIn<2> recorder(*plane->system, InSpace<2>(*plane->system), varied, options, n,
+                                     result.derivatives);
+    result.run = simulate_in_plane(*plane->system, equilibrium, drives, options, progress,
+                                   companion(sensitivities, recorder));
+  } else {
+    std::vector<DerivativeRecorderIn<3>::Varied> varied;
+    for (const Variation& p : variations) varied.push_back({p, {}, {}});
+    SensitivitiesIn<3> sensitivities(system, coefficients, variations, std::move(initial));
+    DerivativeRecorderIn<3> recorder(system, {}, varied, options, n, result.derivatives);
+    result.run =
+        simulate_in_space(system, equilibrium, drives, options, progress, companion(sensitivities, recorder));
+  }
   for (Transient& derivative : result.derivatives) derivative.finish(result.run.time.size());
   return result;
 }

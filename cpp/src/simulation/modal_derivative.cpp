@@ -19,7 +19,7 @@ struct Matrices {
   Sparse K, M, J;
 };
 
-Matrices matrices(const System& system, const State& state, const Loads& loads) {
+Matrices matrices(const assembly::SystemIn<3>& system, const State& state, const Loads& loads) {
   return {system.tangent(state, loads, {0, 0, 1}, false), system.tangent(state, loads, {1, 0, 0}, false),
           system.constraint_jacobian(state)};
 }
@@ -45,7 +45,7 @@ MatrixXd frequency_derivatives(const System& system, const Equilibrium& equilibr
   MatrixXd derivatives(X.cols(), static_cast<Eigen::Index>(variations.size()));
   for (Eigen::Index p = 0; p < derivatives.cols(); ++p) {
     const Variation& varied = variations[p];
-    const auto there = [&](const System& model, double amount) {
+    const auto there = [&](const assembly::SystemIn<3>& model, double amount) {
       return matrices(model, moved(system, equilibrium.state, d, p, amount), equilibrium.loads);
     };
     const Matrices up = there(*varied.plus, varied.up), down = there(*varied.minus, varied.down);

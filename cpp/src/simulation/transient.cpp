@@ -76,7 +76,7 @@ template solvers::Drives drives_of_joints<2>(const assembly::SystemIn<2>&, const
 template solvers::Drives drives_of_joints<3>(const assembly::SystemIn<3>&, const assembly::StateIn<3>&,
                                              std::vector<PiecewisePolynomial>);
 
-Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePolynomial>& drives,
+Eigen::Index number_of_steps(std::size_t n_joints, const std::vector<PiecewisePolynomial>& drives,
                              const TransientOptions& options) {
   if (!(options.step > 0))
     throw InvalidParameter("step must be positive, got " + std::to_string(options.step) + " s");
@@ -84,8 +84,8 @@ Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePo
     throw InvalidParameter("the end of a run must lie after its start " + std::to_string(options.start) +
                            " s, got " + std::to_string(options.end) + " s");
   }
-  if (drives.size() != system.joints().size()) {
-    throw InvalidParameter("one drive for each of the " + std::to_string(system.joints().size()) +
+  if (drives.size() != n_joints) {
+    throw InvalidParameter("one drive for each of the " + std::to_string(n_joints) +
                            " joints is needed, got " + std::to_string(drives.size()));
   }
   return static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
@@ -134,12 +134,8 @@ assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn
 
 /// The plane of the motion; none if the arm leaves it or nobody looks for it.
 assembly::PlanarSystem::Attempt plane_of(const System& system, const Equilibrium& equilibrium,
-                                         const TransientOptions& options, const Companion& companion) {
-  const bool followed = companion.step || companion.record;
-  if (followed && options.dimension == Dimension::plane) {
-    throw InvalidParameter("a run that is differentiated is computed in space, not in a plane");
-  }
-  if (followed || options.dimension == Dimension::space) return {};
+                                         const TransientOptions& options) {
+  if (options.dimension == Dimension::space) return {};
   auto attempt = assembly::PlanarSystem::about(system, equilibrium.state, equilibrium.loads);
   if (!attempt.system && options.dimension == Dimension::plane) {
     throw InvalidParameter("the arm does not move in a plane: " + attempt.obstacle);
@@ -149,20 +145,11 @@ assembly::PlanarSystem::Attempt plane_of(const System& system, const Equilibrium
 
 }  // namespace
 
-Transient simulate(const System& system, const Equilibrium& equilibrium,
-                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                   const Progress& progress, const Companion& companion) {
-  const Eigen::Index n_steps = number_of_steps(system, drives, options);
+Transient simulate_in_space(const System& system, const Equilibrium& equilibrium,
+                            const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                            const Progress& progress, const CompanionIn<3>& companion) {
+  const Eigen::Index n_steps = number_of_steps(system.joints().size(), drives, options);
   Transient run;
-  if (const auto plane = plane_of(system, equilibrium, options, companion).system) {
-    RecorderIn<2> recorder(*plane, options, n_steps + 1, run, InSpace<2>(*plane));
-    const auto state = plane->part(equilibrium.state);
-    const auto end =
-        walk<2>(*plane, state, plane->part(equilibrium.loads), drives_of_joints<2>(*plane, state, drives),
-                n_steps, options, progress, {}, std::bind_front(&RecorderIn<2>::record, &recorder), run);
-    run.final_state = plane->embed(end, equilibrium.state);
-    return run;
-  }
   RecorderIn<3> recorder(system, options, n_steps + 1, run);
   const auto record = [&](Eigen::Index k, const State& state, const Loads& loads) {
     recorder.record(k, state, loads);
@@ -172,6 +159,34 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
                             drives_of_joints<3>(system, equilibrium.state, drives), n_steps, options,
                             progress, companion.step, record, run);
   return run;
+}
+
+Transient simulate_in_plane(const assembly::PlanarSystem& plane, const Equilibrium& equilibrium,
+                            const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                            const Progress& progress, const CompanionIn<2>& companion) {
+  const Eigen::Index n_steps = number_of_steps(plane.joints().size(), drives, options);
+  Transient run;
+  RecorderIn<2> recorder(plane, options, n_steps + 1, run, InSpace<2>(plane));
+  const auto record = [&](Eigen::Index k, const assembly::StateIn<2>& state,
+                          const assembly::LoadsIn<2>& loads) {
+    recorder.record(k, state, loads);
+    if (companion.record) companion.record(k, state, loads);
+  };
+  const auto state = plane.part(equilibrium.state);
+  const auto end =
+      walk<2>(plane, state, plane.part(equilibrium.loads), drives_of_joints<2>(plane, state, drives), n_steps,
+              options, progress, companion.step, record, run);
+  run.final_state = plane.embed(end, equilibrium.state);
+  return run;
+}
+
+Transient simulate(const System& system, const Equilibrium& equilibrium,
+                   const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                   const Progress& progress) {
+  if (const auto plane = plane_of(system, equilibrium, options).system) {
+    return simulate_in_plane(*plane, equilibrium, drives, options, progress);
+  }
+  return simulate_in_space(system, equilibrium, drives, options, progress);
 }
 
 }  // namespace flexarm::simulation

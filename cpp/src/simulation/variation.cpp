@@ -4,8 +4,9 @@
 
 namespace flexarm::simulation {
 
-void Variation::check(const System& system) const {
-  for (const System* varied : {plus, minus}) {
+template <int D>
+void VariationIn<D>::check(const assembly::SystemIn<D>& system) const {
+  for (const auto* varied : {plus, minus}) {
     const bool same =
         varied->n_nodes() == system.n_nodes() && varied->n_scalars() == system.n_scalars() &&
         varied->n_free() == system.n_free() && varied->n_constraints() == system.n_constraints() &&
@@ -19,7 +20,8 @@ void Variation::check(const System& system) const {
   if (!(spread() > 0)) throw InvalidParameter("the two values of a varied parameter must differ");
 }
 
-StateDerivative::StateDerivative(const System& system, Eigen::Index n_parameters)
+template <int D>
+StateDerivative::StateDerivative(const assembly::SystemIn<D>& system, Eigen::Index n_parameters)
     : position(MatrixXd::Zero(system.n_velocities(), n_parameters)),
       velocity(position),
       v_dot(position),
@@ -28,11 +30,14 @@ StateDerivative::StateDerivative(const System& system, Eigen::Index n_parameters
       law_x(MatrixXd::Zero(static_cast<Eigen::Index>(system.laws().size()), n_parameters)),
       law_z(law_x) {}
 
-State moved(const System& system, const State& state, const StateDerivative& derivative, Eigen::Index k,
-            double amount) {
-  State there = state;
-  for (int n = 0; n < system.n_nodes(); ++n) {
-    there.frames[n] = state.frames[n] * geometry::exp6(amount * derivative.position.col(k).segment<6>(6 * n));
+template <int D>
+assembly::StateIn<D> moved(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
+                           const StateDerivative& derivative, Eigen::Index k, double amount) {
+  constexpr int n = geometry::freedoms<D>;
+  assembly::StateIn<D> there = state;
+  for (int i = 0; i < system.n_nodes(); ++i) {
+    const geometry::Twist<D> h = amount * derivative.position.col(k).template segment<n>(n * i);
+    there.frames[i] = state.frames[i] * geometry::exponential<D>(h);
   }
   there.s += amount * derivative.position.col(k).tail(system.n_scalars());
   there.v += amount * derivative.velocity.col(k);
@@ -45,5 +50,14 @@ State moved(const System& system, const State& state, const StateDerivative& der
   }
   return there;
 }
+
+template struct VariationIn<2>;
+template struct VariationIn<3>;
+template StateDerivative::StateDerivative(const assembly::SystemIn<2>&, Eigen::Index);
+template StateDerivative::StateDerivative(const assembly::SystemIn<3>&, Eigen::Index);
+template assembly::StateIn<2> moved<2>(const assembly::SystemIn<2>&, const assembly::StateIn<2>&,
+                                       const StateDerivative&, Eigen::Index, double);
+template assembly::StateIn<3> moved<3>(const assembly::SystemIn<3>&, const assembly::StateIn<3>&,
+                                       const StateDerivative&, Eigen::Index, double);
 
 }  // namespace flexarm::simulation

@@ -165,6 +165,10 @@ class SystemIn {
   FrameD point_frame(const StateD& state, int point) const;
   TwistD point_velocity(const StateD& state, int point) const;
 
+  /// A copy without what it shares with another system of the same structure: beams, bodies, parts, weights,
+  /// and the constraints if all are shared. Differences of residuals need no more.
+  SystemIn different_from(const SystemIn& other) const;
+
  protected:
   int row(const Part& part, int k) const;  // of its k-th velocity
   /// @throws InvalidParameter if there is no such point, or it has no node of its own to be loaded at.

@@ -41,6 +41,9 @@ class PlanarSystem : public SystemIn<2> {
   double point_distance(int point) const { return point_distance_[point]; }
   double ground_distance(int joint) const { return ground_distance_[joint]; }  ///< of joints on the ground
 
+  /// Whether states of this system are states of another one too: same axes, same scalar coordinates.
+  bool same_coordinates(const PlanarSystem& other) const;
+
   StateIn<2> part(const State& state) const;
   LoadsIn<2> part(const Loads& loads) const;
   /// The state in space; modes across the plane, which rest, are those of `start`.

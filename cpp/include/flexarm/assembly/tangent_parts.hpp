@@ -14,37 +14,38 @@
 
 namespace flexarm::assembly {
 
-class TangentParts {
+template <int D>
+class TangentPartsIn {
  public:
   using Matrix = Eigen::SparseMatrix<double>;
 
-  explicit TangentParts(const System& system) : system_(system) {}
+  explicit TangentPartsIn(const SystemIn<D>& system) : system_(system) {}
 
   /// Equation (1) at a state; laws respond with the memory that it holds.
-  void assemble(const State& state, const Loads& loads, double constraint_scale, bool friction);
+  void assemble(const StateIn<D>& state, const LoadsIn<D>& loads, double constraint_scale, bool friction);
 
   const Matrix& M() const { return M_; }
   const Matrix& C() const { return C_; }
   const Matrix& K() const { return K_; }
 
-  /// Calls visit(first, count, block) for every group of columns that share their rows: the six of a node,
+  /// Calls visit(first, count, block) for every group of columns that share their rows: those of a node,
   /// then the others one by one. Entries of the group lie behind one another from `block` on.
   template <class Visit>
   void visit_columns(Visit&& visit) const {
     const int* start = K_.outerIndexPtr();
     for (int j = 0; j < K_.cols();) {
-      const int count = j < system_.scalar_offset() ? 6 : 1;
+      const int count = j < system_.scalar_offset() ? geometry::freedoms<D> : 1;
       visit(j, count, start[j], (start[j + count] - start[j]) / count);
       j += count;
     }
   }
 
  private:
-  void find_slots(const State& state, const Loads& loads);
-  void fill(Matrix& matrix, const State& state, const Loads& loads, const TangentFactors& factors,
+  void find_slots(const StateIn<D>& state, const LoadsIn<D>& loads);
+  void fill(Matrix& matrix, const StateIn<D>& state, const LoadsIn<D>& loads, const TangentFactors& factors,
             const VectorXd& law_tangents);
 
-  const System& system_;
+  const SystemIn<D>& system_;
   std::vector<int> slots_;  // where the k-th emitted number goes
   Matrix M_, C_, K_;
 };

@@ -145,6 +145,8 @@ class BeamElementIn {
   double end_mass() const { return 0.5 * mass_total_; }
   double end_moment() const { return mass_total_ * length_ / 12; }
 
+  bool operator==(const BeamElementIn&) const = default;
+
  private:
   /// Components of a twist that stand alone, and those of each bending plane: w₁, θ₁, w₂, θ₂ of two twists.
   using Bending = std::array<int, 4>;

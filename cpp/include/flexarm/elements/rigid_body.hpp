@@ -41,6 +41,8 @@ class RigidBodyIn {
     return -geometry::ad<D>(v).transpose() * M_ - geometry::ad_transpose_by_twist<D>(M_ * v);
   }
 
+  bool operator==(const RigidBodyIn&) const = default;
+
  private:
   int node_;
   TwistMatrix<D> M_;

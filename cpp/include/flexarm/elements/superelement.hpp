@@ -127,6 +127,8 @@ class SuperElementIn {
   Shape shape(const Configuration& at) const
     requires(D == 3);
 
+  bool operator==(const SuperElementIn&) const = default;
+
  private:
   template <int>
   friend class SuperElementIn;

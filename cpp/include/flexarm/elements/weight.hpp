@@ -20,6 +20,8 @@ struct WeightIn {
   double mass = 0;               ///< m [kg]
   Point moment = Point::Zero();  ///< s [kg m]
 
+  bool operator==(const WeightIn&) const = default;
+
   geometry::Twist<D> force(const Rotation& R, const Point& gravity) const {
     const Point gamma = R.transpose() * gravity;
     geometry::Twist<D> f;

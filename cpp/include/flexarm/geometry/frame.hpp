@@ -25,6 +25,8 @@ struct FrameIn {
   Rotation<D> R = Rotation<D>::Identity();
   Point<D> x = Point<D>::Zero();
 
+  bool operator==(const FrameIn&) const = default;
+
   static FrameIn translation(const Point<D>& x) { return {Rotation<D>::Identity(), x}; }
   static FrameIn rotation(const Rotation<D>& R) { return {R, Point<D>::Zero()}; }
 

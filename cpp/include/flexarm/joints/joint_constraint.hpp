@@ -89,6 +89,8 @@ class JointConstraintIn {
   GeometricStiffness geometric_stiffness(const FrameD& H_a, const FrameD& H_b, double theta,
                                          const TwistD& multipliers) const;
 
+  bool operator==(const JointConstraintIn&) const = default;
+
  private:
   /// exp(−ξ θ).
   FrameD back(double theta) const { return geometry::exponential<D>(-theta * twist_); }

@@ -22,6 +22,8 @@ struct Transmission {
   double multiple = 0;   ///< m [1/rad]
   double phase = 0;      ///< β
 
+  bool operator==(const Transmission&) const = default;
+
   struct Value {
     double psi, first, second;  ///< ψ, ψ', ψ''
   };
@@ -69,6 +71,8 @@ struct Transmission {
 struct GearConstraint {
   int input, output;
   Transmission transmission;
+
+  bool operator==(const GearConstraint&) const = default;
 };
 
 }  // namespace flexarm::joints

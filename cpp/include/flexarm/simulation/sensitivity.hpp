@@ -40,32 +40,41 @@ StateDerivative static_derivative(const System& system, const Equilibrium& equil
 StateDerivative released(const System& held, const StateDerivative& derivative, const System& system);
 
 /// Walks beside an HhtStepper and differentiates each step that it has taken.
-class Sensitivities {
+template <int D>
+class SensitivitiesIn {
  public:
-  Sensitivities(const System& system, const solvers::HhtCoefficients& coefficients,
-                std::vector<Variation> variations, StateDerivative initial);
+  using SystemD = assembly::SystemIn<D>;
+  using StateD = assembly::StateIn<D>;
+  using LoadsD = assembly::LoadsIn<D>;
+
+  SensitivitiesIn(const SystemD& system, const solvers::HhtCoefficients& coefficients,
+                  std::vector<VariationIn<D>> variations, StateDerivative initial);
 
   /// State 1 from state 0 by an accepted step of size h, with the argument `exponent` of exp in it.
   /// @throws NotConverged if the tangent is singular.
-  void follow(const State& before, const State& after, const VectorXd& exponent, double h,
-              const Loads& loads);
+  void follow(const StateD& before, const StateD& after, const VectorXd& exponent, double h,
+              const LoadsD& loads);
 
-  const std::vector<Variation>& variations() const { return variations_; }
+  const std::vector<VariationIn<D>>& variations() const { return variations_; }
   const StateDerivative& derivative() const { return now_; }
 
  private:
+  void carry(const VectorXd& exponent, double h);
   void factor(const VectorXd& exponent, double h);
-  void remember(const State& before, const State& after);
+  void update(const VectorXd& exponent, double h);
+  void remember(const StateD& before, const StateD& after);
 
-  const System& system_;
+  const SystemD& system_;
   solvers::HhtCoefficients coefficients_;
-  std::vector<Variation> variations_;
+  std::vector<VariationIn<D>> variations_;
+  std::vector<std::pair<SystemD, SystemD>> differences_;  // what each variation changes, up and down
   StateDerivative now_, before_;
-  assembly::TangentParts parts_;
+  StateD state_;  // state 1 with the memories of state 0
+  assembly::TangentPartsIn<D> parts_;
   Eigen::SparseMatrix<double> S_;
   solvers::SparseFactor factor_;
-  MatrixXd rhs_;    // of (4), one column a parameter
-  MatrixXd V_, A_;  // dv₁ and dv̇₁ at ξ₁ = 0
+  MatrixXd rhs_;             // of (4), one column a parameter
+  MatrixXd a_rest_, V_, A_;  // (2) and (3) at ξ₁ = 0
 };
 
 }  // namespace flexarm::simulation

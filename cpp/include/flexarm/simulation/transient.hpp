@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "flexarm/assembly/planar_system.hpp"
 #include "flexarm/simulation/piecewise_polynomial.hpp"
 #include "flexarm/simulation/statics.hpp"
 #include "flexarm/solvers/hht.hpp"
@@ -59,21 +60,31 @@ struct Transient {
 using Progress = std::function<bool(double done)>;
 
 /// Somebody who walks along with a run: told of every step that is taken, and of every instant recorded.
-struct Companion {
-  solvers::Follower step;
-  std::function<void(Eigen::Index k, const State& state, const Loads& loads)> record;
+template <int D>
+struct CompanionIn {
+  solvers::FollowerIn<D> step;
+  std::function<void(Eigen::Index k, const assembly::StateIn<D>& state, const assembly::LoadsIn<D>& loads)>
+      record;
 };
 
 /// @param drives one a joint: angle of driven joints [rad], torque of motors [N m]; not read for free and
-/// locked joints. With a companion the run is computed in space.
+/// locked joints.
 /// @throws NotConverged; InvalidParameter if a plane is asked for and something leaves it.
 Transient simulate(const System& system, const Equilibrium& equilibrium,
                    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                   const Progress& progress = {}, const Companion& companion = {});
+                   const Progress& progress = {});
+
+/// The same where it is decided in what the motion is computed.
+Transient simulate_in_space(const System& system, const Equilibrium& equilibrium,
+                            const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                            const Progress& progress, const CompanionIn<3>& companion = {});
+Transient simulate_in_plane(const assembly::PlanarSystem& plane, const Equilibrium& equilibrium,
+                            const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                            const Progress& progress, const CompanionIn<2>& companion = {});
 
 /// Number of steps from start to end.
 /// @throws InvalidParameter if step, end or the number of drives is wrong.
-Eigen::Index number_of_steps(const System& system, const std::vector<PiecewisePolynomial>& drives,
+Eigen::Index number_of_steps(std::size_t n_joints, const std::vector<PiecewisePolynomial>& drives,
                              const TransientOptions& options);
 
 /// Joint drives as drive values for the stepper; locked joints stay where the state has them.

@@ -22,16 +22,18 @@ using assembly::System;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-struct Variation {
-  const System* plus;
-  const System* minus;
+template <int D>
+struct VariationIn {
+  const assembly::SystemIn<D>* plus;
+  const assembly::SystemIn<D>* minus;
   double up, down;  ///< p⁺ − p >= 0 and p⁻ − p <= 0; one of them 0 where p is at its limit
   solvers::Drives drive_plus, drive_minus;  ///< empty where the drives do not depend on p
 
   double spread() const { return up - down; }
   /// @throws InvalidParameter unless both systems have the structure of `system`.
-  void check(const System& system) const;
+  void check(const assembly::SystemIn<D>& system) const;
 };
+using Variation = VariationIn<3>;
 
 /// dx/dp of a State, one column a parameter. Rows of nodes hold the twist by which their frames move, in
 /// their own axes; prescribed coordinates have rows too.
@@ -41,12 +43,14 @@ struct StateDerivative {
   MatrixXd law_x, law_z;                  ///< memories of the laws
 
   StateDerivative() = default;
-  StateDerivative(const System& system, Eigen::Index n_parameters);  ///< zero
+  template <int D>
+  StateDerivative(const assembly::SystemIn<D>& system, Eigen::Index n_parameters);  ///< zero
   Eigen::Index size() const { return position.cols(); }
 };
 
 /// The state moved along its derivative by `amount` of the k-th parameter.
-State moved(const System& system, const State& state, const StateDerivative& derivative, Eigen::Index k,
-            double amount);
+template <int D>
+assembly::StateIn<D> moved(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
+                           const StateDerivative& derivative, Eigen::Index k, double amount);
 
 }  // namespace flexarm::simulation
