@@ -19,15 +19,20 @@ THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 @dataclass(frozen=True)
 class Process:
-    """What a finished process printed last, and what it cost."""
+    """What a finished process printed, and what it cost."""
 
-    answer: dict
+    output: str
     cpu: float  # s, user + system
     memory: float  # MB, largest resident set
 
+    @property
+    def answer(self):
+        """The JSON in its last line."""
+        return json.loads(self.output.strip().splitlines()[-1])
 
-def run(python, script, order, threads=1):
-    """Run `python script order` to its end, its libraries limited to that many threads.
+
+def command(words, threads=1, **environment):
+    """Runs a command to its end, its libraries limited to that many threads.
 
     Raises
     ------
@@ -36,20 +41,24 @@ def run(python, script, order, threads=1):
     """
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         child = subprocess.Popen(
-            [str(python), str(HERE / script), json.dumps(order)],
+            [str(word) for word in words],
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=err,
-            env=os.environ | dict.fromkeys(THREAD_LIMITS, str(threads)),
+            env=os.environ | dict.fromkeys(THREAD_LIMITS, str(threads)) | environment,
         )
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
         err.seek(0)
         if child.returncode:
-            raise RuntimeError(f"{python} {script} {json.dumps(order)} failed:\n{err.read()}")
-        answer = json.loads(out.read().strip().splitlines()[-1])
-    return Process(answer, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+            raise RuntimeError(f"{' '.join(map(str, words))} failed:\n{err.read()}")
+        return Process(out.read(), usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+
+
+def run(python, script, order, threads=1):
+    """Runs `python script order`, the order as JSON."""
+    return command([python, HERE / script, json.dumps(order)], threads)
 
 
 @dataclass(frozen=True)

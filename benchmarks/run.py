@@ -9,19 +9,21 @@ import json
 import sys
 from pathlib import Path
 
+import goals
+import identification
 import measure
+import overhead
 import run_133s
 import scaling
+import sensitivities
 import swing
-
-PARTS = ("swing", "133s", "scaling")
 
 
 def options(arguments=None):
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few settings and repetitions: a minute")
-    parser.add_argument("--only", choices=PARTS, action="append", help="run only this part; may be repeated")
+    parser.add_argument("--only", choices=list(PARTS), action="append", help="one part; may be repeated")
     parser.add_argument("--out", type=Path, default=measure.HERE / "results", help="folder of results")
     parser.add_argument("--exudyn-python", help="interpreter that has EXUDYN")
     parser.add_argument("--no-exudyn", action="store_true", help="flexarm alone")
@@ -65,20 +67,69 @@ def run_scaling(pythons, chosen, rounds):
     return result, scaling.lines(result)
 
 
+def run_identification(pythons, chosen, rounds):
+    """60 s with a noisy encoder as drive."""
+    result = measure.run(pythons["flexarm"], "identification.py", {"repetitions": rounds}).answer
+    return result, identification.lines(result)
+
+
+def run_sensitivities(pythons, chosen, rounds):
+    """The same with derivatives, at the step that `identification` chose, else at 4 ms."""
+    kept = chosen.out / "identification.json"
+    found = json.loads(kept.read_text())["result"] if kept.exists() else {}
+    steps = found.get("damped in tube and hub", {"steps": 15_000})["steps"]
+    order = {"steps": steps, "repetitions": rounds}
+    result = measure.run(pythons["flexarm"], "sensitivities.py", order, threads=1).answer
+    return result, sensitivities.lines(result)
+
+
+def run_parts(pythons, chosen, rounds):
+    """133 s with a hinge of three solid parts, with and without inner modes."""
+    result, count = {}, max(1, rounds // 3)
+    for name, order in {"20 inner modes": {"modes": 20}, "no inner modes": {"modes": 0}}.items():
+        runs = [measure.run(pythons["flexarm"], "arm_of_parts.py", order).answer for _ in range(count)]
+        result[name] = {"cpu": [run["cpu"] for run in runs], "iterations": runs[0]["iterations"]}
+    text = "three super-elements, {}: {} s, {:.2f} iterations a step"
+    return result, [
+        text.format(name, measure.Spread.of(seen["cpu"]).text(), seen["iterations"])
+        for name, seen in result.items()
+    ]
+
+
+def run_overhead(pythons, chosen, rounds):
+    """Python around the core, and the whole process."""
+    result = measure.run(pythons["flexarm"], "overhead.py", {"repetitions": rounds}).answer
+    return result, overhead.lines(result)
+
+
+PARTS = {
+    "swing": run_swing,
+    "133s": run_133,
+    "scaling": run_scaling,
+    "identification": run_identification,
+    "sensitivities": run_sensitivities,
+    "parts": run_parts,
+    "overhead": run_overhead,
+}
+
+
 def main(arguments=None):
-    """Every part that was asked for; prints tables and writes one JSON file each."""
+    """Every part that was asked for: tables, one JSON file each, and how the goals are met."""
     chosen = options(arguments)
     rounds = chosen.repetitions or (3 if chosen.quick else 7)
     pythons = interpreters(chosen)
     header = {"machine": measure.machine(), "versions": versions(pythons)}
     print(json.dumps(header, indent=2))
     chosen.out.mkdir(parents=True, exist_ok=True)
-    parts = {"swing": run_swing, "133s": run_133, "scaling": run_scaling}
+    results = {}
     for name in chosen.only or PARTS:
-        result, table = parts[name](pythons, chosen, rounds)
+        results[name], table = PARTS[name](pythons, chosen, rounds)
         print(f"\n## {name}\n")
         print("\n".join(table), flush=True)
-        (chosen.out / f"{name}.json").write_text(json.dumps({**header, "result": result}, indent=1))
+        kept = json.dumps({**header, "result": results[name]}, indent=1)
+        (chosen.out / f"{name}.json").write_text(kept)
+    print("\n## goals\n")
+    print("\n".join(goals.lines(results)))
     return 0
 
 

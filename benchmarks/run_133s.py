@@ -6,7 +6,7 @@ import measure
 
 END, STEPS = 133.0, 66500
 
-GOALS = {4: 0.25, 20: 1.2}
+GOALS = {4: 0.05, 20: 0.2}
 """CPU seconds that flexarm's solver may need."""
 
 MEDIUM = (1e-5, 1e-4)
@@ -23,6 +23,7 @@ def compare(pythons, repetitions, segments=(4, 20)):
     for n in segments:
         case = {"elements": n, "end": END, "steps": STEPS}
         orders = {"flexarm": (pythons["flexarm"], "flexarm", case)}
+        orders["flexarm, in space"] = (pythons["flexarm"], "flexarm", {**case, "dimension": "space"})
         for name, (code, more) in COMPETITORS.items():
             if code in pythons:
                 orders[name] = (pythons[code], code, {**case, **more})

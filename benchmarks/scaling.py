@@ -2,8 +2,12 @@
 
     seconds a step ~ size^p                                                                          (1)
 
-p is fitted to the larger half of the sizes. Cost of a step: difference of two runs of different length
-over the difference of their steps, so that assembly and equilibrium do not count.
+p is fitted to the larger half of the sizes. How far the largest is from linear growth:
+
+    (cost/size) of the largest over the least (cost/size) of all                                     (2)
+
+Cost of a step: difference of two runs of different length over the difference of their steps, so that
+assembly and equilibrium do not count.
 """
 
 import json
@@ -53,7 +57,7 @@ def measure_sizes(repetitions, segments=SEGMENTS, joints=JOINTS):
         for size, arm, joint, scale in members:
             seconds, iterations = cost(arm, joint, size, scale, repetitions)
             rows.append({"size": size, "step": seconds, "iterations": iterations})
-        table[family] = {"rows": rows, "exponent": exponent(rows)}
+        table[family] = {"rows": rows, "exponent": exponent(rows), "over linear": over_linear(rows)}
     return table
 
 
@@ -64,10 +68,19 @@ def exponent(rows):
     return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
 
 
+def over_linear(rows):
+    """The ratio (2)."""
+    each = [row["step"] / row["size"] for row in rows]
+    return each[-1] / min(each)
+
+
 def lines(table):
     """The table as Markdown."""
     for family, result in table.items():
-        yield f"Cost of a step ~ {family}^{result['exponent']:.2f}"
+        yield (
+            f"Cost of a step ~ {family}^{result['exponent']:.2f}; of the largest, for each of its {family}, "
+            f"{result['over linear']:.2f} times the least"
+        )
         yield ""
         yield f"| {family} | microseconds a step | iterations a step |"
         yield "|---|---|---|"

@@ -83,17 +83,21 @@ def drive(joint, end, scale=1.0):
     return flexarm.Drive.from_samples(t, {joint: scale * problem.angle(t)})
 
 
-def timed(arm, motion, step, end):
+def timed(arm, motion, step, end, **options):
     """A run, and its CPU seconds: assembly, equilibrium, steps and results, all of `flexarm.simulate`."""
     began = time.process_time()
-    run = flexarm.simulate(arm, motion, step=step, end=end)
+    run = flexarm.simulate(arm, motion, step=step, end=end, **options)
     return run, time.process_time() - began
 
 
 def solve(case):
-    """One run of the swing; `case` holds elements, steps, end and, if not timoshenko, theory."""
+    """One run of the swing; `case` holds elements, steps, end and, where they are not flexarm's own choice,
+    theory and dimension."""
     arm = swinging_arm(case["elements"], case.get("theory", "timoshenko"))
-    run, seconds = timed(arm, drive("hinge", case["end"]), case["end"] / case["steps"], case["end"])
+    options = {key: case[key] for key in ("dimension",) if key in case}
+    run, seconds = timed(
+        arm, drive("hinge", case["end"]), case["end"] / case["steps"], case["end"], **options
+    )
     across, down = run.position[:, 0, 0], -run.position[:, 0, 2]
     return {
         "cpu": seconds,
