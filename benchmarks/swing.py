@@ -44,7 +44,7 @@ def cases(grid):
 def explore(python, code, grid):
     """Error [mm] and CPU seconds of every setting that the code could solve."""
     tried = cases(grid)
-    solved = measure.run(python, "worker.py", {"code": code, "cases": tried, "solves": 2}).answer["results"]
+    solved = measure.run(python, "worker.py", {"code": code, "cases": tried, "solves": 4}).answer["results"]
     return [
         {"case": case, "error": problem.error(result["offsets"]), "cpu": min(result["cpu"])}
         for case, result in zip(tried, solved, strict=True)
