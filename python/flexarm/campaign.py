@@ -45,9 +45,9 @@ def simulate_all(
     Raises
     ------
     InvalidParameter, NotConverged
-        Of the first run that fails; runs that have not begun are then left out.
+        If a run is no pair; else of the first run that fails: runs that have not begun are then left out.
     """
-    wanted = list(runs)
+    wanted = [_pair(run, k) for k, run in enumerate(runs)]
     threads = jobs if jobs is not None else (os.cpu_count() or 1)
     if threads < 1:
         raise InvalidParameter(f"must be at least 1, got {threads}", where="jobs")
@@ -63,3 +63,13 @@ def simulate_all(
             for each in waiting:
                 each.cancel()
     return found
+
+
+def _pair(run: Any, k: int) -> tuple[Arm, Drive | Record]:
+    """A run, which is an arm and what drives it; `simulate` looks at the drive."""
+    if isinstance(run, tuple | list) and len(run) == 2 and isinstance(run[0], Arm):
+        return run[0], run[1]
+    got = type(run).__name__
+    if isinstance(run, tuple | list):
+        got = f"({', '.join(type(part).__name__ for part in run)})"
+    raise InvalidParameter(f"must be a pair (arm, drive), got {got}", where=f"runs[{k}]")

@@ -57,3 +57,10 @@ def test_progress_tells_the_share_and_can_stop() -> None:
 def test_no_threads_are_refused() -> None:
     with pytest.raises(flexarm.InvalidParameter, match="at least 1"):
         flexarm.simulate_all([], jobs=0)
+
+
+def test_a_run_that_is_no_pair_is_named() -> None:
+    with pytest.raises(flexarm.InvalidParameter, match=r"runs\[1\]: must be a pair .*, got Arm"):
+        flexarm.simulate_all([(arm_with(1.0), DRIVE), arm_with(2.0)])  # type: ignore[list-item]
+    with pytest.raises(flexarm.InvalidParameter, match=r"runs\[0\]: .*, got \(Drive, Arm\)"):
+        flexarm.simulate_all([(DRIVE, arm_with(1.0))])  # type: ignore[list-item]
