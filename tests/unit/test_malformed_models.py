@@ -64,6 +64,8 @@ MISTAKES = {
     "parameter of an effect": ("stiffness = 1.0e5", "stiffness = -5", "effects.joint_compliance.hinge.stiffness",
                                "must be positive, got -5 N m/rad"),
     "effect nowhere": ('at = "hinge"', 'at = "wrist"', "effects.joint_compliance.wrist.at", "there are hinge"),
+    "effect without a place": ('at = "hinge"\nstiffness', "stiffness", "effects.joint_compliance.at",
+                               "is missing; needed is name of a joint, link"),
     "uncertainty of nothing": ("load.mass", "lead.mass", "uncertainty.payloads.lead.mass", "there are load"),
     "relative vector": ("position_m", "position", "uncertainty.points.tip.position", "write position_m"),
     "wrong format": ("flexarm-arm/1", "flexarm-arm/9", "format", "is 'flexarm-arm/9'; allowed is 'flexarm-arm/1'"),

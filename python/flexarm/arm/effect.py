@@ -11,7 +11,7 @@ from importlib import import_module, util
 from math import inf
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from flexarm.arm.prior import Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
@@ -41,7 +41,7 @@ class Effect(Table):
 
     name: ClassVar[str]
     place: ClassVar[str]
-    at: str
+    at: str = Field(description='name of a joint, link, payload, point, signal, frame or clock, or "base"')
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
