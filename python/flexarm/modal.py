@@ -150,8 +150,9 @@ def modes(
     gravity : bool
         With gravity, which deforms the arm and changes its stiffness.
     sensitivities : iterable of str
-        Keys of parameters by which the undamped frequencies are differentiated, as in `simulate`. Modes of
-        one frequency count together: their derivatives rise.
+        Keys of parameters by which the undamped frequencies are differentiated, as in `simulate`:
+        `sensitivities["frequency"]`, Hz over the parameter's unit. Modes of one frequency count together:
+        their derivatives rise.
 
     Raises
     ------

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import isinf
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import Effect
@@ -148,6 +149,11 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
     for name, path in _paths(arm, key):
         owner = path.owner(arm)
         rule = "smooth"
+        if isinf(path.get(arm)):
+            raise InvalidParameter(
+                f"{key} was left out and is infinite: there is no derivative by it; give it a value",
+                where="sensitivities",
+            )
         if isinstance(owner, Effect):
             rule = owner.derivative(name.split(".", 3)[3])
         if rule == "none":
@@ -171,8 +177,12 @@ def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
     value = getattr(place.owner, place.field)
     size = len(value) if isinstance(value, tuple) else None
     stem = ".".join((*place.prefix, place.field))
-    if size is None and (component is not None or not isinstance(value, float)):
-        raise InvalidParameter(f"{key} is not a number with components", where="sensitivities")
+    if size is None and component is not None:
+        raise InvalidParameter(f"{key}: {stem} has no components", where="sensitivities")
+    if size is None and not isinstance(value, float):
+        raise InvalidParameter(
+            f"{key} = {value!r} is not a real number that can change", where="sensitivities"
+        )
     if size is not None and component is not None and component >= size:
         raise InvalidParameter(f"{key}: {stem} has {size} components", where="sensitivities")
     if size is None or component is not None:
