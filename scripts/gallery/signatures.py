@@ -108,10 +108,11 @@ def typical(name: str, arm: Arm) -> Effect:
     kind, at = effect_class(name), place(name)
     required = {key: 1.0 for key, field in kind.model_fields.items() if field.is_required() and key != "at"}
     effect = kind.model_construct(at=at, **required)
-    for _ in range(2):
-        values = {key: prior.typical for key, prior in effect.priors(arm).items()}
-        effect = kind.model_validate({"at": at, **with_lists(values)})
-    return effect
+    values: dict[str, Any] = {}
+    for _ in range(2):  # only at the end do the values fit together
+        values = with_lists({key: prior.typical for key, prior in effect.priors(arm).items()})
+        effect = kind.model_construct(at=at, **values)
+    return kind.model_validate({"at": at, **values})
 
 
 def with_lists(values: Mapping[str, float]) -> dict[str, Any]:

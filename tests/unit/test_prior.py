@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from arms import paper_arm
 from scipy.integrate import quad
 
 from flexarm.arm import Prior
+from flexarm.effects import LugreFriction
 from flexarm.errors import InvalidParameter
 
 PRIORS = [
@@ -57,3 +59,15 @@ def test_wrong_ranges_are_refused():
         Prior(2.0, 3.0, 1.0, "linear", "m", "")
     with pytest.raises(InvalidParameter, match="logarithmic scale needs low > 0, got 0"):
         Prior(0.0, 3.0, 1.0, "log", "m", "")
+
+
+def test_friction_starts_no_lower_than_it_slips() -> None:
+    """Breakaway torques of the prior go with the torque while it slips, whose law refuses smaller ones."""
+    rng = np.random.default_rng(7)
+    arm = paper_arm(1)
+    for coulomb in (0.2, 20.0, 200.0):
+        friction = LugreFriction(at="hinge", coulomb=coulomb, breakaway=coulomb, bristle_stiffness=1e5)
+        prior = friction.priors(arm)["breakaway"]
+        found = np.array([prior.sample(rng) for _ in range(2000)])
+        assert np.mean(found < coulomb) < 0.01
+        assert np.mean(found > 3 * coulomb) < 0.01

@@ -85,15 +85,19 @@ class LugreFriction(Effect):
         )
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
-        """Torques as of dry friction; bristles that bend by 1e-5 to 1e-3 rad before they slip."""
+        """Torques as of dry friction; bristles that bend by 1e-5 to 1e-3 rad before they slip.
+
+        Those of starting and of the bristles go with the torque while it slips, below which none may start.
+        """
         torques = (
-            "engineering judgement: starting torques of cross-roller bearings and slewing rings with seals"
+            "engineering judgement: running torques of cross-roller bearings and slewing rings with seals"
         )
+        starting = "engineering judgement: starting torques are 1 to 2 times running torques"
         bristles = "engineering judgement: a joint creeps by 1e-5 to 1e-3 rad before it slips"
         slip = self.coulomb
         return {
             "coulomb": Prior(0.2, 200.0, 8.0, "log", "N m", torques),
-            "breakaway": Prior(0.2, 400.0, 10.0, "log", "N m", torques),
+            "breakaway": Prior(1.05 * slip, 2.0 * slip, 1.25 * slip, "log", "N m", starting),
             "bristle_stiffness": Prior(1e3 * slip, 1e5 * slip, 1e4 * slip, "log", "N m/rad", bristles),
             "bristle_damping": Prior(slip, 1e3 * slip, 30 * slip, "log", "N m s/rad", bristles),
             "viscous": Prior(0.2, 300.0, 10.0, "log", "N m s/rad", "as viscous_friction"),
