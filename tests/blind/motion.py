@@ -78,52 +78,74 @@ class Instant:
 
 def instant(arm: Arm, drive: Drive, t: float, y: Floats) -> Instant:
     """Everything at a state y, shape (unknowns, columns)."""
-    hub, base, n_free = arm.hub, arm.base, arm.free.stop - arm.free.start
-    psi, psi_rate, psi_acceleration, _ = hub.teeth(*map(np.asarray, drive(t)))
+    n_free = arm.free.stop - arm.free.start
+    motor = drive(t)
+    teeth = arm.hub.teeth(*map(np.asarray, motor))[:3]
     alpha, rate = np.empty((2, arm.n, y.shape[1]))
-    alpha[0], rate[0] = psi + base.tilt, psi_rate
+    alpha[0], rate[0] = teeth[0] + arm.base.tilt, teeth[1]
     alpha[arm.free], rate[arm.free] = y[:n_free], y[n_free : 2 * n_free]
     inner = dict(zip(arm.inner, y[2 * n_free :], strict=True))
-    M, Q = arm.link.equations(t, alpha, rate)
-    zero = np.zeros(y.shape[1])
-    z_h, z_b = inner.get("hysteresis", zero), inner.get("bearing", zero)
-    moment = base.vibration(t) if arm.soft_base else 0.0
-    beta_rate = zero
-    if not hub.rigid:
-        beta = inner.get("base", zero)
-        theta, d = alpha[0] - base.tilt - beta, psi - alpha[0] + base.tilt + beta
-        c = hub.damper(d)
-        still = hub.spring(d) + c * (psi_rate - rate[0]) + hub.hysteresis * z_h  # T_r with beta' = 0
-        held = still - hub.bearing(theta, z_b) - hub.viscous * rate[0]
-        if arm.soft_base:
-            total = base.damping + c + hub.viscous
-            beta_rate = (moment - held - base.stiffness * beta) / total  # eq. (1)
-        theta_rate = rate[0] - beta_rate
-        reducer = still + c * beta_rate
-        torque = held + (c + hub.viscous) * beta_rate
-        acceleration = solved(M, Q, torque)
-    elif arm.soft_base:
-        beta = alpha[0] - base.tilt - psi
-        theta, theta_rate = psi + zero, psi_rate + zero
-        torque = moment - base.stiffness * beta - base.damping * (rate[0] - psi_rate)  # eq. (1)
-        acceleration = solved(M, Q, torque)
-        reducer = torque + hub.bearing(theta, z_b) + hub.viscous * theta_rate
-    else:
-        theta, theta_rate = psi + zero, psi_rate + zero
-        acceleration = np.empty_like(alpha)
-        acceleration[0] = psi_acceleration
-        known = Q[:, 1:] - M[:, 1:, 0] * psi_acceleration
-        acceleration[1:] = np.linalg.solve(M[:, 1:, 1:], known[..., None])[..., 0].T
-        torque = np.einsum("kj,jk->k", M[:, 0], acceleration) - Q[:, 0]
-        reducer = torque + hub.bearing(theta, z_b) + hub.viscous * theta_rate
+    hinge = _soft_hinge if not arm.hub.rigid else _on_soft_base if arm.soft_base else _prescribed
+    acceleration, reducer, theta_rate, beta_rate = hinge(arm, t, alpha, rate, teeth, inner)
     rates = {"base": beta_rate}
     if "hysteresis" in inner:
-        rates["hysteresis"] = dahl(z_h, psi_rate - theta_rate, hub.hysteresis_width)
+        rates["hysteresis"] = dahl(inner["hysteresis"], teeth[1] - theta_rate, arm.hub.hysteresis_width)
     if "bearing" in inner:
-        rates["bearing"] = dahl(z_b, theta_rate, STICK_WIDTH)
+        rates["bearing"] = dahl(inner["bearing"], theta_rate, STICK_WIDTH)
     if "motor" in inner:
-        rates["motor"] = dahl(inner["motor"], np.asarray(drive(t)[1]), STICK_WIDTH)
+        rates["motor"] = dahl(inner["motor"], np.asarray(motor[1]), STICK_WIDTH)
     return Instant(alpha, rate, acceleration, reducer, rates)
+
+
+Inner = dict[str, Floats]
+Teeth = tuple[Floats, Floats, Floats]
+Hinged = tuple[Floats, Floats, Floats, Floats]
+"""Accelerations of the rods, torque of the reducer, theta' and beta'."""
+
+
+def _soft_hinge(arm: Arm, t: float, alpha: Floats, rate: Floats, teeth: Teeth, inner: Inner) -> Hinged:
+    """A reducer with a spring; the base gives way or stands."""
+    hub, base, zero = arm.hub, arm.base, np.zeros(alpha.shape[1])
+    beta = inner.get("base", zero)
+    theta = alpha[0] - base.tilt - beta
+    d = teeth[0] - theta
+    c = hub.damper(d)
+    still = hub.spring(d) + c * (teeth[1] - rate[0]) + hub.hysteresis * inner.get("hysteresis", zero)
+    held = still - hub.bearing(theta, inner.get("bearing", zero)) - hub.viscous * rate[0]
+    beta_rate = zero  # still and held are T_r and T at beta' = 0
+    if arm.soft_base:
+        moment = base.vibration(t) - held - base.stiffness * beta
+        beta_rate = moment / (base.damping + c + hub.viscous)  # eq. (1)
+    torque = held + (c + hub.viscous) * beta_rate
+    M, Q = arm.link.equations(t, alpha, rate)
+    return solved(M, Q, torque), still + c * beta_rate, rate[0] - beta_rate, beta_rate
+
+
+def _on_soft_base(arm: Arm, t: float, alpha: Floats, rate: Floats, teeth: Teeth, inner: Inner) -> Hinged:
+    """A rigid reducer on a base that gives way: what the base bears is the torque on the link."""
+    base, zero = arm.base, np.zeros(alpha.shape[1])
+    beta, beta_rate = alpha[0] - base.tilt - teeth[0], rate[0] - teeth[1]
+    torque = base.vibration(t) - base.stiffness * beta - base.damping * beta_rate  # eq. (1)
+    M, Q = arm.link.equations(t, alpha, rate)
+    return solved(M, Q, torque), _behind(arm, torque, teeth, inner), teeth[1] + zero, beta_rate
+
+
+def _prescribed(arm: Arm, t: float, alpha: Floats, rate: Floats, teeth: Teeth, inner: Inner) -> Hinged:
+    """Rod 0 follows the teeth; its row of the equations of motion is the torque that this takes."""
+    M, Q = arm.link.equations(t, alpha, rate)
+    acceleration = np.empty_like(alpha)
+    acceleration[0] = teeth[2]
+    known = Q[:, 1:] - M[:, 1:, 0] * teeth[2]
+    acceleration[1:] = np.linalg.solve(M[:, 1:, 1:], known[..., None])[..., 0].T
+    torque = np.einsum("kj,jk->k", M[:, 0], acceleration) - Q[:, 0]
+    zero = np.zeros_like(torque)
+    return acceleration, _behind(arm, torque, teeth, inner), teeth[1] + zero, zero
+
+
+def _behind(arm: Arm, torque: Floats, teeth: Teeth, inner: Inner) -> Floats:
+    """Torque of a rigid reducer from that on the link: what the bearing takes comes on top."""
+    z_b = inner.get("bearing", np.zeros_like(torque))
+    return torque + arm.hub.bearing(teeth[0] + 0 * torque, z_b) + arm.hub.viscous * teeth[1]
 
 
 def solved(M: Floats, Q: Floats, torque: Floats) -> Floats:

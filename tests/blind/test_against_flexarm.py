@@ -176,12 +176,10 @@ def test_they_agree_where_the_law_has_a_kink(effect):
     assert furthest(of_rods(effect) - of_elements(effect)) < 1e-5
 
 
-@pytest.mark.parametrize("effect", [*SMOOTH, *KINKED])
+@pytest.mark.parametrize("effect", [name for name in [*SMOOTH, *KINKED] if " rigid" not in name])
 def test_what_they_agree_on_is_the_effect(effect):
     """It moves the tip by 1e-4 m and more from that of the same hinge and base: ten times the agreement."""
     effects = {**SMOOTH, **KINKED}[effect][1]
-    if not effects:
-        pytest.skip("an arm without effects")
     stands_on = ["joint_compliance"] if COMPLIANT in effects and len(effects) > 1 else []
     if SHAKEN in effects and not stands_on:
         stands_on = ["base_compliance"]
