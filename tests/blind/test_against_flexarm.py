@@ -125,6 +125,7 @@ SHOWS_IN_TORQUE = [
     ("motor_friction", "hinge", {"coulomb": 12.0, "viscous": 25.0}),
     ("transmission_error", "hinge", {"amplitude": 2e-4, "multiple": 0.5, "phase": 0.7}),
     ("viscous_friction", "hinge", {"coefficient": 60.0}),
+    ("coulomb_friction", "hinge", {"torque": 9.0}),
 ]
 
 
@@ -186,16 +187,22 @@ def test_what_they_agree_on_is_the_effect(effect):
     assert furthest(of_rods(effect) - of_elements(*stands_on)) > 1e-4
 
 
-def test_they_agree_on_the_motors_torque():
-    """Rotor, friction of the motor, teeth that ripple: within 0.05 N m rms, the noise of a good sensor.
+@pytest.mark.parametrize(
+    ("hub", "base", "effects"),
+    [(HUB, Base(), [COMPLIANT]), (RIGID, Base(), []), (RIGID, SOFT, [BASE])],
+    ids=["soft hinge", "rigid hinge", "rigid hinge on a soft base"],
+)
+def test_they_agree_on_the_motors_torque(hub, base, effects):
+    """Rotor, friction of motor and bearing, teeth that ripple: within 0.05 N m rms, a good sensor's noise.
 
-    At instants within some ms of a reversal friction turns in less than that: 0.2 N m there.
+    A step in which the motor turns back misses up to phi'' h^2/4 = 3e-7 rad of the way, a part 1.4e-2 of the
+    stick width: of 21 N m of dry friction 0.3 N m, at an instant right after a reversal.
     """
-    hub = replace(HUB, rotor_inertia=2e-3, motor_coulomb=12.0, motor_viscous=25.0, viscous=60.0)
-    hub = replace(hub, error_amplitude=2e-4, error_multiple=0.5, error_phase=0.7)
-    chain = move(Arm(LINK, hub), SWING, TIME).motor_torque
-    run = of_flexarm([COMPLIANT, *SHOWS_IN_TORQUE], rotor_inertia=2e-3)
+    hub = replace(hub, rotor_inertia=2e-3, motor_coulomb=12.0, motor_viscous=25.0, viscous=60.0)
+    hub = replace(hub, coulomb=9.0, error_amplitude=2e-4, error_multiple=0.5, error_phase=0.7)
+    chain = move(Arm(LINK, hub, base), SWING, TIME).motor_torque
+    run = of_flexarm([*effects, *SHOWS_IN_TORQUE], rotor_inertia=2e-3)
     torque = np.interp(TIME, run.time, run.motor_torque[:, 0])
     assert np.ptp(chain) > 500
     assert np.sqrt(np.mean((chain - torque)[1:] ** 2)) < 0.05
-    assert chain[1:] == pytest.approx(torque[1:], abs=0.2)
+    assert chain[1:] == pytest.approx(torque[1:], abs=0.3)
