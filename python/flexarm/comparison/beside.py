@@ -1,0 +1,141 @@
+"""A record beside its simulation: the model is driven as the arm was, clocks and frames are aligned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.comparison.align import Aligned
+from flexarm.comparison.align import align as align_to
+from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
+from flexarm.comparison.start import first_guess
+from flexarm.comparison.subject import Subject, subject
+from flexarm.comparison.unknowns import drive_clock, stated
+from flexarm.drive import Drive, true_time
+from flexarm.errors import InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record
+
+NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """A record, its simulation, and how they were aligned.
+
+    Attributes
+    ----------
+    subject : Subject
+        Simulation and record; its arm carries what the record says.
+    aligned : Aligned
+        Clocks and frames as they are used.
+    """
+
+    subject: Subject
+    aligned: Aligned
+
+    @property
+    def record(self) -> Record:
+        """What was measured."""
+        return self.subject.record
+
+    @cached_property
+    def modes_hz(self) -> tuple[float, ...]:
+        """The first three frequencies of the arm at the middle of its motion [Hz]; none for poses."""
+        return tuple(_modes(self.subject)) if self.record.kind == "motion" else ()
+
+    @cached_property
+    def joint(self) -> str | None:
+        """The one joint that the record drives, or that could move where nothing is driven; None: several."""
+        moved = {self.record.signals[name].joint for name in self.record.drive}
+        moved = moved or {joint.name for joint in self.subject.simulation.arm.moving_joints}
+        return moved.pop() if len(moved) == 1 else None
+
+
+def beside(
+    arm: Arm,
+    record: Record,
+    align: bool = True,
+    *,
+    simulation: Any = None,
+    step: float = 2e-3,
+    alpha: float = -0.05,
+) -> Beside:
+    """The simulation of a record, aligned with it; parameters and errors as of `compare`."""
+    from flexarm.record import Record
+
+    if not isinstance(record, Record):
+        raise InvalidParameter(
+            f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
+        )
+    pair = _subject(record.applied_to(arm), record, simulation, step, alpha)
+    if not pair.evidence:
+        reasons = "; ".join(f"{name}: {why}" for name, why in pair.skipped.items())
+        raise InvalidParameter(
+            f"holds nothing to compare with a simulation ({reasons or 'only drives'})", where="signals"
+        )
+    start = stated(record)
+    return Beside(pair, align_to(pair, first_guess(pair, start)) if align else Aligned(start))
+
+
+def _subject(arm: Arm, record: Record, simulation: Any, step: float, alpha: float) -> Subject:
+    """The simulation beside the record."""
+    if record.kind == "static":
+        inputs = {
+            name: "is an input of the poses"
+            for name, signal in record.signals.items()
+            if is_input(record, signal)
+        }
+        return subject(simulation or solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+    return subject(_run(arm, record, step, alpha) if simulation is None else simulation, record, arm=arm)
+
+
+def _run(arm: Arm, record: Record, step: float, alpha: float) -> Any:
+    """The record's drive through the model, up to the last stamp that a known clock gave."""
+    from flexarm.simulation import simulate
+
+    quantities = {signal.quantity for signal in record.signals.values()}
+    drive = Drive.from_record(record, arm)
+    return simulate(
+        arm,
+        drive,
+        step=step,
+        alpha=alpha,
+        end=_end(record, arm, drive.start),
+        rotations=bool(quantities & set(NEEDS_ROTATIONS)),
+        forces="strain" in quantities,
+    )
+
+
+def _end(record: Record, arm: Arm, start: float) -> float:
+    """Last instant that is needed: every stamp less what its clock is late, and three sigma more."""
+    own = record.clocks[drive_clock(record)].offset
+    ends = []
+    for signal in record.signals.values():
+        clock = record.clocks[signal.clock]
+        if len(signal.time) and (not clock.unknown or signal.name in record.drive):
+            late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
+            ends.append(float(true_time(signal, arm, start, late)[-1]))
+    return max(ends, default=record.duration) + 1e-9
+
+
+def _modes(pair: Subject) -> list[float]:
+    """Frequencies of the arm at the middle of its motion [Hz]; none if it has no equilibrium there."""
+    from flexarm.modal import modes
+
+    run, arm = pair.simulation, pair.arm
+    angles = np.asarray(run.drive_angle)
+    middle = {
+        name: float((angles[:, j].min() + angles[:, j].max()) / 2)
+        for j, name in enumerate(run.joints)
+        if arm.joint(name).moves
+    }
+    try:
+        return [float(f) for f in modes(arm, joints=middle, count=3).frequency_hz]
+    except (InvalidParameter, NotConverged):
+        return []
