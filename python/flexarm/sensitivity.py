@@ -14,10 +14,12 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.effect import Effect
 from flexarm.arm.parameter import Parameter, neighbours, parameters, path_of
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter
+from flexarm.tables import Table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,9 +109,14 @@ class Sensitivities:
 
 def moves_arm(arm: Arm, parameter: Parameter) -> bool:
     """Whether a parameter belongs to the mechanics; else it only changes what sensors show, or drives."""
+    return not isinstance(entry_of(arm, parameter), SignalEffect | ClockEffect | FrameEffect)
+
+
+def entry_of(arm: Arm, parameter: Parameter) -> Table:
+    """The link, payload, effect ... to which a parameter belongs."""
     path = path_of(arm, parameter.key)
-    entry = getattr(arm, path.table)[path.index]
-    return not isinstance(entry, SignalEffect | ClockEffect | FrameEffect)
+    found: Table = getattr(arm, path.table)[path.index]
+    return found
 
 
 @dataclass(frozen=True)
@@ -194,5 +201,6 @@ def collected(
 
 
 def _place(arm: Arm, parameter: Parameter) -> str:
-    path = path_of(arm, parameter.key)
-    return str(getattr(arm, path.table)[path.index].at)
+    entry = entry_of(arm, parameter)
+    assert isinstance(entry, Effect)
+    return entry.at

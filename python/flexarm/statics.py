@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
-from flexarm.assembly import assemble, core_arm, joint_values, point_loads
+from flexarm.assembly import core_arm
+from flexarm.held_arm import HeldArm, positions
 from flexarm.netcdf import Contents
 from flexarm.result import Result, load, model_of, provenance
-from flexarm.sensitivity import Sensitivities, collected, varied
+from flexarm.sensitivity import Sensitivities
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -272,86 +272,31 @@ def static(
     --------
     >>> flexarm.static(arm, joints={"hinge": 0.5}).displacement  # doctest: +SKIP
     """
-    values = joint_values(arm, joints or {})
-    loads = point_loads(arm, forces or {})
-    held = {name: _core.DriveKind.link_angle for name in at_link}
-    system = assemble(arm, held, loaded=forces or ())
-    acting = _core.Loads(gravity=np.array(arm.gravity), points=loads)
-    equilibrium = _core.static_equilibrium(system, values, acting)
-    found = _outputs(arm, system, equilibrium.state, acting)
-    wanted = parameters(arm, sensitivities)
+    held = HeldArm(arm, at_link, forces or (), sensitivities)
+    found = held.at(joints or {}, forces)
     return Statics(
         arm=arm,
-        displacement=frozen(found["position"] - _rigid(arm, system, values)),
-        drive_angle=frozen(values),
-        **{name: frozen(array) for name, array in found.items()},
+        displacement=frozen(found.arrays["position"] - _rigid(arm, held.system, found.values)),
+        drive_angle=frozen(found.values),
+        **{name: frozen(array) for name, array in found.arrays.items()},
         solver={
             "backend": _core.build_info().solver,
-            "iterations": equilibrium.iterations,
-            "load_steps": equilibrium.load_steps,
-            "residual_N": equilibrium.residual,
+            "iterations": found.equilibrium.iterations,
+            "load_steps": found.equilibrium.load_steps,
+            "residual_N": found.equilibrium.residual,
         },
-        parts=_parts(arm, system, equilibrium.state),
-        sensitivities=_derivatives(arm, wanted, system, equilibrium, acting, held, forces or ()),
+        parts=_parts(arm, held.system, found.equilibrium.state),
+        sensitivities=found.sensitivities,
     )
-
-
-def _outputs(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads) -> dict[str, Floats]:
-    """What is seen of a state."""
-    return {
-        "position": _positions(system, state, len(arm.points)),
-        "rotation": _rotations(system, state, len(arm.points)),
-        "joint_torque": np.array([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
-        "link_angle": np.array(_core.joint_angles(system, state)),
-        "section_forces": np.array(
-            [_ends(system, state, loads, i, link.type) for i, link in enumerate(arm.links)]
-        ),
-        "base_wrench": np.array(_core.base_wrench(system, state)),
-    }
-
-
-def _derivatives(
-    arm: Arm,
-    wanted: tuple[Parameter, ...],
-    system: _core.System,
-    equilibrium: _core.Equilibrium,
-    loads: _core.Loads,
-    held: Mapping[str, _core.DriveKind],
-    loaded: Iterable[str],
-) -> Sensitivities | None:
-    """Derivatives of the outputs: along the state's own derivative, in the models beside this one."""
-    if not wanted:
-        return None
-    beside, places = varied(arm, wanted, lambda other: assemble(other, held, loaded))
-    state = equilibrium.state
-    moving = _core.static_derivative(system, equilibrium, beside)
-    arrays: dict[str, list[Floats]] = {
-        name: [np.zeros_like(array)] if not beside else []
-        for name, array in _outputs(arm, system, state, loads).items()
-    }
-    for k, pair in enumerate(beside):
-        up = _outputs(arm, pair.plus, _core.moved(system, state, moving, k, pair.up), loads)
-        down = _outputs(arm, pair.minus, _core.moved(system, state, moving, k, pair.down), loads)
-        for name, array in up.items():
-            arrays[name].append((array - down[name]) / (pair.up - pair.down))
-    return collected(wanted, places, arrays)
-
-
-def _positions(system: _core.System, state: _core.State, count: int) -> Floats:
-    return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
 
 
 def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
     """The points of the rigid arm without effects: what effects move counts as displacement."""
     if not arm.effects:
-        return _positions(system, system.rigid_state(values), len(arm.points))
+        return positions(system, system.rigid_state(values), len(arm.points))
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
     plain = _core.System(core_arm(arm, nominal=True), kinds)
-    return _positions(plain, plain.rigid_state(values), len(arm.points))
-
-
-def _rotations(system: _core.System, state: _core.State, count: int) -> Floats:
-    return np.array([system.point_frame(state, i).R for i in range(count)]).reshape(count, 3, 3)
+    return positions(plain, plain.rigid_state(values), len(arm.points))
 
 
 def _parts(arm: Arm, system: _core.System, state: _core.State) -> dict[str, PartShape]:
@@ -361,13 +306,6 @@ def _parts(arm: Arm, system: _core.System, state: _core.State) -> dict[str, Part
         name: PartShape(frozen(frame.R), frozen(frame.x), frozen(freedoms))
         for name, (frame, freedoms) in zip(names, shapes, strict=True)
     }
-
-
-def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:
-    if kind != "beam":
-        return np.full((2, 6), np.nan)
-    forces = _core.section_forces(system, state, loads, link)
-    return np.array([forces.start, forces.end])
 
 
 def _wrench(values: Floats) -> dict[str, list[float]]:

@@ -8,17 +8,23 @@ means, outputs are compared row by row. Effects of the model on sensors of input
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.parameter import Parameter, neighbours, parameters
+from flexarm.arm.sensor_effect import SignalEffect
+from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
 from flexarm.errors import InvalidParameter
+from flexarm.held_arm import Held, HeldArm, Turning
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
+from flexarm.record.against_arm import weighed
 from flexarm.record.doubts import INPUTS
+from flexarm.sensitivity import Sensitivities, entry_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -27,51 +33,12 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class PoseSequence:
-    """Equilibria of an arm, one a pose, with the arrays that sensors read of a simulation.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    time : ndarray, shape (n,)
-        Numbers of the poses: 0, 1, 2, ...
-    points, joints : tuple of str
-        Names, in the order of the arrays.
-    position, velocity : ndarray, shape (n, point, 3)
-        Places [m]; nothing moves.
-    orientation, angular_rate, acceleration : ndarray, shapes (n, point, 4) and (n, point, 3)
-        Quaternions x, y, z, w; no rate; specific force in body axes [m/s2].
-    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
-        Angles [rad] and the drive's torques, output side [N m].
-    section_forces : ndarray, shape (n, link, 2, 6)
-        At both ends of each link [N, N m].
-    """
-
-    arm: Any
-    time: Floats
-    points: tuple[str, ...]
-    joints: tuple[str, ...]
-    position: Floats
-    velocity: Floats
-    orientation: Floats
-    angular_rate: Floats
-    acceleration: Floats
-    joint_angle: Floats
-    joint_rate: Floats
-    drive_angle: Floats
-    drive_rate: Floats
-    motor_torque: Floats
-    section_forces: Floats
-
-
 def is_input(record: Record, signal: Signal) -> bool:
     """Whether a signal of a static record says what the arm was told, not how it answered."""
     return signal.name in record.drive or signal.quantity in INPUTS
 
 
-def solve_poses(arm: Arm, record: Record) -> PoseSequence:
+def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) -> PoseSequence:
     """The equilibrium of every pose of a static record.
 
     Parameters
@@ -80,50 +47,113 @@ def solve_poses(arm: Arm, record: Record) -> PoseSequence:
         The model, with what the record says it carried.
     record : Record
         Its poses.
+    sensitivities : iterable of str
+        Keys of parameters by which the arrays are differentiated, as in `simulate`.
 
     Raises
     ------
     InvalidParameter
-        If a drive does not say where a joint stands in a pose.
+        If a drive does not say where a joint stands in a pose, or there is no derivative by a parameter.
     NotConverged
         If a pose has no stable equilibrium.
     """
-    from scipy.spatial.transform import Rotation
+    bench = _Bench(arm, record, parameters(arm, sensitivities))
+    found = [bench.held(bench.inputs(pose), bench.turning(pose)) for pose in record.poses]
+    run = sequence(arm, found)
+    return replace(run, sensitivities=_sensitivities(bench, run, found)) if bench.wanted else run
 
-    from flexarm.record.against_arm import weighed
-    from flexarm.statics import static
 
-    at_link = {s.joint for name in record.drive if (s := record.signals[name]).side == "output" and s.joint}
-    found = []
-    true = {
-        name: effects_of(arm, signal).true(signal.values)
-        for name, signal in record.signals.items()
-        if is_input(record, signal)
+@dataclass(frozen=True)
+class _Inputs:
+    """What one pose was told: angles [rad, m], forces [N] and weighed payloads [kg]."""
+
+    angles: Mapping[str, float]
+    forces: Mapping[str, Floats]
+    masses: Mapping[str, float]
+
+
+class _Bench:
+    """The arm of a static record, assembled once for every set of payloads that its poses carry."""
+
+    def __init__(self, arm: Arm, record: Record, wanted: tuple[Parameter, ...]) -> None:
+        self.arm, self.record, self.wanted = arm, record, wanted
+        signals = record.signals.values()
+        drives = [record.signals[name] for name in record.drive]
+        self.at_link = {signal.joint for signal in drives if signal.side == "output" and signal.joint}
+        self.turned = {signal.joint for signal in drives if signal.joint} - self.at_link
+        self.loaded = {s.point for s in signals if s.quantity == "force" and s.point is not None}
+        self.true = self.readings(arm)
+        self._arms: dict[tuple[tuple[str, float], ...], HeldArm] = {}
+        self._turning = {
+            parameter.key: [(self.readings(other), change) for other, change in neighbours(arm, parameter)]
+            for parameter in wanted
+            if self.quantity_read_by(parameter) == "joint_angle"
+        }
+
+    def readings(self, arm: Arm) -> dict[str, Floats]:
+        """True values of the inputs, an arm's effects on their sensors taken back."""
+        return {
+            name: effects_of(arm, signal).true(signal.values)
+            for name, signal in self.record.signals.items()
+            if is_input(self.record, signal)
+        }
+
+    def inputs(self, pose: str, true: Mapping[str, Floats] | None = None) -> _Inputs:
+        """What a pose was told, from the true values of its signals."""
+        return _inputs(self.record, pose, self.true if true is None else true)
+
+    def quantity_read_by(self, parameter: Parameter) -> str | None:
+        """What the sensor measures to which a parameter belongs; None if it is none of an input."""
+        entry = entry_of(self.arm, parameter)
+        if not isinstance(entry, SignalEffect) or entry.at not in self.true:
+            return None
+        return self.record.signals[entry.at].quantity
+
+    def turning(self, pose: str) -> dict[str, Turning]:
+        """The angles of a pose that other parameters of the encoders would mean."""
+        found = {}
+        for key, sides in self._turning.items():
+            (above, up), (below, down) = (
+                ({**self.record.joints, **self.inputs(pose, true).angles}, change) for true, change in sides
+            )
+            found[key] = Turning(above, up, below, down)
+        return found
+
+    def held(self, inputs: _Inputs, turning: Mapping[str, Turning] | None = None) -> Held:
+        """The equilibrium."""
+        load = tuple(sorted(inputs.masses.items()))
+        if load not in self._arms:
+            carried = weighed(self.arm, inputs.masses)
+            keys = [parameter.key for parameter in self.wanted]
+            self._arms[load] = HeldArm(carried, self.at_link, self.loaded, keys, self.turned)
+        return self._arms[load].at({**self.record.joints, **inputs.angles}, inputs.forces, turning)
+
+
+def _sensitivities(bench: _Bench, run: PoseSequence, found: list[Held]) -> Sensitivities:
+    """Derivatives of a sequence: of its equilibria, and by sensors of forces through what these read."""
+    slopes = {
+        name: np.stack([held.sensitivities[name] for held in found if held.sensitivities])
+        for name in (*SEEN, "drive_angle")
     }
-    for pose in record.poses:
-        angles, forces, masses = _inputs(record, pose, true)
-        loaded = weighed(arm, masses)
-        found.append(static(loaded, joints={**record.joints, **angles}, forces=forces, at_link=at_link))
-    position = np.array([s.position for s in found])
-    turns = Rotation.from_matrix([np.eye(3), *(R for s in found for R in s.rotation)])[1:]  # may be none
-    link_angle = np.array([s.link_angle for s in found])
-    return PoseSequence(
-        arm,
-        np.arange(float(len(found))),
-        found[0].points,
-        found[0].joints,
-        position,
-        np.zeros_like(position),
-        turns.as_quat().reshape(*position.shape[:2], 4),
-        np.zeros_like(position),
-        -np.asarray(turns.inv().apply(np.asarray(arm.gravity))).reshape(position.shape),
-        link_angle,
-        np.zeros_like(link_angle),
-        np.array([s.drive_angle for s in found]),
-        np.zeros_like(link_angle),
-        np.array([s.joint_torque for s in found]),
-        np.array([s.section_forces for s in found]),
-    )
+    for k, parameter in enumerate(bench.wanted):
+        if bench.quantity_read_by(parameter) == "force":
+            for name, array in _through_forces(bench, parameter).items():
+                slopes[name][..., k] = array
+    return Sensitivities(bench.wanted, slopes_of(bench.arm, run, slopes))
+
+
+def _through_forces(bench: _Bench, parameter: Parameter) -> dict[str, Floats]:
+    """Derivatives by the sensor of a force, whose true value is another one: two more equilibria a pose."""
+    (above, up), (below, down) = neighbours(bench.arm, parameter)
+    bare = _Bench(bench.arm, bench.record, ())
+    sides = []
+    for other in (above, below):
+        true = bench.readings(other)
+        sides.append([bare.held(bare.inputs(pose, true)) for pose in bench.record.poses])
+    return {
+        name: np.array([a.arrays[name] - b.arrays[name] for a, b in zip(*sides, strict=True)]) / (up - down)
+        for name in SEEN
+    }
 
 
 def pose_numbers(record: Record) -> dict[str, Floats]:
@@ -137,9 +167,7 @@ def pose_numbers(record: Record) -> dict[str, Floats]:
     }
 
 
-def _inputs(
-    record: Record, pose: str, true: Mapping[str, Floats]
-) -> tuple[dict[str, float], dict[str, Floats], dict[str, float]]:
+def _inputs(record: Record, pose: str, true: Mapping[str, Floats]) -> _Inputs:
     """Joint angles, forces and payload masses of one pose, from the true values of their signals."""
     angles: dict[str, float] = {}
     forces: dict[str, Floats] = {}
@@ -163,4 +191,4 @@ def _inputs(
             masses[signal.payload] = float(mean[0])
         elif signal.joint is not None:
             angles[signal.joint] = float(mean[0])
-    return angles, forces, masses
+    return _Inputs(angles, forces, masses)

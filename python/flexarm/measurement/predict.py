@@ -49,6 +49,7 @@ def predict(
     *,
     arm: Any = None,
     rounded: bool = True,
+    stamps: Floats | None = None,
 ) -> Floats:
     """Values of a signal in a simulated motion, at the signal's own stamps, as the model's sensors show them.
 
@@ -66,6 +67,8 @@ def predict(
         The model whose effects on sensors, clocks and frames count; default: that of the simulation.
     rounded : bool
         Whether an effect `encoder_quantisation` rounds; without it readings have derivatives.
+    stamps : ndarray, shape (n,), optional
+        In place of the signal's own: of a static record the number of each row's pose.
 
     Returns
     -------
@@ -78,7 +81,9 @@ def predict(
         If the simulation does not hold what the signal needs; says what is missing.
     """
     seen = effects_of(getattr(simulation, "arm", None) if arm is None else arm, signal)
-    instants = seen.clock(clock, float(simulation.time[0])).instants(signal.time)
+    instants = seen.clock(clock, float(simulation.time[0])).instants(
+        signal.time if stamps is None else stamps
+    )
     return seen.reading(read(simulation, signal, instants, seen.registration(registration)), rounded)
 
 

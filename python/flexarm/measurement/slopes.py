@@ -12,7 +12,7 @@ Rounding by an encoder's steps is left out: it has no derivative.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,27 +23,26 @@ from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import predict
 
-if TYPE_CHECKING:
-    from flexarm.simulation import Simulation
-
 Floats = NDArray[np.float64]
 
 
 def predict_slopes(
-    simulation: Simulation,
+    simulation: Any,
     signal: Any,
     clock: ClockError = EXACT,
     registration: Registration = IDENTITY,
+    *,
+    stamps: Floats | None = None,
 ) -> Floats:
     """Derivatives of a predicted signal by every parameter that a run was differentiated by.
 
     Parameters
     ----------
-    simulation : Simulation
-        A run with `sensitivities`.
+    simulation : Simulation or PoseSequence
+        A run, or poses, with `sensitivities`.
     signal : Signal
         Names the quantity, its place and the stamps.
-    clock, registration
+    clock, registration, stamps
         As in `predict`.
 
     Returns
@@ -71,7 +70,7 @@ def predict_slopes(
                 for name, array in found.arrays.items()
             }
             there = replace(simulation, arm=arm, sensitivities=None, **arrays)
-            return predict(there, signal, clock, registration, rounded=False)
+            return predict(there, signal, clock, registration, rounded=False, stamps=stamps)
 
         columns.append((seen(above, up) - seen(below, down)) / (up - down))  # eq. (1)
-    return np.stack(columns, axis=-1) if columns else np.empty((len(signal.time), signal.values.shape[1], 0))
+    return np.stack(columns, axis=-1) if columns else np.empty((*signal.values.shape, 0))

@@ -1,0 +1,126 @@
+"""Equilibria of an arm, one a pose, as a sequence that reads like a simulation.
+
+At rest an accelerometer shows f = -R^T g, which is linear in R and so of its derivatives too; quaternions
+follow the rotation vector w of dR R^T, base axes:
+
+    dq = (w, 0) q/2                                                                                  (1)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arrays import Floats, frozen
+from flexarm.held_arm import Held
+from flexarm.sensitivity import Sensitivities
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+
+SEEN = ("position", "rotation", "joint_torque", "link_angle", "section_forces")
+"""Arrays of an equilibrium that a sequence is made from."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseSequence:
+    """Equilibria of an arm, one a pose, with the arrays that sensors read of a simulation.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    time : ndarray, shape (n,)
+        Numbers of the poses: 0, 1, 2, ...
+    points, joints : tuple of str
+        Names, in the order of the arrays.
+    position, velocity : ndarray, shape (n, point, 3)
+        Places [m]; nothing moves.
+    orientation, angular_rate, acceleration : ndarray, shapes (n, point, 4) and (n, point, 3)
+        Quaternions x, y, z, w; no rate; specific force in body axes [m/s2].
+    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
+        Angles [rad] and the drive's torques, output side [N m].
+    section_forces : ndarray, shape (n, link, 2, 6)
+        At both ends of each link [N, N m].
+    sensitivities : Sensitivities or None
+        Derivatives of the arrays by parameters of the model; of those that are zero at rest there are none.
+    """
+
+    arm: Any
+    time: Floats
+    points: tuple[str, ...]
+    joints: tuple[str, ...]
+    position: Floats
+    velocity: Floats
+    orientation: Floats
+    angular_rate: Floats
+    acceleration: Floats
+    joint_angle: Floats
+    joint_rate: Floats
+    drive_angle: Floats
+    drive_rate: Floats
+    motor_torque: Floats
+    section_forces: Floats
+    sensitivities: Sensitivities | None = None
+
+
+def sequence(arm: Arm, found: Sequence[Held]) -> PoseSequence:
+    """The equilibria as one sequence."""
+    from scipy.spatial.transform import Rotation
+
+    arrays = {name: np.array([held.arrays[name] for held in found]) for name in SEEN}
+    still = np.zeros_like(arrays["position"])
+    turns = Rotation.from_matrix([np.eye(3), *(R for held in found for R in held.arrays["rotation"])])[1:]
+    return PoseSequence(
+        arm=arm,
+        time=np.arange(float(len(found))),
+        points=tuple(point.name for point in arm.points),
+        joints=tuple(joint.name for joint in arm.joints),
+        position=arrays["position"],
+        velocity=still,
+        orientation=turns.as_quat().reshape(*still.shape[:2], 4),
+        angular_rate=still,
+        acceleration=-np.einsum("nabc,b->nac", arrays["rotation"], np.asarray(arm.gravity)),
+        joint_angle=arrays["link_angle"],
+        joint_rate=np.zeros_like(arrays["link_angle"]),
+        drive_angle=np.array([held.values for held in found]),
+        drive_rate=np.zeros_like(arrays["link_angle"]),
+        motor_torque=arrays["joint_torque"],
+        section_forces=arrays["section_forces"],
+    )
+
+
+def slopes_of(arm: Arm, run: PoseSequence, slopes: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Derivatives of a sequence's arrays, parameters last, from those of `SEEN` and of the drives' angles."""
+    gravity, turning = np.asarray(arm.gravity), slopes["rotation"]
+    arrays = {
+        "position": slopes["position"],
+        "orientation": _turning(run.orientation, turning),
+        "acceleration": -np.einsum("nabck,b->nack", turning, gravity),
+        "joint_angle": slopes["link_angle"],
+        "drive_angle": slopes["drive_angle"],
+        "motor_torque": slopes["joint_torque"],
+        "section_forces": slopes["section_forces"],
+    }
+    return {name: frozen(array) for name, array in arrays.items()}
+
+
+def _turning(quaternion: Floats, rotation: Floats) -> Floats:
+    """Derivatives of quaternions, shape (n, point, 4, k), from those of their matrices: eq. (1)."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, real = np.moveaxis(quaternion, -1, 0)[..., None]
+    R = Rotation.from_quat(quaternion.reshape(-1, 4)).as_matrix().reshape(*quaternion.shape[:2], 3, 3)
+    skew = np.einsum("npabk,npcb->npack", rotation, R)
+    a, b, c = skew[:, :, 2, 1], skew[:, :, 0, 2], skew[:, :, 1, 0]
+    turned = [
+        a * real + b * z - c * y,
+        b * real + c * x - a * z,
+        c * real + a * y - b * x,
+        -a * x - b * y - c * z,
+    ]
+    found: Floats = 0.5 * np.stack(turned, axis=2)  # eq. (1)
+    return found
