@@ -67,7 +67,7 @@ def measure(
     description : str
         Of the record.
     **tables
-        `joints` and `payloads` of the record.
+        `joints`, `payloads` and `links` of the record.
 
     Returns
     -------

@@ -11,6 +11,7 @@ import numpy as np
 from flexarm.arm.consistency import missing
 from flexarm.arm.link import Beam
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.record.drawn_out import drawn_out
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -38,9 +39,10 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
         if name not in known["joint"]
     ]
     return found + [
-        Problem(f"payloads.{name}", missing("payload", name, known["payload"]))
-        for name in record.payloads
-        if name not in known["payload"]
+        Problem(f"{kind}s.{name}", missing(kind, name, known[kind]))
+        for kind, named in (("payload", record.payloads), ("link", record.links))
+        for name in named
+        if name not in known[kind]
     ]
 
 
@@ -70,7 +72,8 @@ def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
 
 
 def carrying(record: Record, arm: Arm) -> Arm:
-    """The arm with the payloads that a run carried; a weighed mass wins over an effect `payload_mass`."""
+    """The arm with the payloads and lengths of a run; a weighed mass wins over an effect `payload_mass`."""
+    arm = drawn_out(arm, record.links)
     if not record.payloads:
         return arm
     loads = {load.name: load for load in arm.payloads}

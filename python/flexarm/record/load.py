@@ -38,6 +38,7 @@ def load(path: Path) -> Record:
         initial=table.initial,
         joints=table.joints,
         payloads=table.payloads,
+        links=table.links,
         clocks=clocks,
         frames=table.frames,
         path=toml.parent,

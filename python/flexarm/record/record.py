@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
-from flexarm.record.table import CarriedPayload, Clock, Frame
+from flexarm.record.table import CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict
 
 if TYPE_CHECKING:
@@ -33,6 +33,8 @@ class Record:
         Where joints stand that nothing drives [rad or m].
     payloads : dict of str to CarriedPayload
         What this run carried, where it differs from the model.
+    links : dict of str to DrawnLink
+        Lengths of beams that are drawn out as far as a run needs them.
     clocks : dict of str to Clock
         The first one is the reference.
     frames : dict of str to Frame
@@ -50,6 +52,7 @@ class Record:
     initial: str = "equilibrium"
     joints: Mapping[str, float] = field(default_factory=FrozenDict)
     payloads: Mapping[str, CarriedPayload] = field(default_factory=FrozenDict)
+    links: Mapping[str, DrawnLink] = field(default_factory=FrozenDict)
     clocks: Mapping[str, Clock] = field(default_factory=FrozenDict)
     frames: Mapping[str, Frame] = field(default_factory=FrozenDict)
     path: Path | None = field(default=None, compare=False)
@@ -65,7 +68,7 @@ class Record:
         drive = (drives,) if isinstance(drives, str) else tuple(drives)
         for name, value in (("signals", named), ("drive", drive), ("clocks", FrozenDict(clocks))):
             object.__setattr__(self, name, value)
-        for name in ("joints", "payloads", "frames"):
+        for name in ("joints", "payloads", "links", "frames"):
             object.__setattr__(self, name, FrozenDict(getattr(self, name)))
         self._check_names()
 
@@ -184,7 +187,7 @@ class Record:
         return doubts(self, arm)
 
     def applied_to(self, arm: Arm) -> Arm:
-        """The arm as it was in this run: with the payloads that it carried.
+        """The arm as it was in this run: with the payloads that it carried, its booms drawn out.
 
         Parameters
         ----------

@@ -56,6 +56,12 @@ class CarriedPayload(Table):
         return self
 
 
+class DrawnLink(Table):
+    """How far a link was drawn out in a run, such as the boom of a crane."""
+
+    length: Number = value_in("m", "length of the beam", gt=0)
+
+
 def _as_clock(value: Any) -> Any:
     if value == "unknown":
         return Clock(unknown=True)
@@ -136,6 +142,7 @@ class RecordTable(Table):
     drive: Names = ()
     joints: Annotated[dict[Name, Number], AfterValidator(FrozenDict)] = FrozenDict()
     payloads: Annotated[dict[Name, CarriedPayload], AfterValidator(FrozenDict)] = FrozenDict()
+    links: Annotated[dict[Name, DrawnLink], AfterValidator(FrozenDict)] = FrozenDict()
     clocks: Clocks = FrozenDict()
     frames: Frames = FrozenDict()
     signals: tuple[SignalTable, ...] = ()
