@@ -9,7 +9,7 @@ from flexarm import InvalidFile, InvalidParameter, Record, Signal
 from flexarm.comparison.poses import solve_poses
 from flexarm.record import DrawnLink
 
-E, I = 70e9, 1.5e-9
+MODULUS, SECOND_MOMENT = 70e9, 1.5e-9
 
 
 def boom(length: float, bow: float = 0.0) -> flexarm.Arm:
@@ -21,8 +21,8 @@ def boom(length: float, bow: float = 0.0) -> flexarm.Arm:
                 beam(
                     "boom",
                     [length, 0, 0],
-                    general(1e-4, I),
-                    material={"youngs_modulus": E, "poisson_ratio": 0.3, "density": 1880.0},
+                    general(1e-4, SECOND_MOMENT),
+                    material={"youngs_modulus": MODULUS, "poisson_ratio": 0.3, "density": 1880.0},
                 )
             ],
             "payloads": [{"name": "hook", "link": "boom", "position": [length, 0, 0], "mass": 0.1}],
@@ -57,7 +57,7 @@ def test_a_record_keeps_the_length_in_its_file(tmp_path):
     (tmp_path / "record/record.toml").write_text(
         (tmp_path / "record/record.toml").read_text().replace("length = 2.5", "length = -2.5")
     )
-    with pytest.raises(InvalidFile, match=r"links\.boom\.length: must be greater than 0"):
+    with pytest.raises(InvalidFile, match=r"links\.boom\.length .*: must be positive, got -2\.5 m"):
         Record.load(tmp_path / "record")
 
 
