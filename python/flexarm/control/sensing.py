@@ -11,19 +11,17 @@ are those of what is written into a record, and so are delays: the controller re
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.controller import Controller
 from flexarm.arm.sensor import Sensor
+from flexarm.control.gauge import DeflectionGauge
 from flexarm.control.laws import Reading
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
-from flexarm.measurement.predict import read
 
 
 class Sensing:
@@ -43,6 +41,7 @@ class Sensing:
         self._angle = _sensor(arm, controller.joint, "joint_angle")
         self._rate = _sensor(arm, controller.joint, "joint_rate")
         self._deflection = _deflection(arm, controller)
+        self._gauge = DeflectionGauge(arm, self._deflection) if self._deflection is not None else None
         sensors = (self._angle, self._rate, self._deflection)
         self._effects = {sensor.name: effects_of(arm, sensor) for sensor in sensors if sensor is not None}
         self._period = controller.sample_time
@@ -80,19 +79,9 @@ class Sensing:
 
     def _bent(self, run: _core.SampledRun) -> float:
         """Deflection as a record would have it, of this one instant [m]."""
-        assert self._deflection is not None
-        points, joints = len(self._arm.points), len(self._arm.joints)
-        instant = SimpleNamespace(
-            arm=self._arm,
-            points=[point.name for point in self._arm.points],
-            joints=[joint.name for joint in self._arm.joints],
-            time=np.array([run.time]),
-            position=np.array([run.point_position(i) for i in range(points)]).reshape(1, points, 3),
-            velocity=np.zeros((1, points, 3)),
-            joint_angle=run.joint_angles.reshape(1, joints),
-            joint_rate=np.zeros((1, joints)),
-        )
-        return self._shown(self._deflection, float(read(instant, self._deflection, instant.time)[0, 0]))
+        assert self._gauge is not None
+        position = np.asarray(run.point_position(self._gauge.point))
+        return self._shown(self._deflection, self._gauge.read(position, np.asarray(run.joint_angles)))
 
 
 def _sensor(arm: Arm, joint: str, quantity: str) -> Sensor | None:

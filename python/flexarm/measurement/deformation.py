@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.names import link_of
 from flexarm.assembly.as_built import as_built
 from flexarm.assembly.base import tilted
 from flexarm.assembly.machine import machine_of
@@ -66,10 +67,29 @@ def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Float
 
 def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
     """Deflection (2) in the link's axes [m], shape (n, axes)."""
-    machine = machine_of(simulation.arm)
+    arm, point, base = gauged(simulation.arm, what)
+    angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
+    theta = sample(simulation.time, angle, instants, rate)
+    values = {name: theta[:, j] for j, name in enumerate(simulation.joints)}
+    frame = link_pose(arm, link_of(point.link), values, base)
+    rigid = link_pose(arm, point.link, values, base).of_point(np.asarray(point.position))
+    position = base_position(simulation, what, instants, point.name)
+    offset: Floats = np.einsum("nji,nj->ni", frame.R, position - rigid)  # eq. (2)
+    return offset[:, columns(what.axes)]
+
+
+def gauged(model: Any, what: Described) -> tuple[Any, Any, Any]:
+    """The arm as it is, the point whose deflection is measured, and the rotation of the base.
+
+    Raises
+    ------
+    CannotMeasure
+        If the frame of the undeformed link is not known from joint angles alone.
+    """
+    machine = machine_of(model)
     arm = as_built(machine)
-    point = arm.point(_point(simulation.arm, what).name)
-    link = point.link.split(":")[0]
+    point = arm.point(_point(model, what).name)
+    link = link_of(point.link)
     if machine.base.stiffness != inf:
         raise CannotMeasure(
             f"signal {what.name!r}: the deflection of {link!r} is measured from a frame that stands on a "
@@ -81,15 +101,7 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
                 f"signal {what.name!r}: the deflection of {link!r} is measured from a frame "
                 f"that stands on the flexible {joint.parent!r}; its parent must be rigid"
             )
-    angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
-    theta = sample(simulation.time, angle, instants, rate)
-    values = {name: theta[:, j] for j, name in enumerate(simulation.joints)}
-    base = tilted(machine.base)
-    frame = link_pose(arm, link, values, base)
-    rigid = link_pose(arm, point.link, values, base).of_point(np.asarray(point.position))
-    position = base_position(simulation, what, instants, point.name)
-    offset: Floats = np.einsum("nji,nj->ni", frame.R, position - rigid)  # eq. (2)
-    return offset[:, columns(what.axes)]
+    return arm, point, tilted(machine.base)
 
 
 def _point(arm: Any, what: Described) -> Any:
