@@ -1,1 +1,1 @@
-"""Where simulation and measurement disagree, which physical effect is missing, and how the gap shrinks with it."""
+"""Where simulation and measurement disagree, which effect is missing, and how the gap shrinks with it."""
