@@ -1,12 +1,17 @@
-"""The outcome of a diagnosis: verdict, named effects with their rivals, what is uncertain, the repaired model."""
+"""The outcome of a diagnosis: verdict, effects with their rivals, what is uncertain, the repaired model."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from flexarm.diagnosis.pooled_gap import PooledGap, pooled_gap
+
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
 
@@ -100,7 +105,11 @@ class Refined:
 
 @dataclass(frozen=True)
 class Rejected:
-    """A candidate that was tried: what it left of the gap, and why it was not taken."""
+    """A candidate that was tried: its evidence against the chosen effects', and why it was not taken.
+
+    `log_bayes_factor` is the natural logarithm of evidence with the candidate over evidence with what was
+    chosen: 0 is as good, below -ln 20 is out of reach.
+    """
 
     name: str
     at: str
@@ -110,7 +119,7 @@ class Rejected:
 
 @dataclass(frozen=True)
 class Stage:
-    """A model on the way from the nominal to the repaired one, with its gap by record [m or the signal's unit].
+    """A model on the way from the nominal to the repaired one, with its gap by record [the signal's unit].
 
     Attributes
     ----------
@@ -183,3 +192,87 @@ class Diagnosis:
     remarks: tuple[str, ...] = ()
     next_experiment: str = ""
     provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    # ------------------------------------------------------------------ the gap
+
+    @property
+    def unit(self) -> str:
+        """Unit of the main signal's gap; empty if nothing could be compared."""
+        found = (comparison.signals.get(self.main_signal) for comparison in self.before.values())
+        return next((gap.unit for gap in found if gap is not None), "")
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether there is a gap to be shown: not where the data could not be compared at all."""
+        return bool(self.unit)
+
+    def gap(self, records: Iterable[str]) -> PooledGap:
+        """Totals of the main signal before and after, pooled over records.
+
+        Parameters
+        ----------
+        records : iterable of str
+            Their names, such as `training` or `held_out`.
+        """
+        return pooled_gap(self.before, self.after, records, self.main_signal)
+
+    def figures_of(self, effect: NamedEffect) -> list[str]:
+        """Names of the files that `save` draws for a named effect."""
+        return [f"{effect.name}-{effect.at}.png"] if self.has_gap else []
+
+    # ------------------------------------------------------------------- output
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `report.json`, checked against its format."""
+        from flexarm.diagnosis.report_file import report_dict
+
+        return report_dict(self)
+
+    def summary(self) -> str:
+        """Verdict, effects with 90 % intervals, rivals, gap, and what to measure next, as text."""
+        from flexarm.diagnosis.summary import summary
+
+        return summary(self)
+
+    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
+        """The main signal's gap before and after along a record, and the noise (2 sigma) as a band.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        record : str, optional
+            Which one; default: the first held-out one, or the first of training.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such record, or nothing in it was compared.
+        """
+        from flexarm.diagnosis.gap_curves import plot
+
+        return plot(self, ax, record)
+
+    def save(self, directory: str | Path, force: bool = False) -> None:
+        """Writes report.json, report.html, updated.toml and the figures, all of them or none.
+
+        Parameters
+        ----------
+        directory : str or Path
+            A new or empty directory.
+        force : bool
+            Write into a directory that holds files.
+
+        Raises
+        ------
+        InvalidFile
+            If the directory holds files, or cannot be written.
+        """
+        from flexarm.output import output_directory
+        from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
+
+        with output_directory(directory, force) as place:
+            write(self, place)
+
+    def __repr__(self) -> str:
+        return self.summary()

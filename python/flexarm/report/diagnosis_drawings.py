@@ -1,0 +1,126 @@
+"""Which figures a diagnosis gets, and what stands below each; drawn once for its file and the page."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+from flexarm.diagnosis.gap_curves import sides
+from flexarm.report import diagnosis_figures as figures
+from flexarm.report.figures import style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from flexarm.diagnosis.result import Diagnosis
+
+DOTS = 170
+"""Resolution [per inch]: sharp at the page's full width."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure of the page.
+
+    Attributes
+    ----------
+    name : str
+        Of its file, without `.png`.
+    section : str
+        Where it stands: "where", "candidates", "shrinks", "constancy", "effects".
+    caption : str
+        What it shows.
+    png : bytes
+        The image.
+    """
+
+    name: str
+    section: str
+    caption: str
+    png: bytes
+
+    @property
+    def address(self) -> str:
+        """The image itself as an address, so that the page fetches nothing."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+def drawings(d: Diagnosis) -> list[Drawing]:
+    """All figures of a diagnosis, in the order of the page."""
+    with style():
+        return [
+            Drawing(name, section, caption, _png(figure))
+            for name, section, caption, figure in _figures(d)
+            if figure is not None
+        ]
+
+
+def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
+    if d.has_gap:
+        yield from _of_gap(d)
+    yield (
+        "candidates",
+        "candidates",
+        "What was tried. The evidence that a candidate lacks against what was chosen (blue, 0); light blue: "
+        "the data cannot tell it apart; grey: out of reach, right of the dashed line.",
+        figures.candidates(d),
+    )
+    yield (
+        "constancy",
+        "constancy",
+        "Each parameter fitted to one record alone (bars: 90 %), beside the value of all records together "
+        "(line; band: 90 %). A right name's parameter stays where it is.",
+        figures.constancy(d, d.constancy),
+    )
+    for effect in d.effects:
+        for file in d.figures_of(effect):
+            yield file.removesuffix(".png"), "effects", "", figures.of_effect(d, effect)
+
+
+def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
+    records = [*d.training[:2], *d.held_out[:1]]
+    yield (
+        "bands",
+        "where",
+        f"The gap of {d.main_signal} by band of frequencies: quasi-static, around the first mode, above.",
+        figures.by_band(d, records),
+    )
+    yield (
+        "stages",
+        "shrinks",
+        f"From the nominal to the updated model: rms gap of {d.main_signal}, all directions, at each step.",
+        figures.waterfall(d),
+    )
+    shown = [name for name in (*d.held_out, *d.training) if sides(d, name)]
+    for record, stem in zip(shown, stems(shown), strict=True):
+        role = "held out, never used to fit" if record in d.held_out else "training"
+        yield (
+            f"gap-{stem}",
+            "shrinks",
+            f"Record {record} ({role}): gap of {d.main_signal} before and after, and the noise.",
+            figures.gap_along(d, record),
+        )
+
+
+def stems(names: Sequence[str]) -> list[str]:
+    """Names that files may have, whatever the records are called, no two alike.
+
+    >>> stems(["slow", "day 1/slow", "day 1:slow"])
+    ['slow', 'day-1-slow', 'day-1-slow-2']
+    """
+    found: list[str] = []
+    for name in names:
+        plain = re.sub(r"[^\w.-]+", "-", name).strip(".-") or "record"
+        count = 1 + sum(re.fullmatch(rf"{re.escape(plain)}(-\d+)?", other) is not None for other in found)
+        found.append(plain if count == 1 else f"{plain}-{count}")
+    return found
+
+
+def _png(figure: Figure) -> bytes:
+    content = BytesIO()
+    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None})
+    return content.getvalue()

@@ -1,0 +1,186 @@
+"""`report.html` of a diagnosis: one file that is read from top to bottom, figures inside, nothing fetched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from difflib import unified_diff
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.effect import effect_class
+from flexarm.diagnosis.sentences import headline, hold_out_sentence, verdict_sentence
+from flexarm.diagnosis.wording import interval, number, place_words, probability, scale
+from flexarm.tables import toml_text
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.result import Diagnosis, Estimate, NamedEffect
+    from flexarm.report.diagnosis_drawings import Drawing
+
+Row = dict[str, Any]
+MOST_REJECTED = 12
+"""Candidates listed; the file report.json has all."""
+
+
+def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -> str:
+    """The page as HTML.
+
+    Parameters
+    ----------
+    d : Diagnosis
+        What was found.
+    drawings : sequence of Drawing
+        The figures, drawn.
+    report : dict
+        The content of `report.json`, whose provenance is shown.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("flexarm.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"place": lambda each: place_words(each["name"], each["at"])}
+    return environment.get_template("diagnosis.html.j2").render(
+        d=d,
+        headline=headline(d),
+        verdict=verdict_sentence(d),
+        hold_out=hold_out_sentence(d) if d.training else "",
+        gaps=_gap_rows(d),
+        where=list(_where_rows(d)),
+        effects=[_effect(each) for each in d.effects],
+        refined=list(_refined_rows(d)),
+        nuisances=list(_nuisance_rows(d)),
+        rejected=_rejected_rows(d),
+        diff=list(_diff(d)),
+        drawn=drawings,
+        provenance=report["provenance"],
+    )
+
+
+def _gap_rows(d: Diagnosis) -> Row:
+    """The gap by record, all in one unit."""
+    names = [*d.training, *d.held_out]
+    found = {name: gap for name in names if (gap := d.gap([name])).before_rms is not None}
+    factor, unit = scale([gap.before_max for gap in found.values()], d.unit)
+
+    def cell(value: float | None) -> str:
+        return number(None if value is None else factor * value)
+
+    rows = [
+        {
+            "record": name,
+            "role": "held out" if name in d.held_out else "training",
+            "cells": [
+                cell(value)
+                for value in (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
+            ],
+        }
+        for name, gap in found.items()
+    ]
+    return {"unit": unit, "rows": rows}
+
+
+def _where_rows(d: Diagnosis) -> Iterator[Row]:
+    """Cells of the gap that exceed the noise, largest excess first as they were found."""
+    for cell in d.where:
+        unit = _unit_of(d, cell["signal"])
+        factor, shown = scale([cell["rms"]], unit)
+        noise = cell["noise_rms"]
+        low, high = cell["band_hz"]
+        yield {
+            **cell,
+            "rms": f"{number(factor * cell['rms'])} {shown}",
+            "noise": "–" if noise is None else f"{number(factor * noise)} {shown}",
+            "times": "–" if not noise else number(cell["rms"] / noise, 2),
+            "band": "all" if high is None else f"{low or 0:.3g} to {high:.3g} Hz",
+        }
+
+
+def _unit_of(d: Diagnosis, signal: str) -> str:
+    found = (comparison.signals.get(signal) for comparison in d.before.values())
+    return next((gap.unit for gap in found if gap is not None), "")
+
+
+def _effect(effect: NamedEffect) -> Row:
+    return {
+        "title": place_words(effect.name, effect.at),
+        "what": effect_law(effect.name),
+        "probability": probability(effect.probability),
+        "evidence": effect.evidence,
+        "parameters": [_parameter(each) for each in effect.parameters],
+        "alternatives": [
+            {
+                "title": place_words(other.name, other.at),
+                "what": effect_law(other.name),
+                "probability": probability(other.probability),
+            }
+            for other in effect.alternatives
+        ],
+    }
+
+
+def effect_law(name: str) -> str:
+    """What an effect is, in the first sentence of its documentation."""
+    return (effect_class(name).__doc__ or "").strip().split("\n")[0]
+
+
+def _parameter(estimate: Estimate) -> Row:
+    value, low, high, unit = interval(estimate)
+    return {"name": estimate.name, "value": value, "low": low, "high": high, "unit": unit or "–"}
+
+
+def _refined_rows(d: Diagnosis) -> Iterator[Row]:
+    """Nominal values that moved, and by how many of their stated sigmas."""
+    for each in d.refined:
+        factor, unit = scale([each.value, each.nominal], each.unit)
+        sigma = _stated_sigma(d, each.parameter)
+        yield {
+            "parameter": each.parameter,
+            "value": number(factor * each.value, 5),
+            "std": number(factor * each.std, 2),
+            "nominal": number(factor * each.nominal, 5),
+            "unit": unit or "–",
+            "moved": f"{(each.value - each.nominal) / sigma:+.1f}".replace("-", "−") if sigma else "–",
+        }
+
+
+def _stated_sigma(d: Diagnosis, key: str) -> float | None:
+    """1 sigma that the model's [uncertainty] states for a parameter, whatever its key says of units."""
+    stem, _, last = key.rpartition(".")
+    component = "xyz".index(last) if last in ("x", "y", "z") and stem else None
+    plain = key if component is None else stem
+    for given in d.arm.uncertainty:
+        if given == plain or (given.startswith(f"{plain}_") and "." not in given[len(plain) :]):
+            _, sigma = d.arm.sigma(given)
+            found = sigma[component or 0] if isinstance(sigma, tuple) else sigma
+            return float(found) or None
+    return None
+
+
+def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
+    for nuisance in d.nuisances:
+        for each in nuisance.parameters:
+            yield {"title": place_words(nuisance.name, nuisance.at), **_parameter(each)}
+
+
+def _rejected_rows(d: Diagnosis) -> list[Row]:
+    """The nearest of the candidates that were not taken."""
+    best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:MOST_REJECTED]
+    return [
+        {
+            "title": place_words(each.name, each.at),
+            "evidence": f"{each.log_bayes_factor:,.1f}".replace("-", "−"),
+            "why": each.why,
+        }
+        for each in best
+    ]
+
+
+def _diff(d: Diagnosis) -> Iterator[Row]:
+    """Lines of the model file that changed, with three around them."""
+    old, new = (toml_text(arm.to_dict()).splitlines() for arm in (d.arm, d.updated))
+    for line in list(unified_diff(old, new, "nominal", "updated.toml", lineterm="", n=3))[2:]:
+        kind = {"+": "plus", "-": "minus", "@": "place"}.get(line[:1], "")
+        yield {"kind": kind, "text": "…" if kind == "place" else line}
