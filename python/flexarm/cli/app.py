@@ -9,6 +9,7 @@ import typer
 
 from flexarm.cli.check import check
 from flexarm.cli.compare import compare
+from flexarm.cli.diagnose import diagnose
 from flexarm.cli.linearise import linearise
 from flexarm.cli.modes import modes
 from flexarm.cli.reduce import reduce
@@ -28,6 +29,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm linearise arm.toml --out arm.mat        matrices for control design
     flexarm simulate arm.toml --drive swing.csv --out run
     flexarm compare arm.toml measured               how far is the model off
+    flexarm diagnose arm.toml measured --out why    what does the model lack
     flexarm reduce hub.inp --interface ...          a solid part as a link
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence).
@@ -65,5 +67,5 @@ def _help(text: str) -> str:
 
 
 app.callback(help=_help(HELP))(_common)
-for command in (check, static, modes, linearise, simulate, compare, reduce, reproduce):
+for command in (check, static, modes, linearise, simulate, compare, diagnose, reduce, reproduce):
     app.command(help=_help(command.__doc__ or ""))(command)

@@ -1,0 +1,137 @@
+"""`flexarm diagnose`: where model and measurement disagree, and the effect that is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
+from flexarm.cli.phases import phases
+from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.record import Record
+
+Records = Annotated[
+    list[Path],
+    typer.Argument(metavar="RECORD...", help="Directories with record.toml: what to explain."),
+]
+HoldOut = Annotated[
+    Path | None,
+    typer.Option("--hold-out", metavar="RECORD", help="A record never fitted to: the final check."),
+]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Same seed, same answer.")]
+
+
+def diagnose(
+    model: Model,
+    records: Records,
+    out: Out,
+    hold_out: HoldOut = None,
+    jobs: Jobs = None,
+    seed: Seed = 0,
+    force: Force = False,
+) -> None:
+    """Name the physical effect that a model lacks.
+
+    Simulates the records with the model, shows where the two disagree, tries every effect at every place
+    where it can sit, and names those that the data ask for: with probability, parameters, 90 % intervals,
+    and all others that the data cannot tell from them. Says so where the model is adequate, where nothing
+    known explains the gap, and where the data are at fault. Give records with different payloads and
+    speeds; one kept out with --hold-out checks the repair.
+
+        flexarm diagnose arm.toml slow fast --hold-out other_day --out diagnosis
+
+    Writes report.html for you, report.json for programs, updated.toml, the repaired model, and the figures.
+    Then see what is left:
+
+        flexarm compare diagnosis/updated.toml other_day
+    """
+    arm = load_arm(model)
+    names = _names([*records, *([] if hold_out is None else [hold_out])])
+    read = {name: _load(path, arm) for name, path in names.items()}
+    held_out = None if hold_out is None else list(read.values())[-1]
+    training = dict(list(read.items())[: len(records)])
+    from flexarm.output import output_directory
+
+    with output_directory(out, force) as directory:
+        with _blame(model, names, read, arm):
+            found = _diagnosed(arm, training, held_out, jobs, seed)
+        from flexarm.diagnosis.inputs import hashes
+        from flexarm.report.diagnosis import write
+
+        traced = {"inputs_sha256": hashes(model, arm, read)}
+        found = replace(found, provenance={**found.provenance, **traced})
+        write(found, directory)
+    print(found.summary())
+    print(f"\nwritten to {out}: open {out / 'report.html'}")
+
+
+def _names(paths: list[Path]) -> dict[str, Path]:
+    """Names of records: of their directories, with parents as far as two would be the same.
+
+    Raises
+    ------
+    InvalidFile
+        If a record is given twice; what is held out must not be fitted to.
+    """
+    places = [(path.parent if path.name == "record.toml" else path).resolve() for path in paths]
+    for i, place in enumerate(places):
+        if place in places[:i]:
+            raise InvalidFile(
+                paths[i], "RECORD", "is given twice; a record counts once, or is held out and not fitted to"
+            )
+    parts = 1
+    while len({place.parts[-parts:] for place in places}) < len(places):
+        parts += 1
+    return {"/".join(place.parts[-parts:]): path for place, path in zip(places, paths, strict=True)}
+
+
+def _load(path: Path, arm: Arm) -> Record:
+    """A record; what looks wrong in it goes to standard error."""
+    from flexarm.record import Record
+
+    record = Record.load(path)
+    warn(path, [*record.check(), *record.check_against(arm)])
+    return record
+
+
+def _diagnosed(
+    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int
+) -> Diagnosis:
+    """The diagnosis, with a bar for a person at a terminal."""
+    import flexarm
+
+    with phases(show_progress()) as tell:
+        progress = None if tell is None else lambda done, what: tell(what, done)
+        found: Diagnosis = flexarm.diagnose(
+            arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=progress
+        )
+    return found
+
+
+@contextmanager
+def _blame(model: Path, files: dict[str, Path], records: dict[str, Record], arm: Arm) -> Iterator[None]:
+    """Names the file in an error about a model or a record: that of the first record that fails alone."""
+    try:
+        yield
+    except InvalidFile:
+        raise
+    except InvalidParameter:
+        from flexarm.comparison.beside import beside
+
+        for name, record in records.items():
+            with blame(model, files[name]), suppress(NotConverged):
+                beside(arm, record)
+        with blame(model):
+            raise
