@@ -8,12 +8,10 @@ import numpy as np
 
 from flexarm import Arm, InvalidParameter, NotConverged
 from flexarm.arm.effect import Effect
-from gallery.experiments import FAST, Floats
+from flexarm.diagnosis.curves import curve_share
+from gallery.experiments import FAST
 from gallery.gaps import Gap, bench, by_direction, slow_part, states
 from gallery.signatures import Signature, acting
-
-BINS = 25
-"""Intervals of a curve over a state of the joint."""
 
 
 @dataclass(frozen=True)
@@ -72,13 +70,3 @@ def follows(signature: Signature) -> dict[str, float]:
     parts = np.stack(list(by_direction(run, signature.shown.gaps[FAST]).values()), axis=1)
     slow = slow_part(run, parts)
     return {name: curve_share(slow_part(run, state), slow) for name, state in states(run).items()}
-
-
-def curve_share(state: Floats, values: Floats) -> float:
-    """Share of the squares of values, shape (n, k), in their means over `BINS` intervals of a state."""
-    edges = np.linspace(state.min(), state.max(), BINS + 1)
-    bins = np.clip(np.digitize(state, edges) - 1, 0, BINS - 1)
-    count = np.bincount(bins, minlength=BINS)
-    sums = np.stack([np.bincount(bins, column, BINS) for column in values.T], axis=1)
-    explained = np.sum(sums[count > 0] ** 2 / count[count > 0, None])
-    return float(explained / max(np.sum(values**2), 1e-300))

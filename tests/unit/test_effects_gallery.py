@@ -149,12 +149,3 @@ def test_a_rival_that_is_a_nuisance_explains_nothing():
 def test_the_size_of_a_rival_is_the_multiple_of_its_columns():
     columns = np.random.default_rng(5).normal(size=(40, 2))
     assert shares.multiples(columns @ [3.0, -0.5], columns) == approx([3.0, -0.5])
-
-
-def test_a_curve_over_a_state_explains_what_depends_on_it():
-    from gallery.measures import curve_share
-
-    state = np.linspace(-1, 1, 2000)
-    assert curve_share(state, np.sign(state)[:, None]) > 0.95
-    alternating = np.where(np.arange(2000) % 2, 1.0, -1.0)
-    assert curve_share(state, alternating[:, None]) < 0.01

@@ -92,6 +92,55 @@ def band_split(time: Floats, values: Floats, edges: Sequence[float]) -> list[Ban
     return [Band(low, high, float(r)) for low, high, r in zip(edges[:-1], edges[1:], rms, strict=True)]
 
 
+def band_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Floats, Floats]:
+    """Samples as a sum of one part a band; parts are orthogonal to each other.
+
+    Parameters
+    ----------
+    time, values, edges
+        As of `band_split`.
+
+    Returns
+    -------
+    parts : ndarray, shape (bands, n, channels)
+        They add up to `values`.
+    freedoms : ndarray, shape (bands,)
+        Number of cosines (1) of each, which add up to n: white noise has this share of its squares there.
+    """
+    steps = np.diff(time)
+    if len(steps) and np.ptp(steps) < EVEN * steps.min():
+        from scipy.fft import dct, idct
+
+        spectrum = dct(values, norm="ortho", axis=0)
+        ends = _ends(edges, len(time) * float(steps.mean()), len(time))
+        masks = [(np.arange(len(time)) >= i) & (np.arange(len(time)) < j) for i, j in ends]
+        parts = [idct(spectrum * mask[:, None], norm="ortho", axis=0) for mask in masks]
+        return np.stack(parts), np.array([mask.sum() for mask in masks], dtype=float)
+    blocks = max(1, -(-len(time) // BLOCK))
+    found = [
+        _block_parts(t, v, edges)
+        for t, v in zip(np.array_split(time, blocks), np.array_split(values, blocks), strict=True)
+    ]
+    return np.concatenate([parts for parts, _ in found], axis=1), np.sum([f for _, f in found], axis=0)
+
+
+def _block_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Floats, Floats]:
+    """Parts of one block, by Householder's QR of its cosines; the last band is what the others leave."""
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 1.0
+    length = float(time[-1] - time[0]) + step
+    ends = _ends(edges, length, len(time))
+    phase = np.pi * (time - time[0] + step / 2) / length
+    basis = np.linalg.qr(np.cos(phase[:, None] * np.arange(ends[-1][0])))[0]  # eq. (1)
+    parts = [basis[:, i:j] @ (basis[:, i:j].T @ values) for i, j in ends[:-1]]
+    return np.stack([*parts, values - sum(parts)]), np.array([j - i for i, j in ends], dtype=float)
+
+
+def _ends(edges: Sequence[float], length: float, count: int) -> list[tuple[int, int]]:
+    """First and last-but-one number k of the cosines of each band: k/(2 T) < edge."""
+    inner = [min(int(np.ceil(2 * length * edge)), count) for edge in edges[1:-1]]
+    return list(zip([0, *inner], [*inner, count], strict=True))
+
+
 def _energies(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
     """Sum of squares in each band."""
     steps = np.diff(time)
@@ -108,8 +157,7 @@ def _energies(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
 
 def _summed(powers: Floats, total: float, edges: Sequence[float], length: float) -> Floats:
     """Powers of the cosines of (1) summed in all bands but the last, which gets the rest of the total."""
-    ends = [min(int(np.ceil(2 * length * edge)), len(powers)) for edge in edges[1:-1]]  # k/(2 T) < edge
-    inner = [float(powers[i:j].sum()) for i, j in zip([0, *ends], ends, strict=False)]
+    inner = [float(powers[i:j].sum()) for i, j in _ends(edges, length, len(powers))[:-1]]
     return np.array([*inner, total - sum(inner)])
 
 

@@ -45,9 +45,14 @@ class Beside:
         return self.subject.record
 
     @cached_property
-    def modes_hz(self) -> tuple[float, ...]:
-        """The first three frequencies of the arm at the middle of its motion [Hz]; none for poses."""
+    def modes(self) -> tuple[tuple[float, float], ...]:
+        """Frequency [Hz] and damping ratio of three modes at the middle of the motion; none for poses."""
         return tuple(_modes(self.subject)) if self.record.kind == "motion" else ()
+
+    @property
+    def modes_hz(self) -> tuple[float, ...]:
+        """Their frequencies [Hz]."""
+        return tuple(frequency for frequency, _ in self.modes)
 
     @cached_property
     def joint(self) -> str | None:
@@ -124,8 +129,8 @@ def _end(record: Record, arm: Arm, start: float) -> float:
     return max(ends, default=record.duration) + 1e-9
 
 
-def _modes(pair: Subject) -> list[float]:
-    """Frequencies of the arm at the middle of its motion [Hz]; none if it has no equilibrium there."""
+def _modes(pair: Subject) -> list[tuple[float, float]]:
+    """Modes of the arm at the middle of its motion; none if it has no equilibrium there."""
     from flexarm.modal import modes
 
     run, arm = pair.simulation, pair.arm
@@ -136,6 +141,7 @@ def _modes(pair: Subject) -> list[float]:
         if arm.joint(name).moves
     }
     try:
-        return [float(f) for f in modes(arm, joints=middle, count=3).frequency_hz]
+        found = modes(arm, joints=middle, count=3)
     except (InvalidParameter, NotConverged):
         return []
+    return list(zip(found.frequency_hz.tolist(), found.damping_ratio.tolist(), strict=True))

@@ -161,20 +161,24 @@ def _parts(
 ) -> dict[str, Floats | None]:
     """Residual along the directions of the signal: of the arm for positions, of its own axes else."""
     if signal.quantity == "position":
-        directions = None
-        if joint is not None and signal.point is not None:
-            directions = joint_directions(
-                subject.simulation.arm, joint, signal.point, _angles(subject, instants)
-            )
-        frame = subject.frame(signal, placement)
-        return project(residual, signal.axes, frame, directions or base_directions(len(instants)))
+        directions = directions_of(subject, signal, joint, instants)
+        return project(residual, signal.axes, subject.frame(signal, placement), directions)
     if signal.quantity == "orientation" or (signal.spec.channels is None and signal.axes):
         axes = signal.axes or ("x", "y", "z")
         return {axis: residual[:, axes.index(axis)] if axis in axes else None for axis in "xyz"}
     return {"total": residual[:, 0]}
 
 
-def _angles(subject: Subject, instants: Floats) -> dict[str, Floats]:
+def directions_of(subject: Subject, signal: Signal, joint: str | None, instants: Floats) -> dict[str, Floats]:
+    """Unit vectors in the base along which a position's gap is shown: those of the joint, else x, y, z."""
+    directions = None
+    if joint is not None and signal.point is not None:
+        angles = drive_angles(subject, instants)
+        directions = joint_directions(subject.simulation.arm, joint, signal.point, angles)
+    return directions or base_directions(len(instants))
+
+
+def drive_angles(subject: Subject, instants: Floats) -> dict[str, Floats]:
     """Drive angles of all joints at the instants."""
     run = subject.simulation
     values = sample(run.time, np.asarray(run.drive_angle), instants, np.asarray(run.drive_rate))

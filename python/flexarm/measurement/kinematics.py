@@ -110,6 +110,23 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDE
     return _at(pose, place_in_link(arm, link))
 
 
+def point_jacobian(arm: Any, joint: str, point: str, values: Mapping[str, Floats]) -> Floats:
+    """Derivative of a point of the rigid arm by the value of a joint, base axes, shape (m, 3).
+
+        dp/dq = a x (p - o)   revolute,      dp/dq = a   prismatic                                   (2)
+
+    with the axis a through o; zero if the joint does not carry the point. In m/rad or m/m.
+    """
+    moving, place = arm.joint(joint), arm.point(point)
+    position = link_pose(arm, place.link, values).of_point(np.asarray(place.position))
+    if not moving.moves or moving not in chain_to(arm, place.link):
+        return np.zeros_like(position)
+    frame = joint_frame(arm, moving, link_pose(arm, moving.parent, values))
+    axis = frame.R @ (np.asarray(moving.axis, dtype=float) / np.linalg.norm(moving.axis))
+    axis = np.broadcast_to(axis, position.shape)
+    return np.array(axis) if moving.type == "prismatic" else np.cross(axis, position - frame.x)  # eq. (2)
+
+
 def _at(pose: Pose, frame: Any) -> Pose:
     rotation, position = frame
     return pose.moved(np.asarray(rotation), np.asarray(position))
