@@ -12,6 +12,8 @@ from arms import arm, beam, hinge, point
 
 import flexarm
 from flexarm.arm.sensor import Sensor
+from flexarm.comparison.beside import beside
+from flexarm.diagnosis.locate import Located, locate
 from flexarm.diagnosis.result import (
     Alternative,
     Diagnosis,
@@ -93,6 +95,16 @@ def comparisons() -> tuple[dict[str, flexarm.Comparison], dict[str, flexarm.Comp
     )
 
 
+@cache
+def located() -> tuple[Located, Located]:
+    """Where the gap of training is, with the nominal and the updated model."""
+    records = {"slow": record(1), "fast": record(2, 0.25)}
+    return tuple(
+        locate({name: beside(each, measured, step=0.01) for name, measured in records.items()})
+        for each in (nominal(), with_spring())
+    )
+
+
 def estimate(name: str, value: float, unit: str, std: float | None = None) -> Estimate:
     """A parameter with the interval of a normal distribution."""
     sigma = 0.01 * abs(value) if std is None else std
@@ -137,6 +149,8 @@ def of_effects(**changes: object) -> Diagnosis:
         "held_out": ("other",),
         "hold_out_kind": "interpolation",
         "main_signal": "tip",
+        "located": located()[0],
+        "located_after": located()[1],
         "stages": tuple(
             Stage(label, {name: each.signals["tip"].rms["total"] for name, each in side.items()})
             for label, side in (("nominal", before), ("joint_compliance at hinge", after))
@@ -165,7 +179,7 @@ def lean(**changes: object) -> Diagnosis:
     """The spring found in one record, with few figures."""
     before, after = comparisons()
     one = {"before": {"other": before["other"]}, "after": {"other": after["other"]}, "training": ("other",)}
-    few: dict[str, object] = {"held_out": (), "stages": (), "constancy": (), "rejected": ()}
+    few: dict[str, object] = {"held_out": (), "stages": (), "constancy": (), "rejected": (), "located": None}
     return of_effects(**{**one, **few, **changes})
 
 
@@ -179,6 +193,7 @@ def adequate() -> Diagnosis:
         rejected=(),
         where=(),
         before=after,
+        located=located()[1],
         stages=(),
         constancy=(),
         next_experiment="",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 BEFORE, AFTER, NOISE = "#D55E00", "#0072B2", "#d9d9d9"
-LOOKS = {
+LOOKS: dict[str, dict[str, Any]] = {
     "nominal model": {"color": BEFORE, "marker": "o"},
     "updated model": {"color": AFTER, "marker": "s"},
 }
@@ -59,8 +59,10 @@ def _record(diagnosis: Diagnosis, wanted: str | None) -> str:
 
 
 def sides(diagnosis: Diagnosis, record: str) -> dict[str, SignalGap]:
-    """The main signal's gap on a record, by model: nominal, and updated if it was simulated."""
-    pairs = (("nominal model", diagnosis.before), ("updated model", diagnosis.after))
+    """The main signal's gap on a record, by model: nominal, and updated if it is another one."""
+    pairs = [("nominal model", diagnosis.before)]
+    if diagnosis.updated != diagnosis.arm:
+        pairs.append(("updated model", diagnosis.after))
     found = {
         name: comparisons[record].signals.get(diagnosis.main_signal)
         for name, comparisons in pairs

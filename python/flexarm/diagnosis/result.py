@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
+    from flexarm.diagnosis.locate import Located
 
 Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
 
@@ -155,6 +156,8 @@ class Diagnosis:
         Names of the records. Without a held-out one, blocks of time were held back.
     hold_out_kind : str
         "repetition", "interpolation" or "extrapolation" of the training, or "blocks".
+    located, located_after : Located or None
+        Where the gap is, all records of training together: of the nominal and of the updated model.
     main_signal : str
         The signal of the report's `gap`.
     stages : tuple of Stage
@@ -186,6 +189,8 @@ class Diagnosis:
     held_out: tuple[str, ...] = ()
     hold_out_kind: str = "blocks"
     main_signal: str = ""
+    located: Located | None = None
+    located_after: Located | None = None
     stages: tuple[Stage, ...] = ()
     constancy: tuple[Mapping[str, Any], ...] = ()
     remainder: str = ""

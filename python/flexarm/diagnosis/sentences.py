@@ -55,14 +55,24 @@ def gap_sentence(diagnosis: Diagnosis) -> str:
     if gap.before_rms is None or gap.after_rms is None:
         return ""
     before, after, noise = _in_one_unit(gap, diagnosis.unit)
-    verb = "shrinks" if gap.after_rms < 0.99 * gap.before_rms else "goes"
-    return f"On the {where} the gap of {diagnosis.main_signal!r} {verb} from {before} to {after} rms" + (
-        f"; sensor noise is {noise}." if gap.noise_rms is not None else "."
+    return (
+        f"On the {where} the gap of {diagnosis.main_signal!r} {_change(gap, before, after)}"
+        f"{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
     )
 
 
+def _change(gap: PooledGap, before: str, after: str) -> str:
+    """What happens to a gap; a per cent is no change."""
+    ratio = (gap.after_rms or 0.0) / (gap.before_rms or 1.0)
+    if 0.99 < ratio < 1.01:
+        return f"is {after} rms"
+    return f"{'shrinks' if ratio < 1 else 'grows'} from {before} to {after} rms"
+
+
 def hold_out_sentence(diagnosis: Diagnosis) -> str:
-    """What the held-out data are to the training."""
+    """What the held-out data are to the training; empty where nothing was fitted."""
+    if not diagnosis.has_gap:
+        return ""
     fitted = listed([f"{name!r}" for name in diagnosis.training])
     if diagnosis.held_out:
         held_out = listed([f"{name!r}" for name in diagnosis.held_out])
@@ -82,10 +92,11 @@ def _adequate(diagnosis: Diagnosis) -> list[str]:
     keys = [each.parameter for each in diagnosis.refined]
     if not keys:
         return ["No effect is missing as far as these data tell: the gap is noise.", gap_sentence(diagnosis)]
-    what = "value" if len(keys) == 1 else "values"
+    who = "a nominal value" if len(keys) == 1 else f"{len(keys)} nominal values"
+    explain = "explains" if len(keys) == 1 else "explain"
     return [
-        f"No effect is missing as far as these data tell: {len(keys)} nominal {what} inside the stated "
-        f"uncertainty ({listed(keys)}) explain the gap.",
+        f"No effect is missing as far as these data tell: {who} inside the stated uncertainty "
+        f"({listed(keys)}) {explain} the gap.",
         gap_sentence(diagnosis),
     ]
 

@@ -10,8 +10,10 @@ from io import BytesIO
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.gap_curves import sides
-from flexarm.report import diagnosis_figures as figures
+from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.figures import style
+from flexarm.report.gap_figures import by_band, gap_along, waterfall
+from flexarm.report.state_figures import against_states, rotations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,33 +69,48 @@ def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
         "candidates",
         "What was tried. The evidence that a candidate lacks against what was chosen (blue, 0); light blue: "
         "the data cannot tell it apart; grey: out of reach, right of the dashed line.",
-        figures.candidates(d),
+        candidates(d),
     )
     yield (
         "constancy",
         "constancy",
         "Each parameter fitted to one record alone (bars: 90 %), beside the value of all records together "
         "(line; band: 90 %). A right name's parameter stays where it is.",
-        figures.constancy(d, d.constancy),
+        constancy(d, d.constancy),
     )
     for effect in d.effects:
         for file in d.figures_of(effect):
-            yield file.removesuffix(".png"), "effects", "", figures.of_effect(d, effect)
+            yield file.removesuffix(".png"), "effects", "", of_effect(d, effect)
 
 
 def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     records = [*d.training[:2], *d.held_out[:1]]
     yield (
+        "states",
+        "where",
+        f"The gap of {d.main_signal} on all records of training against what the joint did. A curve over "
+        "the torque is a spring, two branches by sense of motion are friction, a wave over the angle is a "
+        "gear or an encoder.",
+        against_states(d),
+    )
+    yield (
+        "rotations",
+        "where",
+        "The gap of all positions as small rotations of the joints, of the nominal model, each against its "
+        "own angle, rate and torque: the joint where the cause sits, if it sits in one.",
+        rotations(d),
+    )
+    yield (
         "bands",
         "where",
         f"The gap of {d.main_signal} by band of frequencies: quasi-static, around the first mode, above.",
-        figures.by_band(d, records),
+        by_band(d, records),
     )
     yield (
         "stages",
         "shrinks",
         f"From the nominal to the updated model: rms gap of {d.main_signal}, all directions, at each step.",
-        figures.waterfall(d),
+        waterfall(d),
     )
     shown = [name for name in (*d.held_out, *d.training) if sides(d, name)]
     for record, stem in zip(shown, stems(shown), strict=True):
@@ -102,7 +119,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
             f"gap-{stem}",
             "shrinks",
             f"Record {record} ({role}): gap of {d.main_signal} before and after, and the noise.",
-            figures.gap_along(d, record),
+            gap_along(d, record),
         )
 
 

@@ -7,8 +7,10 @@ from difflib import unified_diff
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import effect_class
+from flexarm.diagnosis.joint_rotations import NAMED
 from flexarm.diagnosis.sentences import headline, hold_out_sentence, verdict_sentence
-from flexarm.diagnosis.wording import interval, number, place_words, probability, scale
+from flexarm.diagnosis.where import FOLLOWS
+from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, with_unit
 from flexarm.tables import toml_text
 
 if TYPE_CHECKING:
@@ -49,6 +51,8 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         hold_out=hold_out_sentence(d) if d.training else "",
         gaps=_gap_rows(d),
         where=list(_where_rows(d)),
+        follows=list(_follows_rows(d)),
+        rotations=list(_rotation_rows(d)),
         effects=[_effect(each) for each in d.effects],
         refined=list(_refined_rows(d)),
         nuisances=list(_nuisance_rows(d)),
@@ -95,6 +99,30 @@ def _where_rows(d: Diagnosis) -> Iterator[Row]:
             "noise": "–" if noise is None else f"{number(factor * noise)} {shown}",
             "times": "–" if not noise else number(cell["rms"] / noise, 2),
             "band": "all" if high is None else f"{low or 0:.3g} to {high:.3g} Hz",
+        }
+
+
+def _follows_rows(d: Diagnosis) -> Iterator[Row]:
+    """Which state explains the gap of a signal best, where one does."""
+    for signal, found in (d.located.follows if d.located is not None else {}).items():
+        if found.share >= FOLLOWS:
+            yield {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
+
+
+def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
+    """Rotations of several joints that the gap of positions is like."""
+    found = d.located.rotations if d.located is not None else None
+    if found is None or len(found.joints) < 2:
+        return
+    for each in found.joints:
+        named = each.share >= NAMED
+        yield {
+            "joint": each.joint,
+            "rms": with_unit(each.rms, each.unit),
+            "alone": f"{100 * each.alone:.0f} %",
+            "share": f"{100 * each.share:.0f} %",
+            "follows": f"{each.follows.best} ({100 * each.follows.share:.0f} %)" if named else "–",
+            "hint": each.hint if named else "",
         }
 
 

@@ -196,9 +196,9 @@ def test_every_axis_with_numbers_has_a_unit(figures):
 
 def test_figures_of_a_repair_are_those_that_the_page_needs(figures, verdict):
     expected = {
-        "effects": {"bands", "stages", "candidates", "constancy", "joint_compliance-hinge"},
-        "adequate": {"bands"},
-        "unexplained": {"bands", "stages", "candidates", "constancy", "joint_compliance-hinge"},
+        "effects": {"states", "bands", "stages", "candidates", "constancy", "joint_compliance-hinge"},
+        "adequate": {"states", "bands"},
+        "unexplained": {"states", "bands", "stages", "candidates", "constancy", "joint_compliance-hinge"},
         "unusable": set(),
     }[verdict]
     curves = {"gap-slow", "gap-fast", "gap-other"} if verdict != "unusable" else set()

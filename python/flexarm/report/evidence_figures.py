@@ -1,0 +1,128 @@
+"""Evidence: what was tried against what was chosen, and whether a parameter stays from record to record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import log
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.diagnosis.gap_curves import AFTER, along, draw, label, sides, worst
+from flexarm.diagnosis.wording import place_words, scale
+from flexarm.report.sheets import legend_below, sheet, write_beside
+from flexarm.report.state_figures import draw_of_effect
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from flexarm.diagnosis.result import Diagnosis, NamedEffect
+
+RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
+REACH = log(20.0)
+"""Evidence that a candidate may lack and still be an alternative."""
+MOST_CANDIDATES = 14
+
+
+def candidates(d: Diagnosis) -> Figure | None:
+    """What evidence every candidate lacks against what was chosen; None if none was tried."""
+    rows = _candidate_rows(d)
+    if len(rows) < 2:
+        return None
+    shown = sorted(rows, key=lambda row: row[1])[:MOST_CANDIDATES]
+    figure, axes = sheet(1, 1, 0.9 + 0.22 * len(shown))
+    ax = axes[0, 0]
+    bars = ax.barh([row[0] for row in shown], [row[1] for row in shown], color=[row[2] for row in shown])
+    write_beside(ax, bars, [_lacking(row[1], row[2]) for row in shown])
+    ax.axvline(REACH, color="black", lw=0.8, ls="--", label="ln 20: right of it out of reach")
+    ax.set_xscale("symlog", linthresh=REACH)
+    ax.set_xlim(0, 4 * max(REACH, *(row[1] for row in shown)))
+    ax.set_xlabel("evidence lacking: −ln(Bayes factor) [-]")
+    ax.invert_yaxis()
+    ax.grid(visible=False, axis="y")
+    legend_below(figure, ax)
+    return figure
+
+
+def _lacking(value: float, colour: str) -> str:
+    return "chosen" if colour == AFTER else f"{value:,.1f}" if value < 100 else f"{value:,.0f}"
+
+
+def _candidate_rows(d: Diagnosis) -> list[tuple[str, float, str]]:
+    """Words, evidence lacking, colour; each pair of name and place once."""
+    rows: dict[tuple[str, str], tuple[float, str]] = {}
+    for effect in d.effects:
+        rows[effect.name, effect.at] = (0.0, AFTER)
+        for other in effect.alternatives:
+            odds = other.probability / effect.probability if effect.probability > 0 else 1.0
+            lacking = -log(odds) if odds > 0 else REACH
+            rows.setdefault((other.name, other.at), (max(0.0, lacking), RIVAL))
+    for candidate in d.rejected:
+        if np.isfinite(candidate.log_bayes_factor):
+            lacking = max(0.0, -candidate.log_bayes_factor)
+            rows.setdefault((candidate.name, candidate.at), (lacking, OTHER))
+    return [(place_words(*place), lacking, colour) for place, (lacking, colour) in rows.items()]
+
+
+def constancy(d: Diagnosis, entries: Sequence[Any]) -> Figure | None:
+    """Parameters fitted on each record alone, beside the value of all together; None if there are none."""
+    if not entries:
+        return None
+    heights = [0.55 + 0.2 * len(entry["values"]) for entry in entries]
+    figure, axes = sheet(len(entries), 1, 0.25 + sum(heights), height_ratios=heights)
+    for ax, entry in zip(axes[:, 0], entries, strict=True):
+        draw_constancy(ax, d, entry)
+    return figure
+
+
+def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
+    """One parameter by record with 90 % bars; the joint estimate and its interval as a band."""
+    values = {name: (float(value), float(std)) for name, (value, std) in entry["values"].items()}
+    joint = _estimate(d, entry)
+    factor, unit = scale([value for value, _ in values.values()], entry["unit"])
+    if joint is not None:
+        ax.axvspan(factor * joint.low90, factor * joint.high90, color=RIVAL, alpha=0.35, lw=0)
+        ax.axvline(factor * joint.value, color=AFTER, lw=0.8)
+    for i, (value, std) in enumerate(values.values()):
+        spread = 1.645 * factor * std if np.isfinite(std) else 0.0
+        colour = "black" if entry.get("constant", True) else DRIFTS
+        ax.errorbar([factor * value], [i], xerr=[spread], fmt="o", ms=4, capsize=3, color=colour)
+    moves = "" if entry.get("constant", True) else f": moves with {entry.get('moves_with') or 'the record'}"
+    ax.set(yticks=range(len(values)), yticklabels=list(values), ylim=(len(values) - 0.5, -0.5))
+    ax.set_xlabel(f"{entry['parameter']} [{unit or '-'}]")
+    ax.set_title(f"{place_words(entry['effect'], entry['at'])}{moves}")
+    ax.margins(x=0.15)
+
+
+def _estimate(d: Diagnosis, entry: Any) -> Any:
+    """What all records together gave for a parameter, or None."""
+    for effect in d.effects:
+        if (effect.name, effect.at) == (entry["effect"], entry["at"]):
+            return next((each for each in effect.parameters if each.name == entry["parameter"]), None)
+    return None
+
+
+def of_effect(d: Diagnosis, effect: NamedEffect) -> Figure:
+    """The gap that an effect repairs, and whether its parameters stay the same from record to record."""
+    entries = [e for e in d.constancy if (e["effect"], e["at"]) == (effect.name, effect.at)]
+    heights = [2.3, *(0.6 + 0.2 * len(entry["values"]) for entry in entries)]
+    figure, axes = sheet(len(heights), 1, 0.3 + sum(heights), height_ratios=heights)
+    if d.located is not None and d.main_signal in d.located.gaps:
+        draw_of_effect(axes[0, 0], d, effect.name, effect.at)
+    else:
+        _draw_in_time(axes[0, 0], d)
+    legend_below(figure, axes[0, 0])
+    for ax, entry in zip(axes[1:, 0], entries, strict=True):
+        draw_constancy(ax, d, entry)
+    return figure
+
+
+def _draw_in_time(ax: Axes, d: Diagnosis) -> None:
+    """The gap along the record that has the largest, in its largest direction."""
+    known = {name: gaps["nominal model"] for name in d.before if (gaps := sides(d, name))}
+    record = max(known, key=lambda name: known[name].rms["total"] or 0.0)
+    gap, name = known[record], worst(known[record])
+    factor, unit = scale([gap.max[name]], gap.unit)
+    draw(ax, sides(d, record), name, factor)
+    ax.set(xlabel=along(gap), ylabel=f"{label(gap, name)} [{unit}]", title=f"{record}: measured − model")

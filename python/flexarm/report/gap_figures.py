@@ -1,0 +1,118 @@
+"""The main signal's gap: before and after along a record, by band of frequencies, and step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.diagnosis.gap_curves import LOOKS, along, directions, draw, noise_of, sides
+from flexarm.diagnosis.pooled_gap import pooled
+from flexarm.diagnosis.wording import number, scale
+from flexarm.report.sheets import legend_below, log_if_wide, sheet, write_beside
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from flexarm.comparison.gap import SignalGap
+    from flexarm.diagnosis.result import Diagnosis
+
+TRAINING, HELD_OUT = "#CC79A7", "#009E73"
+
+
+def gap_along(d: Diagnosis, record: str) -> Figure:
+    """Before and after along a record, a row each direction; on the right what is left, enlarged."""
+    gaps = sides(d, record)
+    first, (model, last) = _first(gaps), list(gaps.items())[-1]
+    names = directions(first)
+    widths = (1.5, 1) if len(gaps) > 1 else (1,)
+    figure, axes = sheet(len(names), len(widths), 0.7 + 1.5 * len(names), sharex=True, width_ratios=widths)
+    for row, name in zip(axes, names, strict=True):
+        factor, unit = scale([first.max[name]], first.unit)
+        draw(row[0], gaps, name, factor)
+        row[0].set_ylabel(f"{'gap' if name == 'total' else name} [{unit}]")
+        if len(gaps) == 1:
+            continue
+        largest = max(last.max[name] or 0.0, 2 * (noise_of(last) or 0.0))
+        factor, unit = scale([largest], last.unit)
+        draw(row[1], {model: last}, name, factor)
+        row[1].set(ylabel=f"[{unit}]", ylim=(-1.15 * factor * largest, 1.15 * factor * largest))
+    titles = (f"{record}: measured − model", "what is left, enlarged")
+    for ax, title in zip(axes[0], titles, strict=False):
+        ax.set_title(title)
+    for ax in axes[-1]:
+        ax.set_xlabel(along(first))
+    legend_below(figure, axes[0, 0])
+    return figure
+
+
+def _first(gaps: Mapping[str, SignalGap]) -> SignalGap:
+    return next(iter(gaps.values()))
+
+
+def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
+    """The gap in each band of frequencies before and after, beside the noise; None without bands."""
+    shown = {name: gaps for name in records if (gaps := sides(d, name)) and _first(gaps).bands}
+    if not shown:
+        return None
+    figure, axes = sheet(1, len(shown), 2.5, sharey=True)
+    factor, unit = scale([_first(gaps).rms["total"] for gaps in shown.values()], d.unit)
+    for ax, (name, gaps) in zip(axes[0], shown.items(), strict=True):
+        labels = [f"{band.low:.2g}–{band.high:.2g}" for band in _first(gaps).bands]
+        shifts = (-0.2, 0.2) if len(gaps) > 1 else (0.0,)
+        for (model, gap), shift in zip(gaps.items(), shifts, strict=True):
+            heights = [factor * band.rms for band in gap.bands[: len(labels)]]
+            ax.bar(np.arange(len(heights)) + shift, heights, 0.38, color=LOOKS[model]["color"], label=model)
+        noise = list(gaps.values())[-1].noise_rms
+        if noise:
+            ax.axhline(factor * noise, color="black", lw=0.8, ls="--", label="noise, all bands")
+        ax.set(xticks=np.arange(len(labels)), xticklabels=labels, xlabel="band [Hz]", title=name)
+        log_if_wide(ax, "y", [factor * band.rms for gap in gaps.values() for band in gap.bands])
+    axes[0, 0].set_ylabel(f"rms of {d.main_signal} [{unit}]")
+    legend_below(figure, axes[0, 0])
+    return figure
+
+
+def waterfall(d: Diagnosis) -> Figure | None:
+    """The gap from the nominal model to the repaired one, effect by effect; None if nothing was added."""
+    groups = [("training", d.training, TRAINING), ("held out", d.held_out, HELD_OUT)]
+    rows = [(name, heights, colour) for name, of, colour in groups if (heights := _stages(d, of))]
+    if len(d.stages) < 2 or not rows:
+        return None
+    figure, axes = sheet(1, 1, 1.0 + 0.42 * len(d.stages))
+    ax = axes[0, 0]
+    largest = max(max(heights) for _, heights, _ in rows)
+    factor, unit = scale([largest], d.unit)
+    for i, (name, heights, colour) in enumerate(rows):
+        place = np.arange(len(heights)) + 0.38 * (i - (len(rows) - 1) / 2)
+        values = [factor * height for height in heights]
+        bars = ax.barh(place, values, 0.36, color=colour, label=name)
+        write_beside(ax, bars, [number(value) for value in values])
+    noise = d.gap([*d.training, *d.held_out]).noise_rms
+    if noise:
+        ax.axvline(factor * noise, color="black", lw=0.8, ls="--", label="noise")
+    smallest = min([min(heights) for _, heights, _ in rows] + ([noise] if noise else []))
+    labels = [_stage_label(stage.label, i) for i, stage in enumerate(d.stages)]
+    ax.set(yticks=np.arange(len(labels)), yticklabels=labels)
+    log_if_wide(ax, "x", [factor * smallest, factor * largest])
+    lowest = 0.6 * factor * smallest if ax.get_xscale() == "log" else 0.0
+    ax.set_xlim(lowest, factor * largest * (2.2 if lowest else 1.15))
+    ax.set_xlabel(f"rms gap of {d.main_signal} [{unit}]")
+    ax.invert_yaxis()
+    ax.grid(visible=False, axis="y")
+    legend_below(figure, ax)
+    return figure
+
+
+def _stages(d: Diagnosis, records: Sequence[str]) -> list[float]:
+    """The gap of each stage pooled over records; empty if one is not known."""
+    known = [name for name in records if sides(d, name) and all(name in stage.rms for stage in d.stages)]
+    gaps = [_first(sides(d, name)) for name in known]
+    heights = [pooled([stage.rms[name] for name in known], gaps) for stage in d.stages]
+    return [height for height in heights if height] if all(heights) else []
+
+
+def _stage_label(text: str, place: int) -> str:
+    words = text.replace("_", " ")
+    return words if place == 0 else f"+ {words}"

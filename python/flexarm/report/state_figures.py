@@ -1,0 +1,151 @@
+"""The gap against what the arm did: against angle, rate and torque of a joint, and as rotations of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.diagnosis.gap_curves import LOOKS, NOISE
+from flexarm.diagnosis.wording import scale
+from flexarm.report.sheets import legend_below, sheet
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from flexarm.diagnosis.gap_rows import GapRows
+    from flexarm.diagnosis.joint_rotations import JointRotation
+    from flexarm.diagnosis.joint_states import States
+    from flexarm.diagnosis.locate import Located
+    from flexarm.diagnosis.result import Diagnosis
+
+Floats = NDArray[np.float64]
+
+KINDS = ("angle", "rate", "torque")
+MOST_JOINTS = 3
+_TORQUE = """joint_compliance joint_stiffening joint_hysteresis backlash link_stiffness base_compliance
+payload_mass"""
+_RATE = "coulomb_friction viscous_friction lugre_friction motor_friction link_damping time_delay"
+_TIME = """clock_drift frame_drift external_vibration encoder_quantisation dead_channel sign_error unit_error
+saturation outliers"""
+_STATE_OF = {
+    name: kind
+    for kind, names in (("torque", _TORQUE), ("rate", _RATE), ("time", _TIME))
+    for name in names.split()
+}
+
+
+def state_of(effect: str) -> str:
+    """The state that an effect is drawn against, where its law shows best; most follow the angle."""
+    return _STATE_OF.get(effect, "angle")
+
+
+def against_states(d: Diagnosis) -> Figure | None:
+    """The main signal's gap against angle, rate and torque of the joint that turns most, before and after."""
+    rows = d.located.gaps.get(d.main_signal) if d.located is not None else None
+    if d.located is None or rows is None or not rows.states:
+        return None
+    chosen = turned_most(d.located, rows)
+    kinds = KINDS if chosen.moves else ("angle", "torque")
+    direction = _largest(rows)
+    figure, axes = sheet(1, len(kinds), 2.6, sharey=True)
+    for ax, kind in zip(axes[0], kinds, strict=True):
+        draw_against(ax, d, d.main_signal, direction, chosen.joint, kind)
+    axes[0, 1].set_title(f"{d.main_signal}, {direction}: measured − model")
+    for ax in axes[0, 1:]:
+        ax.set_ylabel("")
+    legend_below(figure, axes[0, 0])
+    return figure
+
+
+def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str, kind: str) -> None:
+    """The gap of a signal as dots against a state of a joint or time, before and after."""
+    sides = located_sides(d, signal)
+    rows = sides["nominal model"]
+    factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
+    sigma = factor * float(np.sqrt(np.mean(rows.noise[direction] ** 2)))
+    ax.axhspan(-2 * sigma, 2 * sigma, color=NOISE, lw=0, zorder=0, label="noise, 2σ")
+    for name, side in sides.items():
+        where = side.time if kind == "time" else getattr(_of(side.states, joint), kind)
+        values = factor * side.directions[direction]
+        ax.plot(where, values, ls="none", ms=2.4, mew=0, alpha=0.7, label=name, **LOOKS[name])
+    ax.set_ylabel(f"{direction} [{unit}]" if direction != "total" else f"gap [{unit}]")
+    states = _of(rows.states, joint)
+    ax.set_xlabel("time [s]" if kind == "time" else f"{kind} of {joint} [{states.units[kind]}]")
+
+
+def located_sides(d: Diagnosis, signal: str) -> dict[str, GapRows]:
+    """The gap of a signal over all records of training, by model."""
+    pairs = [("nominal model", d.located)]
+    if d.updated != d.arm:
+        pairs.append(("updated model", d.located_after))
+    return {name: side.gaps[signal] for name, side in pairs if side is not None and signal in side.gaps}
+
+
+def most_repaired(d: Diagnosis) -> str:
+    """The signal whose squared gap, over its noise, the updated model makes smaller by most."""
+
+    def gain(signal: str) -> float:
+        squares = [float(np.sum(side.whitened**2)) for side in located_sides(d, signal).values()]
+        return squares[0] - squares[-1] if len(squares) > 1 else 0.0
+
+    signals = list(d.located.gaps) if d.located is not None else []
+    best = max(signals, key=gain, default=d.main_signal)
+    return best if best in signals and gain(best) > 0 else d.main_signal
+
+
+def rotations(d: Diagnosis) -> Figure | None:
+    """The nominal model's gap as rotations of the joints, each against its angle, rate and torque.
+
+    None for a single joint, whose rotation is the tangential gap, and where no position was measured.
+    """
+    found = d.located.rotations if d.located is not None else None
+    if found is None or len(found.joints) < 2:
+        return None
+    shown = list(zip(found.joints, found.states, strict=True))[:MOST_JOINTS]
+    factor, unit = scale([float(np.abs(each.angle).max()) for each, _ in shown], shown[0][0].unit)
+    figure, axes = sheet(len(shown), len(KINDS), 0.4 + 1.6 * len(shown), sharey=True)
+    for row, (rotation, states) in zip(axes, shown, strict=True):
+        _draw_rotation(row, rotation, states, factor, unit)
+    return figure
+
+
+def _draw_rotation(
+    axes: Sequence[Axes], rotation: JointRotation, states: States, factor: float, unit: str
+) -> None:
+    """One joint's rotation against its own states."""
+    for ax, kind in zip(axes, KINDS, strict=True):
+        ax.plot(
+            getattr(states, kind), factor * rotation.angle, ls="none", ms=2.2, mew=0, **LOOKS["nominal model"]
+        )
+        ax.set_xlabel(f"{kind} of {rotation.joint} [{states.units[kind]}]")
+    axes[0].set_ylabel(f"{rotation.joint} [{unit}]")
+
+
+def turned_most(located: Located, rows: GapRows) -> States:
+    """States of the joint whose rotation holds most of the gap, else of the first that moves."""
+    ranked = [each.joint for each in located.rotations.joints] if located.rotations is not None else []
+    moving = [each.joint for each in rows.states]
+    return _of(rows.states, next((joint for joint in ranked if joint in moving), moving[0]))
+
+
+def _of(states: Sequence[States], joint: str) -> States:
+    return next(each for each in states if each.joint == joint)
+
+
+def _largest(rows: GapRows) -> str:
+    return max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
+
+
+def draw_of_effect(ax: Axes, d: Diagnosis, effect: str, at: str) -> None:
+    """The gap that an effect explains, against the state of its joint that its law speaks of."""
+    assert d.located is not None
+    signal = most_repaired(d)
+    rows = d.located.gaps[signal]
+    joints = [each.joint for each in rows.states]
+    joint = at if at in joints else turned_most(d.located, rows).joint
+    draw_against(ax, d, signal, _largest(rows), joint, state_of(effect))
+    ax.set_title(f"{signal}: measured − model")

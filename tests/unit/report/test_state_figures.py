@@ -1,0 +1,101 @@
+"""Claims about the gap against what the arm did: what is drawn is the gap, at the joint that turns."""
+
+import diagnoses
+import numpy as np
+import pytest
+from planted import run_of
+from pytest import approx
+
+from flexarm.diagnosis.locate import locate
+from flexarm.report.figures import style
+from flexarm.report.state_figures import against_states, located_sides, most_repaired, rotations, state_of
+
+
+@pytest.fixture(scope="module")
+def bent_elbow():
+    """Two joints, of which the elbow's angle is off by 2e-4 rad per unit sine of its own motion."""
+    run = run_of("two joints")
+
+    def gap(t):
+        q, p = run.state("drive_angle", t), run.state("drive_angle", t, 1)
+        turn = 2e-4 * np.sin(3 * p)
+        return 1.2 * turn[:, None] * np.stack([np.cos(q + p), -np.sin(q + p)], axis=1)
+
+    model = run.simulation.arm
+    located = locate(run.showing({"tip": gap}))
+    return diagnoses.of_effects(arm=model, updated=model, located=located, located_after=None)
+
+
+def test_dots_are_the_gap_against_the_torque_that_acted():
+    d = diagnoses.of_effects()
+    with style():
+        figure = against_states(d)
+    last = figure.axes[2]
+    assert last.get_xlabel() == "torque of hinge [N m]"
+    rows = d.located.gaps["tip"]
+    nominal, updated = last.get_lines()
+    assert nominal.get_xdata() == approx(rows.states[0].torque)
+    assert nominal.get_ydata() == approx(1e3 * rows.directions["tangential"])
+    assert updated.get_ydata() == approx(1e3 * d.located_after.gaps["tip"].directions["tangential"])
+
+
+def test_several_joints_are_shown_with_the_rotation_of_each(bent_elbow):
+    with style():
+        figure = rotations(bent_elbow)
+    labels = [ax.get_xlabel() for ax in figure.axes]
+    assert labels[:3] == [
+        f"{kind} of elbow [{unit}]" for kind, unit in (("angle", "rad"), ("rate", "rad/s"), ("torque", "N m"))
+    ]
+    found = bent_elbow.located.rotations.joints[0]
+    assert found.joint == "elbow"
+    [line] = figure.axes[0].get_lines()
+    ratio = line.get_ydata() / found.angle
+    assert ratio == approx(ratio[0])
+    assert figure.axes[0].get_ylabel() == "elbow [mrad]"
+
+
+def test_the_joint_that_turns_is_the_one_that_is_drawn(bent_elbow):
+    with style():
+        figure = against_states(bent_elbow)
+    assert figure.axes[0].get_xlabel() == "angle of elbow [rad]"
+
+
+def test_one_joint_needs_no_figure_of_rotations():
+    assert rotations(diagnoses.of_effects()) is None
+
+
+def test_nothing_is_drawn_where_nothing_was_located():
+    assert against_states(diagnoses.lean()) is None
+    assert rotations(diagnoses.unusable()) is None
+
+
+def test_a_model_that_stays_is_drawn_once():
+    d = diagnoses.of_effects()
+    assert list(located_sides(d, "tip")) == ["nominal model", "updated model"]
+    same = diagnoses.of_effects(updated=d.arm, located_after=d.located)
+    assert list(located_sides(same, "tip")) == ["nominal model"]
+
+
+def test_an_effect_is_shown_in_the_signal_that_it_repairs():
+    """Friction of a motor moves no tip, but its torque."""
+    run = run_of("one joint")
+
+    def friction(t):
+        return 30 * np.sign(run.state("drive_rate", t))
+
+    before, after = (locate(run.showing(gap)) for gap in ({"hinge torque": friction}, {}))
+    d = diagnoses.of_effects(located=before, located_after=after)
+    assert most_repaired(d) == "hinge torque"
+
+
+@pytest.mark.parametrize(
+    ("effect", "state"),
+    [
+        ("backlash", "torque"),
+        ("coulomb_friction", "rate"),
+        ("encoder_eccentricity", "angle"),
+        ("clock_drift", "time"),
+    ],
+)
+def test_an_effect_is_drawn_against_what_its_law_speaks_of(effect, state):
+    assert state_of(effect) == state
