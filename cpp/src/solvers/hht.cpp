@@ -1,6 +1,5 @@
 #include "flexarm/solvers/hht.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,17 +19,6 @@ template <int D>
 bool has_memory(const SystemIn<D>& system) {
   return std::any_of(system.laws().begin(), system.laws().end(),
                      [](const assembly::PlacedLaw& law) { return !joints::acts_at_rest(law.law); });
-}
-
-template <int D>
-bool linear_laws(const SystemIn<D>& system) {
-  return std::all_of(system.laws().begin(), system.laws().end(), [](const assembly::PlacedLaw& law) {
-    if (const auto* spring = std::get_if<joints::ReducerSpring>(&law.law)) {
-      return spring->cubic_stiffness == 0 && spring->gap == 0;
-    }
-    return std::holds_alternative<joints::CableTorque>(law.law) ||
-           std::holds_alternative<joints::ViscousFriction>(law.law);
-  });
 }
 
 }  // namespace
@@ -63,9 +51,7 @@ HhtStepperIn<D>::HhtStepperIn(const SystemIn<D>& system, const HhtCoefficients& 
       r_(system.n_velocities()),
       phi_(system.n_constraints()),
       dx_(system.n_unknowns()),
-      kept_tangents_(VectorXd::Zero(system.laws().size())),
-      laws_keep_tangent_(linear_laws(system)),
-      law_solutions_(system.n_unknowns(), system.laws().size()) {
+      changes_(system) {
   const VectorXd zero = VectorXd::Zero(system.n_scalars());
   drive_ = {zero, zero, zero, zero};
 }
@@ -257,56 +243,29 @@ bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const double per_h2 = 1 / (beta * h * h);
   const assembly::TangentFactors c{per_h2 / (1 + alpha), gamma / (beta * h), 1, mass_scale_ * per_h2};
-  kept_tangents_ = system_.law_tangents(state, c, true);
+  const VectorXd law_tangents = system_.law_tangents(state, c, true);
   ++statistics_.factorisations;
   if (options_.reproducible) {  // neither the pattern nor the pivots of earlier numbers
     memory_.factored = std::make_shared<const LinearisationIn<D>>(state, loads_, h);
     matrix_.forget();
     factor_ = SparseFactor();
   }
-  if (!factor_.factor(matrix_.assemble(state, loads_, c, kept_tangents_))) {
+  if (!factor_.factor(matrix_.assemble(state, loads_, c, law_tangents))) {
     factored_h_ = 0;
     return false;
   }
   factored_h_ = h;
-  law_solutions_.setZero();
-  for (std::size_t k = 0; k < system_.laws().size(); ++k) {
-    const auto& law = system_.laws()[k];
-    if (system_.is_free(law.plus)) law_solutions_(system_.scalar_offset() + law.plus, k) += 1;
-    if (law.minus >= 0 && system_.is_free(law.minus))
-      law_solutions_(system_.scalar_offset() + law.minus, k) -= 1;
-  }
-  if (law_solutions_.cols() > 0) factor_.solve(law_solutions_);
+  changes_.keep(state, c, law_tangents, factor_);
   return true;
 }
 
-/// dx := S⁻¹ (−r, −s Φ), with the joint laws' present tangents by the Woodbury identity.
+/// dx := S⁻¹ (−r, −s Φ), with what has changed in S since it was factored.
 template <int D>
 void HhtStepperIn<D>::solve(const StateIn<D>& state, double h) {
-  const auto [alpha, beta, gamma] = coefficients_;
-  const double per_h2 = 1 / (beta * h * h);
   dx_.head(system_.n_free()) = -r_.head(system_.n_free());
-  dx_.tail(system_.n_constraints()) = -mass_scale_ * per_h2 * phi_;
+  dx_.tail(system_.n_constraints()) = -mass_scale_ / (coefficients_.beta * h * h) * phi_;
   factor_.solve(dx_);
-
-  const auto n_laws = static_cast<int>(system_.laws().size());
-  if (n_laws == 0) return;
-  if (laws_keep_tangent_) return;
-  const VectorXd change = system_.law_tangents(state, {0, gamma / (beta * h), 1}, true) - kept_tangents_;
-  if ((change.cwiseAbs().array() <= 1e-12 * kept_tangents_.cwiseAbs().array()).all()) return;
-  const auto along = [&](const auto& x, int k) {  // the law's deflection in an increment
-    const auto& law = system_.laws()[k];
-    double d = system_.is_free(law.plus) ? x[system_.scalar_offset() + law.plus] : 0.0;
-    if (law.minus >= 0 && system_.is_free(law.minus)) d -= x[system_.scalar_offset() + law.minus];
-    return d;
-  };
-  Eigen::MatrixXd small = Eigen::MatrixXd::Identity(n_laws, n_laws);
-  VectorXd rhs(n_laws);
-  for (int i = 0; i < n_laws; ++i) {
-    for (int j = 0; j < n_laws; ++j) small(i, j) += change[i] * along(law_solutions_.col(j), i);
-    rhs[i] = change[i] * along(dx_, i);
-  }
-  dx_ -= law_solutions_ * small.partialPivLu().solve(rhs);
+  changes_.correct(state, dx_);
 }
 
 template class HhtStepperIn<2>;

@@ -29,6 +29,7 @@
 #include "flexarm/assembly/equations.hpp"
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
+#include "flexarm/solvers/tangent_changes.hpp"
 
 namespace flexarm::solvers {
 
@@ -148,9 +149,7 @@ class HhtStepperIn {
   StateIn<D> before_;  // state 0
   VectorXd exponent_;  // argument of exp in (3), and scalar increments
   VectorXd r_, phi_, dx_;
-  VectorXd kept_tangents_;         // of the laws, in the factors
-  bool laws_keep_tangent_;         // all of them are linear
-  Eigen::MatrixXd law_solutions_;  // S⁻¹ times each law's direction
+  TangentChangesIn<D> changes_;
   DriveValues drive_;
   FollowerIn<D> follower_;
 };

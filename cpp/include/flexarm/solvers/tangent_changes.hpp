@@ -1,0 +1,71 @@
+/// @file
+/// What changes in a kept iteration matrix while an arm moves: few directions of it, so that the kept factors
+/// still serve by the Woodbury identity.
+///
+///     S = S₀ + U C Uᵀ,   S⁻¹ b = x − W (I + C Uᵀ W)⁻¹ C Uᵀ x,   x = S₀⁻¹ b,  W = S₀⁻¹ U              (1)
+///
+/// A joint law between two scalar coordinates, κ its tangent, has one column of U,
+///
+///     u = e₊ − e₋,   C = κ − κ₀                                                                      (2)
+///
+/// A joint between two links that move turns one link's axes against the other's: of its constraint (eq. (2)
+/// of joints/joint_constraint.hpp) Φ_a = −Ad(exp(−ξ θ)) Ad_a follows θ. Only directions across the joint's
+/// axis turn; with P a base of their translations and rotations, s the scale of the constraints, and e_a, e_λ
+/// the places of the parent's node and of the multipliers,
+///
+///     U = [e_a Ad_aᵀ P,  e_λ P],   C = [0  Eᵀ; E  0],   E = −s Pᵀ (Ad(exp(−ξ θ)) − Ad(exp(−ξ θ₀))) P (3)
+///
+/// Without (3) the iteration of an arm with an inner hinge contracts by some 0.3 a radian that the hinge has
+/// turned since the factors were made. A joint on the base has no such term. Sources: [Hager1989] for (1);
+/// docs/theory.md, section "Time stepping".
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
+
+#include "flexarm/assembly/equations.hpp"
+#include "flexarm/solvers/sparse_factor.hpp"
+
+namespace flexarm::solvers {
+
+template <int D>
+class TangentChangesIn {
+ public:
+  explicit TangentChangesIn(const assembly::SystemIn<D>& system);
+
+  /// S₀ has been factored in this state. @param c factors of the tangent, @param laws tangents in S₀.
+  void keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c, const Eigen::VectorXd& laws,
+            const SparseFactor& factor);
+
+  /// Equation (1): S₀⁻¹ b becomes S⁻¹ b.
+  void correct(const assembly::StateIn<D>& state, Eigen::VectorXd& x);
+
+ private:
+  static constexpr int n = geometry::freedoms<D>;
+  static constexpr int across = D == 2 ? 3 : 4;  // columns of P; all of the plane
+  using Across = Eigen::Matrix<double, n, across>;
+  using Turned = Eigen::Matrix<double, across, across>;
+
+  struct TurningJoint {
+    int constraint, first_row, node_row;  // of the multipliers, of the parent's node
+    Across P, on_parent;                  // P, Ad_aᵀ P
+    double kept_angle = 0;
+    Turned kept = Turned::Zero();  // Pᵀ Ad(exp(−ξ θ₀)) P
+  };
+
+  void find_turning_joints();
+  Turned turned(const TurningJoint& joint, double theta) const;  // Pᵀ Ad(exp(−ξ θ)) P
+  bool update(const assembly::StateIn<D>& state);
+  void directions(Eigen::MatrixXd& U) const;
+  Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
+
+  const assembly::SystemIn<D>& system_;
+  std::vector<TurningJoint> joints_;
+  int n_laws_;  // 0 if the tangents of all are constant
+  assembly::TangentFactors factors_{};
+  Eigen::VectorXd kept_laws_;
+  Eigen::MatrixXd W_, G_, C_;  // G = Uᵀ W
+};
+
+}  // namespace flexarm::solvers

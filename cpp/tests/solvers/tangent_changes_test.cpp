@@ -1,0 +1,95 @@
+#include "flexarm/solvers/tangent_changes.hpp"
+
+#include <doctest/doctest.h>
+
+#include "arms.hpp"
+#include "flexarm/assembly/iteration_matrix.hpp"
+#include "flexarm/assembly/planar_system.hpp"
+#include "flexarm/solvers/hht.hpp"
+
+using namespace flexarm::tests;
+using flexarm::assembly::IterationMatrixIn;
+using flexarm::assembly::LoadsIn;
+using flexarm::assembly::StateIn;
+using flexarm::assembly::SystemIn;
+using flexarm::assembly::TangentFactors;
+using flexarm::solvers::DriveValues;
+using flexarm::solvers::HhtCoefficients;
+using flexarm::solvers::HhtStepper;
+using flexarm::solvers::SparseFactor;
+using flexarm::solvers::TangentChangesIn;
+
+namespace {
+
+const TangentFactors factors{1e6, 1e3, 1, 1e6};
+
+/// Undeformed and at rest nothing but joints and laws changes S with the pose. Relative difference of S⁻¹ b
+/// from the factors of one pose, corrected, and from those of the other; and without correction.
+template <int D>
+std::pair<double, double> compare(const SystemIn<D>& system, const StateIn<D>& then, const StateIn<D>& now) {
+  const LoadsIn<D> weightless{.gravity = flexarm::geometry::Point<D>::Zero()};
+  IterationMatrixIn<D> matrix(system);
+  SparseFactor kept, present;
+  const VectorXd laws = system.law_tangents(then, factors, true);
+  REQUIRE(kept.factor(matrix.assemble(then, weightless, factors, laws)));
+  TangentChangesIn<D> changes(system);
+  changes.keep(then, factors, laws, kept);
+  REQUIRE(present.factor(matrix.assemble(now, weightless, factors, system.law_tangents(now, factors, true))));
+
+  VectorXd x = Random(3).vector(system.n_unknowns());
+  VectorXd exact = x;
+  present.solve(exact);
+  kept.solve(x);
+  const double before = relative_error(x, exact);
+  changes.correct(now, x);
+  return {relative_error(x, exact), before};
+}
+
+}  // namespace
+
+TEST_CASE("Kept factors, corrected, solve as new ones after hinges and slides have moved") {
+  const System system(spatial_arm(), {{"turn", DriveKind::motor_angle}, {"lift", DriveKind::free}});
+  const std::vector<double> rest(system.joints().size(), 0.0);
+  std::vector<double> moved;
+  for (std::size_t k = 0; k < rest.size(); ++k) moved.push_back(0.9 - 0.3 * static_cast<double>(k));
+  const auto [corrected, kept] = compare<3>(system, system.rigid_state(rest), system.rigid_state(moved));
+  CHECK(kept > 0.01);
+  CHECK(corrected < 1e-9);
+}
+
+TEST_CASE("So they do in a plane, and with laws whose tangents change") {
+  flexarm::model::Arm arm = two_link_arm();
+  for (auto& link : arm.links) std::get<flexarm::model::BeamLink>(link).up = Vector3d::UnitZ();
+  arm.joints[1].drive_train.stages[0] = {ReducerSpring{500, 0, 1e5}};
+  const System system(arm, {{"shoulder", DriveKind::motor_angle}, {"elbow", DriveKind::motor_angle}});
+  const Loads weightless{.gravity = Vector3d::Zero()};
+  const auto plane =
+      flexarm::assembly::PlanarSystem::about(system, system.rigid_state({0, 0}), weightless).system;
+  REQUIRE(plane);
+  State then = system.rigid_state({0.2, 0.1}), now = system.rigid_state({0.4, 1.7});
+  now.s[system.joints()[1].phi] -= 0.3;
+  const auto [corrected, kept] = compare<2>(*plane, plane->part(then), plane->part(now));
+  CHECK(kept > 0.01);
+  CHECK(corrected < 1e-9);
+}
+
+TEST_CASE("An arm folds at its elbow with one factorisation, in little more than one iteration a step") {
+  flexarm::model::Arm arm = two_link_arm();
+  for (auto& link : arm.links)
+    std::get<flexarm::model::BeamLink>(link).material.youngs_modulus *= 20;  // hardly bends
+  const System system(arm, {{"shoulder", DriveKind::motor_angle}, {"elbow", DriveKind::motor_angle}});
+  State state = system.rigid_state({0, 0});
+  const int elbow = system.joints()[1].phi;
+  const VectorXd zero = VectorXd::Zero(system.n_scalars());
+  const auto fold = [&](double t, DriveValues& values) {  // from rest, 2 rad within 4 s
+    values = {zero, zero, zero, zero};
+    values.s[elbow] = 0.125 * t * t;
+    values.v[elbow] = 0.25 * t;
+    values.v_dot[elbow] = 0.25;
+  };
+  HhtStepper stepper(system, HhtCoefficients::from_alpha(-0.1), Loads{.gravity = Vector3d::Zero()});
+  for (int k = 0; k < 2000; ++k) stepper.advance(state, 2e-3, fold);
+  CHECK(state.s[elbow] == near(2));
+  CHECK(stepper.statistics().factorisations == 1);
+  CHECK(stepper.statistics().iterations < 1.5 * stepper.statistics().steps);
+}
