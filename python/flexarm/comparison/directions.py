@@ -62,7 +62,7 @@ def joint_directions(
     lever = link_pose(arm, place.link, values).of_point(np.asarray(place.position)) - frame.x
     radial = lever - np.sum(lever * axis, axis=1, keepdims=True) * axis  # eq. (1)
     length = np.linalg.norm(radial, axis=1, keepdims=True)
-    if length.min() < 1e-9:
+    if length.min(initial=np.inf) < 1e-9:
         return None
     radial = radial / length
     normal = np.broadcast_to(axis, radial.shape)

@@ -2,12 +2,16 @@ r"""What a gap follows: how much of it a curve over each state of the motion exp
 
 With samples in groups g, such as the intervals of a state, and n_g of them in each,
 
-    share = sum_g n_g mean_g^2 / sum_i y_i^2,     1 - (1 - share) n/(n - k)                          (1)
+    share = sum_g n_g mean_g^2 / sum_i y_i^2                                                         (1)
 
-is the part of the squares that lies in the groups' means, and the same without what k means get from nothing
-but noise. A curve over any state explains a constant, and two curves explain more than one, so states are
-tried in order of how much they claim: a constant, the sign of a state, a curve over it, two curves (one for
-each sense of the motion). A claim must gain `GAIN` over those before it.
+is the part of the squares that lies in the groups' means. Of it, c is in one constant; of the rest, which has
+n - 1 freedoms, k groups explain
+
+    r = (share - c)/(1 - c),      less what they get from noise:   1 - (1 - r) (n - 1)/(n - k)         (2)
+
+A curve over any state explains a step, and two curves explain more than one, so states are tried in order of
+how much they claim: the sign of a state, a curve over it, two curves (one for each sense of the motion) or
+time. A claim must gain `GAIN` of the rest over those before it, and of the whole to have a name at all.
 
 Time is given intervals no shorter than the motion's cycles: any slow gap follows finer ones.
 """
@@ -29,6 +33,7 @@ SAMPLES = 12
 """Least samples an interval, on average."""
 GAIN = 0.05
 """Share by which a state that claims more must explain more."""
+CONSTANT = "a constant"
 
 
 def curve_share(state: Floats, values: Floats, bins: int = BINS) -> float:
@@ -56,19 +61,40 @@ class Followed:
 
     Attributes
     ----------
-    shares : dict of str to float
-        Share of the squared gap by what was tried, such as "angle of elbow", less what noise gives.
+    beyond : dict of str to float
+        Share of what is not constant, eq. (2), by what was tried, such as "angle of elbow".
     best : str
         What explains most, unless something simpler explains nearly as much.
+    constant : float
+        Share of the squares that lies in a constant.
     """
 
-    shares: Mapping[str, float]
+    beyond: Mapping[str, float]
     best: str
+    constant: float
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of all squares, the constant included."""
+        rest = 1 - self.constant
+        return {CONSTANT: self.constant} | {
+            name: self.constant + rest * share for name, share in self.beyond.items()
+        }
 
     @property
     def share(self) -> float:
         """Of the best."""
-        return self.shares.get(self.best, 0.0)
+        return self.shares[self.best]
+
+    def __str__(self) -> str:
+        others = sorted(self.beyond, key=lambda name: -self.beyond[name])
+        rest = ", ".join(
+            f"{name} {100 * self.beyond[name]:.0f} %" for name in others[:3] if name != self.best
+        )
+        said = f"constant {100 * self.constant:.0f} %; the rest "
+        if self.best == CONSTANT:
+            return said + f"nothing much ({rest})"
+        return said + f"{self.best} {100 * self.beyond[self.best]:.0f} % ({rest})"
 
 
 def followed(tiers: Mapping[str, tuple[int, Groups]], values: Floats) -> Followed:
@@ -81,19 +107,20 @@ def followed(tiers: Mapping[str, tuple[int, Groups]], values: Floats) -> Followe
     values : ndarray, shape (n, k)
         Over their noise.
     """
-    shares = {name: _adjusted(groups, values) for name, (_, groups) in tiers.items()}
-    best = ""
+    rest = values - values.mean(axis=0)
+    constant = 1 - float(np.sum(rest**2) / max(np.sum(values**2), 1e-300))
+    beyond = {name: _adjusted(groups, rest) for name, (_, groups) in tiers.items()}
+    best, most = CONSTANT, 0.0
     for claim in sorted({claim for claim, _ in tiers.values()}):
-        names = [name for name in tiers if tiers[name][0] == claim]
-        first = max(names, key=lambda name: shares[name])
-        if not best or shares[first] > shares[best] + GAIN:
-            best = first
-    return Followed(shares, best)
+        first = max((name for name in tiers if tiers[name][0] == claim), key=lambda name: beyond[name])
+        if beyond[first] > most + GAIN:
+            best, most = first, beyond[first]
+    return Followed(beyond, best if most * (1 - constant) > GAIN else CONSTANT, constant)
 
 
 def _adjusted(groups: Groups, values: Floats) -> float:
-    """Share (1) less what that many means get from noise."""
+    """Share (2) of values without their mean."""
     n, k = len(groups), len(np.unique(groups))
     if n <= k:
         return 0.0
-    return max(0.0, 1.0 - (1.0 - group_share(groups, values)) * n / (n - k))  # eq. (1)
+    return max(0.0, 1.0 - (1.0 - group_share(groups, values)) * (n - 1) / (n - k))  # eq. (2)

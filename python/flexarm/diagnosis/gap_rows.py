@@ -106,8 +106,8 @@ def gap_rows(
     joints: Sequence[str],
     joint: str | None,
     noise: float,
-) -> GapRows:
-    """The gap of a signal in every record that holds it.
+) -> GapRows | None:
+    """The gap of a signal in every record that holds it; None if no row of it can be compared.
 
     Parameters
     ----------
@@ -125,20 +125,28 @@ def gap_rows(
         1 sigma of a channel where the record states none.
     """
     holding = {name: pair for name, pair in pairs.items() if signal in pair.subject.evidence}
-    pieces = [_of_record(holding[name], waves[name], signal, joints, joint, noise) for name in holding]
-    directions = [name for name in pieces[0].directions if all(name in each.directions for each in pieces)]
+    found = {name: _of_record(holding[name], waves[name], signal, joints, joint, noise) for name in holding}
+    found = {name: piece for name, piece in found.items() if len(piece.time)}
+    if not found:
+        return None
+    directions = tuple(next(iter(found.values())).directions)
+    other = [name for name, piece in found.items() if tuple(piece.directions) != directions]
+    labels = tuple(name for name in found if name not in other)
+    pieces = [found[name] for name in labels]
     lengths = [len(each.time) for each in pieces]
+    notes = [note for each in pieces for note in each.notes]
+    notes += [f"{signal} of {name} has other directions and is left out" for name in other]
     return GapRows(
         signal,
         pieces[0].unit,
-        tuple(holding),
+        labels,
         np.repeat(np.arange(len(pieces)), lengths),
         np.concatenate([each.time for each in pieces]),
         {name: np.concatenate([each.directions[name] for each in pieces]) for name in directions},
         {name: np.concatenate([each.noise[name] for each in pieces]) for name in directions},
         {name: _joined_parts([each.parts[name] for each in pieces], lengths) for name in directions},
         tuple(joined([each.states[j] for each in pieces]) for j in range(len(joints))),
-        tuple(dict.fromkeys(note for each in pieces for note in each.notes)),
+        tuple(dict.fromkeys(notes)),
     )
 
 

@@ -210,7 +210,7 @@ def _of_time(time: Floats, record: Groups, labels: Sequence[str]) -> Iterator[tu
 def tiers(states: Sequence[States], time: Floats, record: Groups) -> Mapping[str, tuple[int, Groups]]:
     """What a gap may follow: by name how much it claims, and the groups of the samples."""
     n = len(time)
-    found: dict[str, tuple[int, Groups]] = {"a constant": (0, np.zeros(n, dtype=np.intp))}
+    found: dict[str, tuple[int, Groups]] = {}
     if record.max(initial=0) > 0:
         found["the record"] = (1, record)
     moving = [each for each in states if each.moves]
@@ -228,7 +228,7 @@ def tiers(states: Sequence[States], time: Floats, record: Groups) -> Mapping[str
                 two = 3 * intervals(getattr(each, kind), max(2, bins // 2)) + each.sense + 1
                 found[f"{kind}{of}, by sense of motion"] = (3, two)
     if moving:
-        found["time"] = (2, _slow_time(moving, time, record, bins))
+        found["time"] = (3, _slow_time(moving, time, record, bins))
     return found
 
 

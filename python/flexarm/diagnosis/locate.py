@@ -74,13 +74,9 @@ class Located:
     def summary(self) -> str:
         """Tables that a person reads: parts of the gap, where it is, what it follows."""
         lines = [*self._part_table(), "", *self._where_table(), ""]
-        lines.append(f"{'signal':<18}follows")
+        lines.append(f"{'signal':<18}what the gap follows, by share")
         for name, found in self.follows.items():
-            others = sorted(found.shares, key=lambda key: -found.shares[key])
-            rest = ", ".join(
-                f"{key} {100 * found.shares[key]:.0f} %" for key in others[:3] if key != found.best
-            )
-            lines.append(f"{name:<18}{found.best} {100 * found.share:.0f} %  ({rest})")
+            lines.append(f"{name:<18}{found}")
         if self.rotations is not None:
             lines += ["", self.rotations.summary()]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
@@ -146,14 +142,15 @@ def locate(pairs: Mapping[str, Beside] | Beside) -> Located:
     beside = {"record": pairs} if isinstance(pairs, Beside) else dict(pairs)
     if not beside:
         raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
+    _of_one_kind(beside)
     joints = moved_joints(list(beside.values()))
     shown = {pair.joint for pair in beside.values()}
     joint = shown.pop() if len(shown) == 1 else None
     names = list(dict.fromkeys(name for pair in beside.values() for name in pair.subject.evidence))
     noise, notes = _noise(beside, names)
     waves = {name: MotorWaves(pair) for name, pair in beside.items()}
-    gaps = {name: gap_rows(beside, waves, name, joints, joint, noise[name]) for name in names}
-    gaps = {name: rows for name, rows in gaps.items() if len(rows.time)}
+    found = {name: gap_rows(beside, waves, name, joints, joint, noise[name]) for name in names}
+    gaps = {name: rows for name, rows in found.items() if rows is not None}
     modes_hz = [pair.modes_hz[0] for pair in beside.values() if pair.modes_hz]
     cells = cells_of(list(gaps.values()), min(modes_hz, default=None))
     notes += dict.fromkeys(note for rows in gaps.values() for note in rows.notes)
@@ -168,6 +165,17 @@ def locate(pairs: Mapping[str, Beside] | Beside) -> Located:
         gaps,
         tuple(notes),
     )
+
+
+def _of_one_kind(pairs: Mapping[str, Beside]) -> None:
+    """Motions and poses have no bands in common."""
+    kinds = {pair.record.kind: name for name, pair in pairs.items()}
+    if len(kinds) > 1:
+        raise InvalidParameter(
+            f"must be all motions or all poses, but {kinds['static']!r} holds poses and "
+            f"{kinds['motion']!r} holds a motion",
+            where="pairs",
+        )
 
 
 def _noise(pairs: Mapping[str, Beside], names: list[str]) -> tuple[dict[str, float], list[str]]:

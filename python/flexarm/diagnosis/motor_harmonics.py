@@ -105,15 +105,12 @@ class MotorWaves:
 
 def _answer(wave: Floats, step: float, omega: float, damping: float) -> list[Floats]:
     """x and x'/omega of (2) from rest under the first value, by the trapezoidal rule."""
-    from scipy.signal import bilinear, lfilter
+    from scipy.signal import lfilter
 
-    below = [1.0, 2 * max(damping, LEAST_DAMPING) * omega, omega**2]
-    moved = wave - wave[0]
-    found = []
-    for above in ([omega**2], [omega, 0.0]):
-        b, a = bilinear(above, below, 1 / step)
-        found.append(np.asarray(lfilter(b, a, moved)))
-    return found
+    k, loss = 2 / step, 2 * max(damping, LEAST_DAMPING) * omega  # d/dt is k (z - 1)/(z + 1)
+    below = np.array([k**2 + k * loss + omega**2, 2 * (omega**2 - k**2), k**2 - k * loss + omega**2])
+    above = omega**2 * np.array([1.0, 2.0, 1.0]), omega * k * np.array([1.0, 0.0, -1.0])
+    return [np.asarray(lfilter(each, below, wave - wave[0])) for each in above]
 
 
 def harmonics_of(

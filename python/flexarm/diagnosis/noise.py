@@ -108,8 +108,10 @@ def effective_samples(values: Floats) -> float:
     the autocorrelations rho_k summed up to the first that is not positive [Geyer1992].
     """
     n = len(values)
+    if n < 4:
+        return float(n)
     centred = values - values.mean(axis=0)
-    if n < 4 or not np.any(centred):
+    if not np.any(centred):
         return float(n)
     spectrum = np.fft.rfft(centred, 2 * n, axis=0)
     covariance = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1))[:n]

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.diagnosis.curves import CONSTANT
 from flexarm.diagnosis.gap_bands import SLOW
 from flexarm.diagnosis.gap_rows import GapRows
 from flexarm.diagnosis.locate import Located
@@ -47,7 +48,7 @@ class Remainder:
     follows : str
         The state that it follows best.
     follows_share : float
-        How much a curve over that state explains.
+        How much a curve over that state explains of what is not constant, or the constant of all.
     record : str
         Where it is greatest.
     time : float
@@ -83,8 +84,10 @@ class Remainder:
             said += f"; {100 * self.frequency_share:.0f} % of it swings at {self.frequency_hz:.3g} Hz"
             folded = ", ".join(f"{f:.3g}" for f in self.aliases_hz)
             said += f" (folded, if it is {folded} Hz)" if folded else ", as slow as the motion"
-        if self.follows:
-            said += f"; it follows {self.follows} best ({100 * self.follows_share:.0f} %)"
+        if self.follows == CONSTANT:
+            said += f"; it is {'constant' if self.follows_share >= DOMINANT else 'no curve over any state'}"
+        else:
+            said += f"; of what is not constant, {100 * self.follows_share:.0f} % follow {self.follows}"
         return said + "."
 
 
@@ -98,7 +101,7 @@ def describe_remainder(located: Located) -> Remainder | None:
     """
     if not located.gaps:
         return None
-    rows = max(located.gaps.values(), key=lambda each: float(np.sum(each.whitened**2)))
+    rows = max(located.gaps.values(), key=lambda each: float(np.mean(each.whitened**2)))
     direction = max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
     length = np.sqrt(np.sum([values**2 for values in rows.directions.values()], axis=0))
     noise = float(np.sqrt(np.mean(np.sum([sigma**2 for sigma in rows.noise.values()], axis=0))))
@@ -121,7 +124,7 @@ def describe_remainder(located: Located) -> Remainder | None:
         share,
         aliases,
         follows.best,
-        follows.share,
+        follows.constant if follows.best == CONSTANT else follows.beyond[follows.best],
         rows.labels[rows.record[worst]],
         float(rows.time[worst]),
         moves,

@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from flexarm.diagnosis.cells import WHOLE, Cell
-from flexarm.diagnosis.curves import Followed, followed
+from flexarm.diagnosis.curves import CONSTANT, Followed, followed
 from flexarm.diagnosis.gap_rows import GapRows
 from flexarm.diagnosis.joint_states import tiers
 
 CROWDED = 0.15
 FOLLOWS = 0.5
-"""Share that a state must explain to be named."""
+"""Share of what is not constant that a state must explain to be named."""
 SMALL = 0.02
 """Share of its signal's squared gap below which a part is not listed."""
 BESIDE = 0.1
@@ -84,14 +84,14 @@ def _when(jumps: Followed, follows: Followed, whole: Cell, cells: Sequence[Cell]
     """Wording, and the cell whose measures go with it."""
     for kind, state in JUMPS.items():
         for each in (jumps, follows):
-            if each.share >= FOLLOWS and each.best.startswith(kind):
+            if each.best.startswith(kind) and each.beyond[each.best] >= FOLLOWS:
                 return f"{state} reversal{each.best.removeprefix(kind)}", whole
     crowded = max(cells, key=lambda cell: crowding(cell, whole))
     if crowding(crowded, whole) >= CROWDED and crowded.exceeds:
         return crowded.when, crowded
-    if follows.share >= FOLLOWS:
+    if follows.best != CONSTANT and follows.beyond[follows.best] >= FOLLOWS:
         return f"{WHOLE}, follows {follows.best}", whole
-    return WHOLE, whole
+    return f"{WHOLE}, constant" if follows.constant >= FOLLOWS else WHOLE, whole
 
 
 def crowding(cell: Cell, whole: Cell) -> float:

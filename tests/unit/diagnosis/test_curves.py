@@ -24,8 +24,19 @@ def test_the_sign_explains_three_quarters_of_a_line():
 def test_noise_follows_nothing():
     """Less what the means get from noise, the share is zero within 4 sigma of 2/n sum of 25 chi-squares."""
     x, noise = RNG.uniform(-1, 1, 1000), RNG.standard_normal((1000, 1))
-    shares = followed({"x": (2, intervals(x, 25))}, noise).shares
-    assert shares["x"] < 4 * np.sqrt(2 * 25) / 1000
+    found = followed({"x": (2, intervals(x, 25))}, noise)
+    assert found.beyond["x"] < 4 * np.sqrt(2 * 25) / 1000
+    assert found.best == "a constant"
+
+
+def test_shares_beyond_a_constant_are_of_what_it_leaves():
+    """3 + x on (-1, 1): 9 of 9 1/3 is constant, all of the rest follows x."""
+    x = np.linspace(-1, 1, 4001)
+    found = followed({"x": (2, intervals(x, 100))}, 3 + x[:, None])
+    assert found.constant == pytest.approx(9 / (9 + 1 / 3), abs=1e-3)
+    assert found.beyond["x"] == pytest.approx(1.0, abs=1e-3)
+    assert found.shares["x"] == pytest.approx(1.0, abs=1e-3)
+    assert found.best == "a constant"  # the rest is 3.6 % of the whole
 
 
 def test_of_two_that_explain_alike_the_simpler_is_named():
