@@ -9,7 +9,8 @@ up to half the sampling rate: a faster vibration appears folded, and the same sa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +92,13 @@ class Remainder:
         return said + "."
 
 
-def describe_remainder(located: Located) -> Remainder | None:
+def describe_remainder(located: Located) -> dict[str, Any]:
+    """What `remainder_of` gives, as a dictionary with a `sentence`; that is empty if nothing was measured."""
+    found = remainder_of(located)
+    return {"sentence": ""} if found is None else {**asdict(found), "sentence": str(found)}
+
+
+def remainder_of(located: Located) -> Remainder | None:
     """The signal that stands furthest out of its noise, described; None if nothing was measured.
 
     Parameters
