@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
     from flexarm.configuration import config, show_config
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
     from flexarm.linear import LinearModel
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 _EXPORTS = {
     "Arm": "flexarm.arm",
     "Comparison": "flexarm.comparison",
+    "Diagnosis": "flexarm.diagnosis.result",
     "Drive": "flexarm.drive",
     "InterfaceSet": "flexarm.reduction",
     "InvalidFile": "flexarm.errors",
@@ -50,6 +53,7 @@ _EXPORTS = {
     "accept_matrices": "flexarm.superelement.foreign",
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
+    "diagnose": "flexarm.diagnosis.workflow",
     "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
@@ -64,6 +68,7 @@ _EXPORTS = {
 __all__ = [
     "Arm",
     "Comparison",
+    "Diagnosis",
     "Drive",
     "InterfaceSet",
     "InvalidFile",
@@ -84,6 +89,7 @@ __all__ = [
     "accept_matrices",
     "compare",
     "config",
+    "diagnose",
     "linearise",
     "measure",
     "modes",

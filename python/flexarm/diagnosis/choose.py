@@ -1,0 +1,268 @@
+"""Which effects: one after the other while they explain something real, then every one against its rivals.
+
+An effect is taken if the evidence for it is strong and what it explains matters: it takes away more than half
+of the noise of some channel and more than a twentieth of the gap there, or brings clocks, frames and nominal
+values back from where their stated uncertainty forbids them. After each step derivatives are taken anew about
+the better model. An effect that the others have made needless is dropped. Every rival of every effect that is
+left is fitted in its place; those within `REACH` of the best are within reach of the data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import exp, log
+
+import numpy as np
+
+from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.evidence import Channel, above_noise, log_bayes_factor, log_evidence, worth
+from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.screen import Probed, Share, screen
+from flexarm.errors import InvalidParameter, NotConverged
+
+STRONG = 6.0
+"""Least gain of ln Z: odds of 400, for some forty effects at some places."""
+MATTERS, SHARE = 0.5, 0.05
+"""Least part explained in some channel: of the noise, and of what the nominal model leaves there."""
+STRAINED, FORBIDDEN = 1.0, 2.0
+"""Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
+LEFT = 1.0
+"""What may be left above the noise of a model that explains a record, over the noise."""
+LEFT_SHARE = 0.07
+"""The same, of what the nominal model leaves."""
+REACH = log(20.0)
+"""Bayes factor within which rivals are alternatives."""
+CLOSE = 30.0
+"""How far behind a rival is fitted with derivatives of its own."""
+MOST = 3
+"""Effects in one diagnosis."""
+FAR = 0.3
+"""Candidates that promise less than this part of the best are left out once one explains everything."""
+TRIED = 6
+"""Candidates that are fitted at each step."""
+
+Note = Callable[[str, float], object]
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An effect in the place of another one, the rest refitted, and its ln Z less than the chosen one's."""
+
+    candidate: Candidate
+    fit: Fit
+    behind: float
+
+
+@dataclass(eq=False)
+class Choice:
+    """What was chosen.
+
+    Attributes
+    ----------
+    null, best : Fit
+        The nominal model and the chosen one; both with unknowns fitted.
+    fitter : Fitter
+        About the chosen model.
+    value : dict
+        Worth of the samples, T of `evidence`, after the chosen model.
+    rivals : list of (list of Rival)
+        For each effect of `best`, the best first.
+    tried : list of (Fit, float)
+        Every fit and its gain of ln Z over the nominal model.
+    path : list of Fit
+        From the nominal model to the chosen one, one effect more each.
+    """
+
+    null: Fit
+    best: Fit
+    fitter: Fitter
+    value: Mapping[Channel, float]
+    rivals: list[list[Rival]] = field(default_factory=list)
+    tried: list[tuple[Fit, float]] = field(default_factory=list)
+    path: list[Fit] = field(default_factory=list)
+
+    @property
+    def gain(self) -> float:
+        """ln Z of the chosen model over the nominal one."""
+        observed = self.fitter.observed
+        return log_bayes_factor(self.best, self.null, observed, self.value)
+
+
+def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
+    """Forward, backward, and rivals."""
+    observed = fitter.observed
+    null = fitter.fit(())
+    best, about, path = null, fitter, [null]
+    tried: list[Fit] = []
+    while len(best.members) < MOST and not explained(best, null, observed):
+        if note is not None:
+            note(f"looking for effect {len(best.members) + 1}", len(best.members) / (MOST + 1))
+        found = _step(about, probed, best, null)
+        tried += found
+        if not found:
+            break
+        better, there = _refined(about, found)
+        if not accepted(better, best, null, observed):
+            break
+        best, about = better, there
+        path.append(best)
+    best, about = _backward(about, best, null)
+    value = worth(best.rest, observed)
+    if note is not None:
+        note("weighing rivals", MOST / (MOST + 1))
+    rivals = [_rivals(about, probed, best, k, tried, value) for k in range(len(best.members))]
+    ahead = min((r for each in rivals for r in each), key=lambda rival: rival.behind, default=None)
+    if ahead is not None and ahead.behind < 0:
+        best = ahead.fit
+        about, value = about.about(best), worth(best.rest, observed)
+        rivals = [_rivals(about, probed, best, k, tried, value) for k in range(len(best.members))]
+    gains = [(f, log_bayes_factor(f, null, observed, value)) for f in tried]
+    return Choice(null, best, about, value, rivals, gains, path)
+
+
+def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether nothing that matters is left above the noise, and no unknown is strained."""
+    first = above_noise(null.rest, observed)
+    left = above_noise(fit.rest, observed)
+    quiet = all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
+    return quiet and strain(fit) < STRAINED
+
+
+def leaves_gap(fit: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a fit leaves so much that something else must be there."""
+    first = max(above_noise(null.rest, observed).values())
+    left = max(above_noise(fit.rest, observed).values())
+    return left > max(LEFT, LEFT_SHARE * first)
+
+
+def strain(fit: Fit) -> float:
+    """By how many sigmas unknowns are beyond `FORBIDDEN` of them, summed."""
+    z = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    return float(np.sum(np.maximum(z - FORBIDDEN, 0.0)))
+
+
+def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether evidence for a larger model is strong and what it explains matters."""
+    value = worth(new.rest, observed)
+    gain = log_bayes_factor(new, old, observed, value)
+    return gain > STRONG and (matters(new, old, null, observed) or strain(old) - strain(new) > STRAINED)
+
+
+def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a larger model explains a part of the gap that can be seen in some channel."""
+    first = above_noise(null.rest, observed)
+    for each, where in observed.channels():
+        square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
+        part = np.sqrt(max(square, 0.0))
+        if part > max(MATTERS, SHARE * first[each.record, each.signal, each.channel]):
+            return True
+    return False
+
+
+def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit) -> list[Fit]:
+    """Fits of the most promising candidates beside the effects that are there, pairs too."""
+    shares = screen(fitter, probed, best, together=TRIED if not best.members else 0)
+    singles = _one_variant([s for s in shares if len(s.members) == 1], TRIED)
+    double = [s for s in shares if len(s.members) == 2]
+    enough = singles and singles[0].share > 0.9
+    wanted = singles + ([] if enough else _one_variant(double, 2))
+    found: list[Fit] = []
+    for share in wanted:
+        if (
+            found
+            and share.share < FAR * wanted[0].share
+            and any(explained(f, null, fitter.observed) for f in found)
+        ):
+            break
+        try:
+            found.append(fitter.fit((*best.members, *share.members)))
+        except (InvalidParameter, NotConverged, ValueError):
+            continue
+    return found
+
+
+def _one_variant(shares: Sequence[Share], most: int) -> list[Share]:
+    """The best variant of each, the best of those."""
+    found: dict[tuple[tuple[str, str], ...], Share] = {}
+    for share in shares:
+        if share.share > 0:
+            found.setdefault(tuple(sorted(m.place for m in share.members)), share)
+    return list(found.values())[:most]
+
+
+def _refined(fitter: Fitter, fits: Sequence[Fit]) -> tuple[Fit, Fitter]:
+    """The best fit by evidence, with derivatives taken anew about those that come close."""
+    observed = fitter.observed
+    value = worth(min(fits, key=lambda f: f.cost).rest, observed)
+    ranked = sorted(fits, key=lambda f: -log_evidence(f, observed, value))
+    first = log_evidence(ranked[0], observed, value)
+    close = [f for f in ranked[:3] if first - log_evidence(f, observed, value) < 0.1 * abs(first) + 50]
+    there = []
+    for fit in close:
+        about = fitter.about(fit)
+        there.append((about.fit(fit.members), about))
+    value = worth(min((f for f, _ in there), key=lambda f: f.cost).rest, observed)
+    return max(there, key=lambda pair: log_evidence(pair[0], observed, value))
+
+
+def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
+    """Drops what the others have made needless."""
+    observed = fitter.observed
+    k = 0
+    while len(best.members) > 1 and k < len(best.members):
+        rest = tuple(m for i, m in enumerate(best.members) if i != k)
+        try:
+            fewer = fitter.fit(rest)
+        except (InvalidParameter, NotConverged, ValueError):
+            k += 1
+            continue
+        if accepted(best, fewer, null, observed):
+            k += 1
+        else:
+            best, fitter, k = fewer, fitter.about(fewer), 0
+    return best, fitter
+
+
+def _rivals(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    best: Fit,
+    k: int,
+    tried: Sequence[Fit],
+    value: Mapping[Channel, float],
+) -> list[Rival]:
+    """What could stand in the place of one effect, with ln Z behind the chosen model's."""
+    observed = fitter.observed
+    others = tuple(m for i, m in enumerate(best.members) if i != k)
+    mine = best.members[k].place
+    rest = {m.place for m in others}
+    known = {
+        next(iter(set(f.places) - rest)): f
+        for f in tried
+        if rest < set(f.places) and len(f.members) == len(best.members)
+    }
+    without = fitter.fit(others)
+    shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
+    found = []
+    for share in _one_variant(shares, TRIED):
+        place = share.members[0].place
+        try:
+            fit = known.get(place) or fitter.fit((share.members[0], *others))
+            behind = log_bayes_factor(best, fit, observed, value)
+            if behind < CLOSE:
+                about = fitter.about(fit)
+                fit = about.fit(fit.members)
+                behind = log_bayes_factor(best, fit, observed, value)
+        except (InvalidParameter, NotConverged, ValueError):
+            continue
+        member = next(m for m in fit.members if m.place == place)
+        found.append(Rival(member, fit, behind))
+    return sorted(found, key=lambda rival: rival.behind)
+
+
+def probabilities(rivals: Sequence[Rival]) -> list[float]:
+    """Of the chosen effect and its rivals, odds from their evidence."""
+    odds = [1.0, *(exp(-min(max(rival.behind, -50.0), 700.0)) for rival in rivals)]
+    return [each / sum(odds) for each in odds]

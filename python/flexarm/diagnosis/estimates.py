@@ -1,0 +1,127 @@
+r"""Values and intervals of everything that was fitted, by a block bootstrap.
+
+Residuals of a fit are not independent: what the model lacks lasts. So whole blocks of time, all channels
+together, are drawn with replacement, and the fit is repeated to first order [Kuensch1989]:
+
+.. math:: p_b = p - H^{-1} \Bigl( \sum_j (w_{jb} - 1) g_j - \xi_b / \sigma \Bigr), \quad
+   H = J^T J + \Lambda, \quad g_j = \sum_{i \in j} J_i^T r_i                                           (1)
+
+w_jb is how often block j was drawn, J the derivatives by effects' parameters and unknowns together, Lambda
+their priors' weights. What a prior contributes is uncertain by the prior's own sigma: xi ~ N(0, 1). Intervals
+are quantiles of p_b, mapped to the parameters' own scales.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.result import Estimate, Nuisance, Refined
+
+Floats = NDArray[np.float64]
+
+BLOCKS = 24
+"""Blocks a record."""
+DRAWS = 600
+HELD = 1.0 / 9.0
+"""Weight of an effect's prior, as in `fit`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """What was fitted, with its uncertainty.
+
+    Attributes
+    ----------
+    effects : list of tuple of Estimate
+        For each effect of the fit.
+    nuisances : tuple of Nuisance
+        Clocks and frames.
+    refined : tuple of Refined
+        Nominal values.
+    """
+
+    effects: list[tuple[Estimate, ...]]
+    nuisances: tuple[Nuisance, ...]
+    refined: tuple[Refined, ...]
+
+
+def estimates(fit: Fit, observed: Observed, seed: int = 0) -> Estimates:
+    """Eq. (1) for a fit."""
+    moved = draws(fit, observed, np.random.default_rng(seed))
+    k = len(fit.z)
+    return Estimates(
+        [_of_effect(fit, i, moved[:, :k]) for i in range(len(fit.members))], *_of_unknowns(fit, moved[:, k:])
+    )
+
+
+def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
+    """J, r and the diagonal of Lambda of (1), at the optimum."""
+    x = fit.projection.best(fit.residual)
+    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
+    residual = fit.residual + fit.projection.slopes @ x
+    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.coordinates]
+    return slopes, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
+
+
+def draws(fit: Fit, observed: Observed, rng: np.random.Generator) -> Floats:
+    """p_b - p of (1), shape (DRAWS, k + m)."""
+    slopes, residual, prior = joint_slopes(fit)
+    k, count = len(fit.z), slopes.shape[1]
+    scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes**2, axis=0) + prior, 1e-300))
+    scores = [(slopes[rows].T @ residual[rows]) * scale for rows in blocks(observed) if len(rows)]
+    g = np.stack(scores)
+    hessian = (slopes * scale).T @ (slopes * scale) + np.diag(prior * scale**2)
+    inverse = np.linalg.pinv(hessian, hermitian=True)
+    weights = rng.multinomial(len(g), np.full(len(g), 1.0 / len(g)), size=DRAWS) - 1.0
+    xi = rng.standard_normal((DRAWS, count))
+    xi[:, :k] = 0.0
+    moved: Floats = -(weights @ g - xi * np.sqrt(prior) * scale) @ inverse * scale  # eq. (1)
+    return moved
+
+
+def blocks(observed: Observed) -> list[NDArray[np.int_]]:
+    """Rows of each block: a stretch of one record, all channels."""
+    found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
+    for each, where in observed.channels():
+        index = np.arange(where.start, where.stop)
+        record = [row.time for row in observed.rows if row.record == each.record]
+        first, last = min(t[0] for t in record), max(t[-1] for t in record)
+        number = np.minimum((BLOCKS * (each.time - first) / max(last - first, 1e-12)).astype(int), BLOCKS - 1)
+        for j in np.unique(number):
+            found.setdefault((each.record, int(j)), []).append(index[number == j])
+    return [np.concatenate(parts) for parts in found.values()]
+
+
+def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
+    member = fit.members[i]
+    places = {c.name: j for j, c in enumerate(fit.coordinates) if c.candidate == i}
+    found = []
+    for name, value, unit in member.effect.parameters():
+        if name not in places:
+            continue
+        j = places[name]
+        coordinate, z = fit.coordinates[j], float(fit.z[j])
+        values = np.array([coordinate.value(float(np.clip(z + dz, -60, 60))) for dz in moved[:, j]])
+        low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
+        found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), unit))
+    return tuple(found)
+
+
+def _of_unknowns(fit: Fit, moved: Floats) -> tuple[tuple[Nuisance, ...], tuple[Refined, ...]]:
+    best = fit.projection.best(fit.residual)
+    nuisances: dict[tuple[str, str], list[Estimate]] = {}
+    refined = []
+    for j, unknown in enumerate(fit.unknowns.each):
+        value, std = unknown.centre + float(best[j]), float(moved[:, j].std())
+        if unknown.kind == "nominal":
+            refined.append(Refined(unknown.key, value, std, unknown.centre, unknown.unit))
+            continue
+        low, high = (value + float(q) for q in np.quantile(moved[:, j], [0.05, 0.95]))
+        name = unknown.key.split(".", 3)[3]
+        nuisances.setdefault(unknown.place, []).append(Estimate(name, value, std, low, high, unknown.unit))
+    return tuple(Nuisance(*place, tuple(each)) for place, each in nuisances.items()), tuple(refined)

@@ -1,0 +1,128 @@
+r"""How strongly the data speak for a model, when residuals are not white and no model is perfect.
+
+Laplace's approximation of the evidence of a model with fitted parameters z (in sigmas of their priors),
+
+.. math:: \ln Z = -\tfrac12 \sum_c \chi_c^2 / T_c + \ln p(z) + \tfrac{k}{2} \ln 2\pi - \tfrac12 \ln |H|  (1)
+
+with H = J^T W J + 1, J the derivatives of what unknowns leave, W = 1/T_c on the rows of channel c. T_c is
+what a sample of that channel is worth less than one of white noise of the stated size: the variance of the
+remainder of the best model, times its integrated correlation time,
+
+.. math:: T_c = \max(1, \gamma_0 + 2 \sum_{l \ge 1} w_l \gamma_l)                                    (2)
+
+(Bartlett's window w; gamma: autocovariance over the stated variance). n/T_c is the effective sample size
+[Bayley1946]. A remainder that no model explains makes T large, and rivals hard to tell apart, as it should.
+
+What is left *above the noise* in a channel, over the noise, is
+
+.. math:: s_c^2 = \min(\gamma_0 - 1, \max_{1 \le l \le L} |\gamma_l|), \quad \text{at least } 0      (3)
+
+the smaller one of what noise cannot be because it is too large, and because it is correlated.
+
+No simulation agrees with a machine to better than a part `DISCREPANCY` of the noise, and its error is not
+noise: it lasts. If two models differ by v over N samples, an error of that size along v adds
+DISCREPANCY^2 N to the variance of their difference in chi^2, so that
+
+.. math:: \ln B = \frac{\Delta\chi^2/2}{1 + \delta^2 N_v} + \ldots, \quad N_v = (\sum v^2)^2 / \sum v^4   (4)
+
+Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
+difference at a few instants, or in what it asks of nominal values, counts in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.observed import Observed
+
+Floats = NDArray[np.float64]
+Channel = tuple[str, str, int]
+
+LAGS = 12
+"""L of (3), in samples."""
+DISCREPANCY = 0.2
+"""delta of (4)."""
+WINDOW = 0.1
+"""Width of Bartlett's window in (2), share of the record."""
+
+
+def autocovariance(values: Floats, lags: int) -> Floats:
+    """gamma_0 ... gamma_lags of values, about zero, shape (lags + 1,)."""
+    n = len(values)
+    size = 1 << int(np.ceil(np.log2(2 * n)))
+    spectrum = np.fft.rfft(values, size)
+    found: Floats = np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1] / n
+    return found
+
+
+def worth(rest: Floats, observed: Observed) -> dict[Channel, float]:
+    """T_c of (2) for every channel."""
+    found = {}
+    for each, where in observed.channels():
+        values = rest[where]
+        lags = max(1, int(WINDOW * len(values)))
+        gamma = autocovariance(values, lags)
+        window = 1.0 - np.arange(1, lags + 1) / (lags + 1)
+        found[each.record, each.signal, each.channel] = max(
+            1.0, float(gamma[0] + 2 * np.sum(window * gamma[1:]))
+        )  # eq. (2)
+    return found
+
+
+def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
+    """s_c of (3) for every channel, over the noise."""
+    found = {}
+    for each, where in observed.channels():
+        values = rest[where]
+        gamma = autocovariance(values, min(LAGS, len(values) - 1))
+        square = min(gamma[0] - 1.0, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
+        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0)))
+    return found
+
+
+def log_bayes_factor(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
+    """ln Z of one model over another one's, eq. (1) with (4)."""
+    weight = _weights(one, observed, value)
+    other_weight = _weights(other, observed, value)
+    n = len(observed)
+    chi = float(np.sum(other_weight * other.rest**2) - np.sum(weight * one.rest**2))
+    v = np.abs(np.concatenate([one.rest[:n] - other.rest[:n], [_asked(one) - _asked(other)]]))
+    spread = float(np.sum(v**2)) ** 2 / max(float(np.sum(v**4)), 1e-300)
+    return (
+        chi / 2 / (1 + DISCREPANCY**2 * spread) + occam(one, weight) - occam(other, other_weight)
+    )  # eq. (1), (4)
+
+
+def _asked(fit: Fit) -> float:
+    """Length of what a fit asks of its unknowns, in sigmas."""
+    z = fit.projection.best(fit.residual) / fit.unknowns.sigma
+    return float(np.linalg.norm(z))
+
+
+def _weights(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> Floats:
+    weight = np.ones(len(fit.rest))
+    for each, where in observed.channels():
+        weight[where] = 1.0 / value[each.record, each.signal, each.channel]
+    return weight
+
+
+def occam(fit: Fit, weight: Floats) -> float:
+    """What the parameters cost: all terms of (1) but the first."""
+    k = len(fit.z)
+    if k == 0:
+        return 0.0
+    slopes = fit.projection.rest(fit.slopes)
+    hessian = slopes.T @ (weight[:, None] * slopes) + np.eye(k)
+    prior = sum(c.log_density(float(z)) for c, z in zip(fit.coordinates, fit.z, strict=True))
+    return prior + k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
+
+
+def log_evidence(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
+    """ln Z of (1)."""
+    weight = _weights(fit, observed, value)
+    return -float(np.sum(weight * fit.rest**2)) / 2 + occam(fit, weight)  # eq. (1)

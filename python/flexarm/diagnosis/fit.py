@@ -1,0 +1,361 @@
+r"""Effects fitted through the full simulation, with everything uncertain eliminated along.
+
+    min over u of  C(r(u)) + sum_i (z_i/3)^2,    z_i = (u_i - m_i)/s_i                                 (1)
+
+u are the effects' parameters, logarithms where their priors are logarithmic, C the residual that clocks,
+frames and nominal values cannot explain (`flexarm.diagnosis.projection`), m and s mode and sigma of a prior.
+The prior is widened to a third of its weight, since it need not know this machine: it keeps what the data do
+not determine, such as a damping, at plausible values. SciPy's least_squares solves (1) within bounds, with
+derivatives from finite steps, as laws that are not smooth need them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, log, log1p
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm import Arm
+from flexarm.arm.prior import QUANTILE, Prior
+from flexarm.diagnosis.candidates import Candidate, value_of
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.projection import Projection
+from flexarm.diagnosis.unknowns import Unknowns
+from flexarm.errors import InvalidParameter, NotConverged
+
+Floats = NDArray[np.float64]
+
+STEP = 2e-3
+"""Of the differences, in sigmas of a prior."""
+REACH = 8.0
+"""Bounds of a parameter in sigmas of its prior."""
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A free parameter on the scale of its prior.
+
+    Attributes
+    ----------
+    candidate : int
+        Which effect of the set.
+    name : str
+        Of the parameter.
+    prior : Prior
+        At the start of the fit.
+    """
+
+    candidate: int
+    name: str
+    prior: Prior
+
+    def z(self, value: float) -> float:
+        """Sigmas from the mode."""
+        mode, below, above = self._pieces()
+        u = log(value) if self.prior.scale == "log" else value
+        return (u - mode) / (below if u < mode else above)
+
+    def value(self, z: float) -> float:
+        """The parameter."""
+        mode, below, above = self._pieces()
+        u = mode + z * (below if z < 0 else above)
+        return exp(u) if self.prior.scale == "log" else u
+
+    def slope(self, z: float) -> float:
+        """d(value)/dz."""
+        _, below, above = self._pieces()
+        size = below if z < 0 else above
+        return size * self.value(z) if self.prior.scale == "log" else size
+
+    def log_density(self, z: float) -> float:
+        """ln p(z): Student's t with three degrees of freedom, as some machines are unlike all others."""
+        if self.prior.scale == "uniform":
+            return -log(8.0)
+        return -2.0 * log1p(z * z / 3.0) - 1.0008889  # ln of 2/(pi sqrt 3)
+
+    def _pieces(self) -> tuple[float, float, float]:
+        low, mode, high = self.prior.low, self.prior.typical, self.prior.high
+        if self.prior.scale == "uniform":
+            return mode, (high - low) / 8, (high - low) / 8
+        if self.prior.scale == "log":
+            low, mode, high = log(low), log(mode), log(high)
+        return mode, (mode - low) / QUANTILE, (high - mode) / QUANTILE
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model with a set of effects, fitted.
+
+    Attributes
+    ----------
+    members : tuple of Candidate
+        The effects, each at its optimum.
+    coordinates, z : tuple of Coordinate and ndarray, shape (k,)
+        What was fitted, in sigmas of the priors.
+    arm : Arm
+        With the effects, unknowns at their centres.
+    residual : ndarray, shape (n,)
+        Of that model, eq. (1) of `observed`.
+    rest : ndarray, shape (n + m,)
+        Of which clocks, frames and nominal values explain nothing more.
+    slopes : ndarray, shape (n, k)
+        Derivatives of `residual` by z.
+    unknowns, projection
+        What was eliminated.
+    converged : bool
+        Whether the fit came to rest.
+    """
+
+    members: tuple[Candidate, ...]
+    coordinates: tuple[Coordinate, ...]
+    z: Floats
+    arm: Arm
+    residual: Floats
+    rest: Floats
+    slopes: Floats
+    unknowns: Unknowns
+    projection: Projection
+    converged: bool = True
+
+    @property
+    def cost(self) -> float:
+        """C of (1)."""
+        return float(self.rest @ self.rest)
+
+    @property
+    def places(self) -> tuple[tuple[str, str], ...]:
+        """Name and place of each effect."""
+        return tuple(member.place for member in self.members)
+
+
+@dataclass(eq=False)
+class Fitter:
+    """What all fits share: records, unknowns, and derivatives by these at the nominal model.
+
+    Attributes
+    ----------
+    observed : Observed
+        The records.
+    unknowns : Unknowns
+        Clocks, frames, nominal values; its `arm` is the nominal model.
+    slopes : ndarray
+        Derivatives of the residual by them, at `at`.
+    at : ndarray
+        Where the unknowns are, from the centres of their priors.
+    """
+
+    observed: Observed
+    unknowns: Unknowns
+    slopes: Floats
+    at: Floats
+
+    def __post_init__(self) -> None:
+        self._projections: dict[frozenset[str], tuple[Unknowns, Projection]] = {}
+        centres = np.array([u.centre for u in self.unknowns.each])
+        self.start = self.unknowns.put(self.unknowns.arm, centres + self.at)
+
+    @classmethod
+    def nominal(cls, observed: Observed, unknowns: Unknowns) -> Fitter:
+        """About the nominal model."""
+        return cls(
+            observed, unknowns, observed.slopes(unknowns.arm, unknowns.keys), np.zeros(len(unknowns.each))
+        )
+
+    def about(self, fit: Fit) -> Fitter:
+        """The same about a fitted model, where derivatives are those of the model with its effects."""
+        at = self.at.copy()
+        best = dict(zip(fit.unknowns.keys, fit.projection.best(fit.residual), strict=True))
+        for k, unknown in enumerate(self.unknowns.each):
+            at[k] = best.get(unknown.key, 0.0)
+        there = Fitter(self.observed, self.unknowns, self.slopes, at)
+        arm = there.with_effects(fit.members)
+        keys = fit.unknowns.keys
+        slopes = self.slopes.copy()
+        slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
+        return Fitter(self.observed, self.unknowns, slopes, at)
+
+    def residual(self, members: Sequence[Candidate]) -> Floats:
+        """Of the model with effects, to first order at the centres of the unknowns' priors."""
+        raw = self.observed.residual(self.with_effects(members))
+        taken = self.taken(members)
+        at = np.array(
+            [0.0 if u.key in taken else x for u, x in zip(self.unknowns.each, self.at, strict=True)]
+        )
+        return raw - self.slopes @ at if at.any() else raw
+
+    def taken(self, members: Sequence[Candidate]) -> frozenset[str]:
+        """Unknowns that are effects of a set."""
+        fitted = {(member.name, member.at) for member in members}
+        return frozenset(
+            u.key for u in self.unknowns.each if u.kind in ("clock", "frame") and u.place in fitted
+        )
+
+    def eliminated(self, members: Sequence[Candidate]) -> tuple[Unknowns, Projection]:
+        """Unknowns that a set of effects leaves: a clock whose delay is an effect is none of them."""
+        taken = self.taken(members)
+        if taken not in self._projections:
+            left = self.unknowns.without(set(taken))
+            keep = [k for k, u in enumerate(self.unknowns.each) if u.key not in taken]
+            self._projections[taken] = (left, Projection(self.slopes[:, keep], left.sigma))
+        return self._projections[taken]
+
+    def fit(self, members: Sequence[Candidate], evaluations: int = 6, tolerance: float = 2e-3) -> Fit:
+        """Eq. (1) for a set of effects that start at their own values.
+
+        Raises
+        ------
+        NotConverged, InvalidParameter
+            If not even the start can be simulated.
+        """
+        from scipy.optimize import least_squares
+
+        members = tuple(members)
+        arm = self.with_effects(members)
+        coordinates = tuple(
+            Coordinate(k, name, prior)
+            for k, member in enumerate(members)
+            for name, prior in member.effect.priors(arm).items()
+            if name in member.free
+        )
+        left, projection = self.eliminated(members)
+        start = np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in coordinates])
+        if not len(start):
+            residual = self.residual(members)
+            return Fit(
+                members,
+                (),
+                start,
+                arm,
+                residual,
+                projection.rest(residual),
+                np.empty((len(residual), 0)),
+                left,
+                projection,
+            )
+        problem = _Problem(self, members, coordinates, projection)
+        problem.raw(start)  # an error here is the caller's
+        reach = np.where([c.prior.scale == "uniform" for c in coordinates], 40.0, REACH)
+        start = np.clip(start, -0.99 * reach, 0.99 * reach)
+        found = least_squares(
+            problem.rows,
+            start,
+            problem.jacobian,
+            bounds=(-reach, reach),
+            x_scale=1.0,
+            max_nfev=evaluations,
+            ftol=tolerance * 1e-1,
+            xtol=tolerance,
+            gtol=1e-12,
+        )
+        z = found.x
+        residual, slopes = problem.raw(z), problem.slopes_at(z)
+        fitted = problem.members_at(z)
+        return Fit(
+            fitted,
+            coordinates,
+            z,
+            self.with_effects(fitted),
+            residual,
+            projection.rest(residual),
+            slopes,
+            left,
+            projection,
+            bool(found.status > 0),
+        )
+
+    def with_effects(self, members: Sequence[Candidate]) -> Arm:
+        """The nominal model with effects, and with what they need."""
+        arm = self.start
+        present = {member.place for member in members}
+        for member in members:
+            if member.needs is not None and (member.needs.name, member.needs.at) not in present:
+                arm = arm.with_effect(member.needs)
+        springs_first = sorted(members, key=lambda m: m.name not in ("joint_compliance", "base_compliance"))
+        for member in springs_first:
+            arm = arm.with_effect(member.effect)
+        return arm
+
+
+class _Problem:
+    """Rows and derivatives of (1), with the last evaluations kept."""
+
+    def __init__(
+        self,
+        fitter: Fitter,
+        members: tuple[Candidate, ...],
+        coordinates: tuple[Coordinate, ...],
+        projection: Projection,
+    ) -> None:
+        self.fitter, self.members = fitter, members
+        self.coordinates, self.projection = coordinates, projection
+        self._raw: dict[bytes, Floats] = {}
+        self._slopes: dict[bytes, Floats] = {}
+
+    def members_at(self, z: Floats) -> tuple[Candidate, ...]:
+        """The effects with these parameters."""
+        from dataclasses import replace
+
+        found = list(self.members)
+        for k, member in enumerate(found):
+            values = {
+                c.name: c.value(float(x))
+                for c, x in zip(self.coordinates, z, strict=True)
+                if c.candidate == k
+            }
+            found[k] = replace(member, effect=member.effect.with_parameters(values))
+        return tuple(found)
+
+    def _arm(self, z: Floats) -> Arm | None:
+        try:
+            return self.fitter.with_effects(self.members_at(z))
+        except InvalidParameter:
+            return None
+
+    def raw(self, z: Floats) -> Floats:
+        """Residuals of the model."""
+        key = z.tobytes()
+        if key not in self._raw:
+            self._raw[key] = self.fitter.residual(self.members_at(z))
+        return self._raw[key]
+
+    def rows(self, z: Floats) -> Floats:
+        """Rows of (1); where nothing can be simulated, the sum is so large that the step is taken back."""
+        try:
+            rest = self.projection.rest(self.raw(z))
+        except (NotConverged, InvalidParameter):
+            return np.full(len(self.fitter.observed) + self.projection.added + len(z), 1e4)
+        return np.concatenate([rest, self._weight() * z])
+
+    def slopes_at(self, z: Floats) -> Floats:
+        """Derivatives of the residuals by z, forward or backward where there is room."""
+        key = z.tobytes()
+        if key not in self._slopes:
+            here = self.raw(z)
+            columns = []
+            ahead = [z + STEP * row for row in np.eye(len(z))]
+            self.fitter.observed.prepare(arm for there in ahead if (arm := self._arm(there)) is not None)
+            for k in range(len(z)):
+                columns.append(self._column(z, k, here))
+            self._slopes[key] = np.stack(columns, axis=1)
+        return self._slopes[key]
+
+    def _column(self, z: Floats, k: int, here: Floats) -> Floats:
+        for step in (STEP, -STEP):
+            there = z.copy()
+            there[k] += step
+            try:
+                found: Floats = (self.raw(there) - here) / step
+            except (NotConverged, InvalidParameter):
+                continue
+            return found
+        return np.zeros_like(here)
+
+    def jacobian(self, z: Floats) -> Floats:
+        """Derivatives of the rows."""
+        return np.vstack([self.projection.rest(self.slopes_at(z)), np.diag(self._weight())])
+
+    def _weight(self) -> Floats:
+        return np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in self.coordinates])

@@ -1,0 +1,60 @@
+r"""Least squares in which linear unknowns with priors are eliminated.
+
+    C(r) = min over x of |r + J x|^2 + |x/sigma|^2                                                    (1)
+
+r are residuals over their noise, J their derivatives by unknowns x that are counted from the centres of their
+priors. With A = [J sigma; 1] = Q R and b = [r; 0],
+
+    C(r) = |b - Q Q^T b|^2,     x = -sigma R^-1 Q^T b                                                 (2)
+
+so that one factorisation serves every r. `rest` of two candidates are compared, fitted and projected as plain
+vectors then. Source: variable projection, [Golub2003].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Projection:
+    """Residuals without what unknowns explain.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (n, k)
+        J of (1).
+    sigma : ndarray, shape (k,)
+        Of the priors; infinite: none.
+    """
+
+    def __init__(self, slopes: Floats, sigma: Floats) -> None:
+        count = slopes.shape[1]
+        known = np.isfinite(sigma)
+        norm = np.linalg.norm(slopes, axis=0)
+        self.scale = np.where(known, sigma, 1.0 / np.where(norm > 0, norm, 1.0))
+        rows = np.vstack([slopes * self.scale, np.diag(known.astype(float))])
+        self.q, self.r = np.linalg.qr(rows)
+        self.slopes, self.sigma = slopes, sigma
+        self.added = count
+
+    def rest(self, residual: Floats) -> Floats:
+        """b - Q Q^T b of (2), shape (n + k, ...): its square is C of (1)."""
+        b = np.concatenate([residual, np.zeros((self.added, *residual.shape[1:]))])
+        found: Floats = b - self.q @ (self.q.T @ b)
+        return found
+
+    def best(self, residual: Floats) -> Floats:
+        """x of (2), shape (k,)."""
+        b = np.concatenate([residual, np.zeros(self.added)])
+        found: Floats = -self.scale * np.linalg.lstsq(self.r, self.q.T @ b, rcond=None)[0]
+        return found
+
+    def covariance(self) -> Floats:
+        """Of x, shape (k, k), if the residuals are white noise of size one."""
+        inverse = np.linalg.pinv(self.r)
+        scaled = self.scale[:, None] * inverse
+        found: Floats = scaled @ scaled.T
+        return found

@@ -1,0 +1,291 @@
+"""The diagnosis: load -> check -> align -> simulate -> locate -> screen -> fit -> choose -> patch -> verify.
+
+Each step is a function of its own module, with a result that one can look at alone; this page calls them in
+their order.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import with_value
+from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.compare import compare
+from flexarm.comparison.comparison import Comparison
+from flexarm.configuration import version
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.choose import REACH, Choice, choose, leaves_gap, probabilities
+from flexarm.diagnosis.constancy import constancy
+from flexarm.diagnosis.estimates import Estimates, estimates
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
+from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.locate import locate
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.remainder import describe_remainder
+from flexarm.diagnosis.result import Alternative, Diagnosis, NamedEffect, Rejected, Stage
+from flexarm.diagnosis.screen import probe
+from flexarm.diagnosis.unknowns import unknowns
+
+if TYPE_CHECKING:
+    from flexarm.record import Record
+
+Progress = Callable[[float, str], object] | None
+
+CAP = 0.98
+"""Greatest probability of a name: some mechanism may be in no vocabulary."""
+CONFIDENT = 0.5
+"""Greatest probability of a name whose parameter moves, or beside a gap that nothing explains."""
+WORTH_KEEPING = 0.5
+"""Least part of the gap that effects close to be in the repaired model where they do not explain all."""
+
+
+def diagnose(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    hold_out: Record | None = None,
+    *,
+    jobs: int | None = None,
+    seed: int = 0,
+    step: float = 2e-3,
+    alpha: float = -0.05,
+    progress: Progress = None,
+) -> Diagnosis:
+    """Names the physical effect that a model lacks, where it sits, and how sure that is.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model, with `[uncertainty]` where values are uncertain.
+    records : dict of str to Record, or sequence of Record
+        What to explain; all are fitted together.
+    hold_out : Record, optional
+        Never used for fitting or choosing: the check of the repair.
+    jobs : int, optional
+        Number of simulations at once; default one a core.
+    seed : int
+        Of the bootstrap; same seed, same answer.
+    step, alpha : float
+        Of all simulations [s], [-].
+    progress : callable, optional
+        Gets the share done and what is being done.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    InvalidParameter
+        If records and model do not fit each other, or nothing can be compared.
+    NotConverged
+        If the nominal model cannot be simulated.
+
+    Examples
+    --------
+    >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
+    >>> found.save("diagnosis")  # doctest: +SKIP
+    """
+    begun = time.monotonic()
+    tell = progress or (lambda done, what: None)
+    named = _by_name(records)
+    provenance = {"version": version(), "seed": seed}
+    tell(0.1, "simulating")
+    observed = Observed(arm, named, step=step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    probed = probe(
+        fitter, candidates(observed, fitter.unknowns.arm), lambda done: tell(0.15 + 0.25 * done, "screening")
+    )
+    choice = choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
+    tell(0.8, "intervals")
+    sizes = estimates(choice.best, observed, seed)
+    open_gap = leaves_gap(choice.best, choice.null, observed)
+    drifts = constancy(choice.best, observed, choice.value)
+    effects = _named(choice, sizes, drifts, open_gap, observed)
+    verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
+    keep = not open_gap or _closes(choice.best, choice.null)
+    updated = repaired(arm, choice.best, sizes, keep) if keep or not open_gap else arm
+    tell(0.85, "verifying")
+    everything = {**named, **({} if hold_out is None else {_name(hold_out, named): hold_out})}
+    held_out = tuple(name for name in everything if name not in named)
+    before = {name: compare(arm, record) for name, record in everything.items()}
+    after = {name: compare(updated, record) for name, record in everything.items()}
+    main = main_signal(named, before)
+    pairs_before = {name: beside(arm, record, step=step) for name, record in named.items()}
+    pairs_after = {name: beside(updated, record, step=step) for name, record in named.items()}
+    located, located_after = _located(pairs_before), _located(pairs_after)
+    left = describe_remainder(located_after) if open_gap and located_after else None
+    return Diagnosis(
+        verdict,  # type: ignore[arg-type]
+        arm,
+        updated,
+        effects,
+        sizes.nuisances,
+        sizes.refined,
+        _rejected(choice, observed),
+        where=located.where if located else (),
+        before=before,
+        after=after,
+        training=tuple(named),
+        held_out=held_out,
+        hold_out_kind="repetition" if held_out else "blocks",
+        main_signal=main,
+        stages=_stages(arm, updated, choice, everything, main, before, after),
+        constancy=tuple(drifts),
+        remainder=str(left) if left is not None else "",
+        next_experiment="",
+        provenance={**provenance, "seconds": time.monotonic() - begun},
+        located=located,
+        located_after=located_after,
+    )
+
+
+def _located(pairs: Mapping[str, Beside]) -> Any:
+    kinds = {pair.record.kind for pair in pairs.values()}
+    return locate(pairs) if len(kinds) == 1 else None
+
+
+def repaired(arm: Arm, fit: Fit, sizes: Estimates, effects: bool = True) -> Arm:
+    """The nominal model with refined values and, if asked for, the effects of a fit."""
+    for refined in sizes.refined:
+        arm = with_value(arm, refined.parameter, refined.value)
+    if not effects:
+        return arm
+    for member in sorted(fit.members, key=lambda m: m.name not in ("joint_compliance", "base_compliance")):
+        if member.needs is not None and arm.effect(member.needs.name, member.needs.at) is None:
+            arm = arm.with_effect(member.needs)
+        arm = arm.with_effect(member.effect)
+    return arm
+
+
+def main_signal(records: Mapping[str, Record], before: Mapping[str, Comparison]) -> str:
+    """The signal of the report's gap: of positions the one that moves most, else the one that misses most."""
+    travel: dict[str, float] = {}
+    misses: dict[str, float] = {}
+    for name, record in records.items():
+        for signal, gap in before[name].evidence.items():
+            values = record.signals[signal].values
+            if gap.quantity == "position":
+                spread = float(np.nansum(np.nanvar(values, axis=0)))
+                travel[signal] = max(travel.get(signal, 0.0), spread)
+            misses[signal] = max(misses.get(signal, 0.0), (gap.rms["total"] or 0.0) / (gap.noise_rms or 1.0))
+    chosen = travel or misses
+    return max(chosen, key=lambda signal: chosen[signal]) if chosen else ""
+
+
+def _named(
+    choice: Choice, sizes: Estimates, drifts: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
+) -> tuple[NamedEffect, ...]:
+    """The chosen effects, each with its rivals within reach."""
+    found = []
+    for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
+        near = [rival for rival in rivals if rival.behind < REACH]
+        odds = [min(p, CAP) for p in probabilities(near)]
+        moving = [d for d in drifts if (d["effect"], d["at"]) == member.place and not d["constant"]]
+        first = min(odds[0], CONFIDENT) if moving or open_gap else odds[0]
+        alternatives = tuple(
+            Alternative(rival.candidate.name, rival.candidate.at, p)
+            for rival, p in zip(near, odds[1:], strict=True)
+        )
+        found.append(
+            NamedEffect(
+                member.name,
+                member.at,
+                first,
+                sizes.effects[k],
+                alternatives,
+                _evidence(choice, k, moving, observed),
+            )
+        )
+    return tuple(sorted(found, key=lambda effect: -effect.probability))
+
+
+def _evidence(choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], observed: Observed) -> str:
+    """One sentence for a person."""
+    best, member = choice.best, choice.best.members[k]
+    before = max(above_noise(choice.null.rest, observed).values())
+    after = max(above_noise(best.rest, observed).values())
+    rivals = choice.rivals[k]
+    text = (
+        f"with {member.name} at {member.at} the largest gap above the noise falls from {before:.2g} to "
+        f"{after:.2g} times the noise (ln Bayes factor {choice.gain:.0f} over the nominal model)"
+    )
+    if rivals:
+        rival = rivals[0]
+        text += f"; next is {rival.candidate.name} at {rival.candidate.at}, ln {rival.behind:.1f} behind"
+    for each in moving:
+        text += (
+            f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
+        )
+    return text + "."
+
+
+def _closes(best: Fit, null: Fit) -> bool:
+    """Whether a fit closes enough of the gap to be kept though it does not explain all."""
+    n = len(best.residual)
+    before, after = null.rest[:n], best.rest[:n]
+    return float(after @ after) < (1 - WORTH_KEEPING) ** 2 * float(before @ before)
+
+
+def _rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
+    """Rivals out of reach, and what was tried on the way."""
+    found: dict[tuple[str, str], Rejected] = {}
+    chosen = set(choice.best.places)
+    for rivals in choice.rivals:
+        for rival in rivals:
+            if rival.behind >= REACH:
+                place = rival.candidate.place
+                found[place] = Rejected(*place, -rival.behind, "explains less in its place")
+    for fit, _ in choice.tried:
+        for place in fit.places:
+            if place not in chosen and place not in found:
+                behind = log_bayes_factor(fit, choice.best, observed, choice.value)
+                if behind < -REACH:
+                    found[place] = Rejected(*place, behind, "explains less")
+    return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))
+
+
+def _stages(
+    arm: Arm,
+    updated: Arm,
+    choice: Choice,
+    records: Mapping[str, Record],
+    main: str,
+    before: Mapping[str, Comparison],
+    after: Mapping[str, Comparison],
+) -> tuple[Stage, ...]:
+    """The gap of the main signal from the nominal to the repaired model, an effect at a time."""
+
+    def rms(found: Mapping[str, Comparison]) -> dict[str, float]:
+        return {
+            name: float(c.signals[main].rms["total"] or 0.0) for name, c in found.items() if main in c.signals
+        }
+
+    stages = [Stage("nominal", rms(before))]
+    if updated.effects != arm.effects:
+        model = arm
+        for member in choice.best.members:
+            model = model.with_effect(member.effect)
+            found = {name: compare(model, record) for name, record in records.items()}
+            stages.append(Stage(f"{member.name} at {member.at}", rms(found)))
+    if updated != arm:
+        stages.append(Stage("nominal values refined", rms(after)))
+    return tuple(stages)
+
+
+def _by_name(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
+    """Records by name: the keys, or numbers."""
+    if isinstance(records, Mapping):
+        return dict(records)
+    return {f"record_{k + 1}": record for k, record in enumerate(records)}
+
+
+def _name(record: Record, taken: Mapping[str, Record]) -> str:
+    """Of the held-out record."""
+    name = record.path.name if record.path is not None else "held_out"
+    return name if name not in taken else f"{name} (held out)"
