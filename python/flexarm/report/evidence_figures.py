@@ -10,7 +10,7 @@ import numpy as np
 
 from flexarm.diagnosis.gap_curves import AFTER, along, draw, label, sides, worst
 from flexarm.diagnosis.wording import place_words, scale
-from flexarm.report.sheets import legend_below, sheet, write_beside
+from flexarm.report.sheets import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.state_figures import draw_of_effect
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
 REACH = log(20.0)
 """Evidence that a candidate may lack and still be an alternative."""
 MOST_CANDIDATES = 14
+TITLED = BOTTOM + TOP
+"""Space between rows that have labels and titles of their own [in]."""
 
 
 def candidates(d: Diagnosis) -> Figure | None:
@@ -31,7 +33,7 @@ def candidates(d: Diagnosis) -> Figure | None:
     if len(rows) < 2:
         return None
     shown = sorted(rows, key=lambda row: row[1])[:MOST_CANDIDATES]
-    figure, axes = sheet(1, 1, 0.9 + 0.22 * len(shown))
+    figure, axes = sheet(1, 1, 0.22 * len(shown) + 0.1, left=margin_for([row[0] for row in shown]))
     ax = axes[0, 0]
     bars = ax.barh([row[0] for row in shown], [row[1] for row in shown], color=[row[2] for row in shown])
     write_beside(ax, bars, [_lacking(row[1], row[2]) for row in shown])
@@ -69,8 +71,17 @@ def constancy(d: Diagnosis, entries: Sequence[Any]) -> Figure | None:
     """Parameters fitted on each record alone, beside the value of all together; None if there are none."""
     if not entries:
         return None
-    heights = [0.55 + 0.2 * len(entry["values"]) for entry in entries]
-    figure, axes = sheet(len(entries), 1, 0.25 + sum(heights), height_ratios=heights)
+    heights = [0.2 * (1 + len(entry["values"])) for entry in entries]
+    left = margin_for([name for entry in entries for name in entry["values"]])
+    figure, axes = sheet(
+        len(entries),
+        1,
+        sum(heights),
+        left=left,
+        between=(0.0, TITLED),
+        legend=False,
+        height_ratios=heights,
+    )
     for ax, entry in zip(axes[:, 0], entries, strict=True):
         draw_constancy(ax, d, entry)
     return figure
@@ -106,8 +117,11 @@ def _estimate(d: Diagnosis, entry: Any) -> Any:
 def of_effect(d: Diagnosis, effect: NamedEffect) -> Figure:
     """The gap that an effect repairs, and whether its parameters stay the same from record to record."""
     entries = [e for e in d.constancy if (e["effect"], e["at"]) == (effect.name, effect.at)]
-    heights = [2.3, *(0.6 + 0.2 * len(entry["values"]) for entry in entries)]
-    figure, axes = sheet(len(heights), 1, 0.3 + sum(heights), height_ratios=heights)
+    heights = [1.7, *(0.2 * (1 + len(entry["values"])) for entry in entries)]
+    left = max(LEFT, margin_for([name for entry in entries for name in entry["values"]]))
+    figure, axes = sheet(
+        len(heights), 1, sum(heights), left=left, between=(0.0, TITLED), height_ratios=heights
+    )
     if d.located is not None and d.main_signal in d.located.gaps:
         draw_of_effect(axes[0, 0], d, effect.name, effect.at)
     else:

@@ -10,7 +10,7 @@ import numpy as np
 from flexarm.diagnosis.gap_curves import LOOKS, along, directions, draw, noise_of, sides
 from flexarm.diagnosis.pooled_gap import pooled
 from flexarm.diagnosis.wording import number, scale
-from flexarm.report.sheets import legend_below, log_if_wide, sheet, write_beside
+from flexarm.report.sheets import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,7 +27,7 @@ def gap_along(d: Diagnosis, record: str) -> Figure:
     first, (model, last) = _first(gaps), list(gaps.items())[-1]
     names = directions(first)
     widths = (1.5, 1) if len(gaps) > 1 else (1,)
-    figure, axes = sheet(len(names), len(widths), 0.7 + 1.5 * len(names), sharex=True, width_ratios=widths)
+    figure, axes = sheet(len(names), len(widths), 1.3, between=(LEFT, 0.12), sharex=True, width_ratios=widths)
     for row, name in zip(axes, names, strict=True):
         factor, unit = scale([first.max[name]], first.unit)
         draw(row[0], gaps, name, factor)
@@ -56,7 +56,7 @@ def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
     shown = {name: gaps for name in records if (gaps := sides(d, name)) and _first(gaps).bands}
     if not shown:
         return None
-    figure, axes = sheet(1, len(shown), 2.5, sharey=True)
+    figure, axes = sheet(1, len(shown), 1.5, between=(0.1, 0.0), sharey=True)
     factor, unit = scale([_first(gaps).rms["total"] for gaps in shown.values()], d.unit)
     for ax, (name, gaps) in zip(axes[0], shown.items(), strict=True):
         labels = [f"{band.low:.2g}–{band.high:.2g}" for band in _first(gaps).bands]
@@ -80,7 +80,8 @@ def waterfall(d: Diagnosis) -> Figure | None:
     rows = [(name, heights, colour) for name, of, colour in groups if (heights := _stages(d, of))]
     if len(d.stages) < 2 or not rows:
         return None
-    figure, axes = sheet(1, 1, 1.0 + 0.42 * len(d.stages))
+    labels = [_stage_label(stage.label, i) for i, stage in enumerate(d.stages)]
+    figure, axes = sheet(1, 1, 0.42 * len(d.stages) + 0.1, left=margin_for(labels))
     ax = axes[0, 0]
     largest = max(max(heights) for _, heights, _ in rows)
     factor, unit = scale([largest], d.unit)
@@ -93,7 +94,6 @@ def waterfall(d: Diagnosis) -> Figure | None:
     if noise:
         ax.axvline(factor * noise, color="black", lw=0.8, ls="--", label="noise")
     smallest = min([min(heights) for _, heights, _ in rows] + ([noise] if noise else []))
-    labels = [_stage_label(stage.label, i) for i, stage in enumerate(d.stages)]
     ax.set(yticks=np.arange(len(labels)), yticklabels=labels)
     log_if_wide(ax, "x", [factor * smallest, factor * largest])
     lowest = 0.6 * factor * smallest if ax.get_xscale() == "log" else 0.0

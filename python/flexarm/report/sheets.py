@@ -1,4 +1,7 @@
-"""Sheets with axes, as wide as a page on a phone can show."""
+"""Sheets with axes, as wide as a page on a phone can show.
+
+Margins are stated in inches: an engine that measures every label to find them takes as long as the drawing.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,22 @@ if TYPE_CHECKING:
 
 WIDTH = 6.4
 """Of every sheet [in]."""
+LEFT, RIGHT, TOP, BOTTOM, LEGEND = 0.66, 0.14, 0.28, 0.48, 0.26
+"""Margins [in]: labels of the y axis, half a number, a title, labels of the x axis, a legend below them."""
 WIDE = 30.0
 """Ratio of values beyond which an axis is logarithmic."""
 
 
-def sheet(rows: int, columns: int, height: float, **options: Any) -> tuple[Figure, Any]:
+def sheet(
+    rows: int,
+    columns: int,
+    height: float,
+    *,
+    left: float = LEFT,
+    between: tuple[float, float] = (0.0, 0.0),
+    legend: bool = True,
+    **options: Any,
+) -> tuple[Figure, Any]:
     """Axes in rows and columns, without pyplot's global state.
 
     Parameters
@@ -23,25 +37,57 @@ def sheet(rows: int, columns: int, height: float, **options: Any) -> tuple[Figur
     rows, columns : int
         Of the axes.
     height : float
-        Of the sheet [in].
+        Of one row, or of all together with `height_ratios` [in].
+    left : float
+        Margin for labels [in].
+    between : (2,)
+        Space between columns and between rows [in].
+    legend : bool
+        Whether a legend stands below.
     **options
         As of `Figure.subplots`.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, height))
+    inside = height if "height_ratios" in options else rows * height
+    bottom = BOTTOM + (LEGEND if legend else 0.0)
+    tall = bottom + inside + (rows - 1) * between[1] + TOP
+    figure = Figure(figsize=(WIDTH, tall))
+    figure.set_layout_engine("none")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, columns, squeeze=False, **options)
+    wide = (WIDTH - left - RIGHT - (columns - 1) * between[0]) / columns
+    axes = figure.subplots(
+        rows,
+        columns,
+        squeeze=False,
+        gridspec_kw={
+            "left": left / WIDTH,
+            "right": 1 - RIGHT / WIDTH,
+            "bottom": bottom / tall,
+            "top": 1 - TOP / tall,
+            "wspace": between[0] / wide,
+            "hspace": between[1] / (inside / rows),
+        },
+        **options,
+    )
     for ax in axes.flat:
         ax.set_axisbelow(True)
     return figure, axes
 
 
+def margin_for(labels: Sequence[str], size: float = 9.0) -> float:
+    """Left margin [in] that holds the longest of these labels at a size of font [pt]."""
+    from matplotlib.textpath import TextPath
+
+    widths = [TextPath((0, 0), label, size=size).get_extents().width for label in labels if label.strip()]
+    return min(0.5 * WIDTH, 0.16 + max(widths, default=0.0) / 72)
+
+
 def legend_below(figure: Figure, ax: Axes) -> None:
     """The legend of one of the axes below all, where it hides nothing."""
     handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(handles, labels, loc="lower center", ncols=4, frameon=False, borderaxespad=0.1)
 
 
 def write_beside(ax: Axes, bars: Any, texts: Sequence[str]) -> None:

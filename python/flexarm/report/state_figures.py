@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexarm.diagnosis.gap_curves import LOOKS, NOISE
 from flexarm.diagnosis.wording import scale
-from flexarm.report.sheets import legend_below, sheet
+from flexarm.report.sheets import BOTTOM, legend_below, sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +51,7 @@ def against_states(d: Diagnosis) -> Figure | None:
     chosen = turned_most(d.located, rows)
     kinds = KINDS if chosen.moves else ("angle", "torque")
     direction = _largest(rows)
-    figure, axes = sheet(1, len(kinds), 2.6, sharey=True)
+    figure, axes = sheet(1, len(kinds), 1.6, between=(0.3, 0.0), sharey=True)
     for ax, kind in zip(axes[0], kinds, strict=True):
         draw_against(ax, d, d.main_signal, direction, chosen.joint, kind)
     axes[0, 1].set_title(f"{d.main_signal}, {direction}: measured − model")
@@ -107,7 +107,7 @@ def rotations(d: Diagnosis) -> Figure | None:
         return None
     shown = list(zip(found.joints, found.states, strict=True))[:MOST_JOINTS]
     factor, unit = scale([float(np.abs(each.angle).max()) for each, _ in shown], shown[0][0].unit)
-    figure, axes = sheet(len(shown), len(KINDS), 0.4 + 1.6 * len(shown), sharey=True)
+    figure, axes = sheet(len(shown), len(KINDS), 1.1, between=(0.3, BOTTOM), legend=False, sharey=True)
     for row, (rotation, states) in zip(axes, shown, strict=True):
         _draw_rotation(row, rotation, states, factor, unit)
     return figure
