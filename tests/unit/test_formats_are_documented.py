@@ -24,6 +24,7 @@ from flexarm.arm import (
     StateFeedback,
     Tube,
 )
+from flexarm.diagnosis import report_file
 from flexarm.quantities import QUANTITIES
 from flexarm.record import CarriedPayload, Clock, Frame
 from flexarm.record.table import RecordTable, SignalTable
@@ -54,3 +55,10 @@ def test_every_key_of_the_formats_is_documented(table: type[Table]) -> None:
 
 def test_every_quantity_is_documented() -> None:
     assert [name for name in QUANTITIES if name not in WORDS] == []
+
+
+def test_every_key_of_a_report_is_documented() -> None:
+    entries = [each for each in vars(report_file).values() if hasattr(each, "model_fields")]
+    keys = {name for each in entries for name in each.model_fields}
+    assert len(keys) > 40
+    assert sorted(keys - WORDS) == []
