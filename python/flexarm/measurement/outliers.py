@@ -47,7 +47,7 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     ndarray of bool, shape (n,)
     """
     found = np.zeros(len(residual), dtype=bool)
-    rows, off, usual = _off_the_median(residual)
+    rows, off, usual = off_the_median(residual)
     found[rows] = np.any(np.abs(off) > np.maximum(NOISE * noise, SPREAD * usual), axis=1)
     return found
 
@@ -58,7 +58,7 @@ def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDAr
     Parameters and result as for `outliers`.
     """
     found = np.zeros(len(residual), dtype=bool)
-    rows, off, usual = _off_the_median(residual)
+    rows, off, usual = off_the_median(residual)
     found[rows] = effect.told_apart(off, np.maximum(noise, usual))
     return found
 
@@ -69,19 +69,24 @@ def drive_outliers(samples: Floats, noise: float, effect: Outliers) -> NDArray[n
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) <= NEIGHBOURS:
         return found
-    y = np.full(len(rows) + 6, np.nan)
-    y[3:-3] = samples[rows]
-    n = len(rows)
-    before = 3 * y[2 : n + 2] - 3 * y[1 : n + 1] + y[:n]
-    after = 3 * y[4 : n + 4] - 3 * y[5 : n + 5] + y[6:]
-    between = (-y[1 : n + 1] + 4 * y[2 : n + 2] + 4 * y[4 : n + 4] - y[5 : n + 5]) / 6
-    off = samples[rows] - np.nanmedian([before, between, after], axis=0)  # eq. (1)
+    off = samples[rows] - np.nanmedian(parabolas(samples[rows]), axis=0)  # eq. (1)
     usual = 1.48 * np.median(np.abs(off))
     found[rows] = effect.told_apart(off[:, None], np.array([max(noise, float(usual))]))
     return found
 
 
-def _off_the_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
+def parabolas(samples: Floats) -> Floats:
+    """The three predictions (1) of every sample, shape (3, n): from before, from after, from both sides."""
+    n = len(samples)
+    y = np.full(n + 6, np.nan)
+    y[3:-3] = samples
+    before = 3 * y[2 : n + 2] - 3 * y[1 : n + 1] + y[:n]
+    after = 3 * y[4 : n + 4] - 3 * y[5 : n + 5] + y[6:]
+    between = (-y[1 : n + 1] + 4 * y[2 : n + 2] + 4 * y[4 : n + 4] - y[5 : n + 5]) / 6
+    return np.stack([before, after, between])
+
+
+def off_the_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
     """Rows with a value in every channel, their differences from the median, and the usual size of these.
 
     No rows where there are too few for a median.

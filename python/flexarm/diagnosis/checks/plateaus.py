@@ -1,0 +1,187 @@
+"""Channels that stop: at the end of their range (saturation), or frozen for a stretch.
+
+A plateau is a run of rows that agree to within the noise while the prediction moves on:
+
+    max y - min y <= 6 noise (or 0),   max p - min p >= max(10 noise, 0.2 std p)                       (1)
+
+A sensor at the end of its range shows p cut off at a level, so that
+
+    the plateaus lie at one level, the greatest (or least) reading, and p is beyond it there          (2)
+
+A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
+or turns round too. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
+noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by `FAR` of
+its motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.diagnosis.checks.channel import Channel
+from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
+from flexarm.diagnosis.checks.regression import scatter_at
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+FEWEST = 5
+"""Rows of a plateau at least."""
+MOVES = 0.2
+"""Of (1), in standard deviations of the prediction."""
+FAR = 1.0
+"""The same for a noisy plateau that is not at the end of the range."""
+SLOW = ("position", "deflection", "joint_angle", "inclination", "orientation")
+"""Quantities that do not ring by as much as they move."""
+LOST = 0.1
+"""Share of the rows from which on a frozen channel is dead."""
+
+
+@dataclass(frozen=True)
+class Plateau:
+    """Rows first to last (exclusive) of a channel that agree."""
+
+    first: int
+    last: int
+
+
+def plateaus(y: Floats, p: Floats, noise: float) -> list[Plateau]:
+    """All runs (1), exact repeats and noisy ones."""
+    found = runs(y, 0.0)
+    if noise > 0:
+        found += [run for run in runs(y, 6 * noise) if not any(_overlap(run, exact) for exact in found)]
+    moves = max(10 * noise, MOVES * float(np.std(p)))
+    return [run for run in found if np.ptp(p[run.first : run.last]) >= moves]
+
+
+def _overlap(a: Plateau, b: Plateau) -> bool:
+    return a.first < b.last and b.first < a.last
+
+
+def runs(y: Floats, width: float) -> list[Plateau]:
+    """Longest runs of rows that stay within `width`, from the left."""
+    found, i, n = [], 0, len(y)
+    while i < n:
+        low = high = y[i]
+        j = i + 1
+        while j < n and max(high, y[j]) - min(low, y[j]) <= width:
+            low, high = min(low, y[j]), max(high, y[j])
+            j += 1
+        if j - i >= FEWEST:
+            found.append(Plateau(i, j))
+            i = j
+        else:
+            i += 1
+    return found
+
+
+def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
+    """The channel if it is cut off at the upper or lower end, or both, and its rows there."""
+    y, p = channel.measured, channel.predicted
+    noise = channel.signal.noise_std or 0.0
+    found = []
+    for side in (1.0, -1.0):
+        cut = _cut(side * y, side * p, noise, channel.floor)
+        if cut is not None:
+            found.append((side, *cut))
+    if not found:
+        return None
+    at = np.logical_or.reduce([rows for _, rows, _ in found])
+    ends = " and ".join(
+        f"{side * level:.5g} {channel.signal.unit} ({rows.sum()} rows)" for side, rows, level in found
+    )
+    bayes, after, beyond = _weighed(channel, at)
+    if bayes <= 0:
+        return None
+    limit = float(np.mean([abs(level) for _, _, level in found]))
+    std = max(noise, 1e-9 * limit) / np.sqrt(at.sum())
+    sentence = (
+        f"{channel.label} stops at {ends}, the end of its range: the model goes on by "
+        f"{beyond:.2g} {channel.signal.unit} there"
+    )
+    rest = channel.part(~at)
+    n = len(channel.rows)
+    values = {"limit": (limit, float(std), channel.signal.unit)}
+    price = cost(n, max(after, rest.scatter(1.0) if len(rest.rows) else after)) - PRIOR
+    return Finding(channel, "saturation", bayes, price, values, sentence), at
+
+
+def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float] | None:
+    """Rows at the upper end and its level, if (2) holds there."""
+    at, level, width = _end(y, noise)
+    inner = ~at & ~_end(-y, noise)[0]
+    if at.sum() < FEWEST or at.sum() > 0.9 * len(y):
+        return None
+    shift, left = _about(y[inner] - p[inner], floor)
+    enough = max(10 * noise if width else 5 * noise, 3 * left, 0.02 * float(np.std(p)))
+    goes_on = np.ptp(p[at]) >= enough and np.quantile(p[at] + shift - level, 0.8) >= enough / 2
+    within = np.mean(p[~at] + shift <= level + max(3 * left, 5 * noise)) > 0.95
+    return (at, level) if goes_on and within else None
+
+
+def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
+    """Rows at the upper end, its level, and how far they scatter: not at all, or with the noise."""
+    top = float(np.max(y))
+    exact = y == top
+    if exact.sum() >= FEWEST:
+        return exact, top, 0.0
+    at = y >= top - 6 * noise
+    return at, float(np.median(y[at])), 6 * noise
+
+
+def _about(gap: Floats, floor: float) -> tuple[float, float]:
+    """Median of a gap and its scatter; of few rows, what the nominal model may miss."""
+    if len(gap) < FEWEST:
+        return 0.0, floor
+    middle = float(np.median(gap))
+    return middle, float(np.sqrt(np.mean((gap - middle) ** 2)))
+
+
+def _weighed(channel: Channel, at: Rows) -> tuple[float, float, float]:
+    """Bayes factor of a cut at these rows, the scatter left, how far the prediction goes beyond."""
+    y, p = channel.measured[at], channel.predicted[at]
+    noise = channel.signal.noise_std or 0.0
+    gap = _about(channel.measured[~at] - channel.predicted[~at], channel.floor)[0]
+    before = float(np.sqrt(np.mean((y - p - gap) ** 2)))
+    groups = y > np.median(channel.measured)
+    spread = max((float(np.std(y[g])) for g in (groups, ~groups) if g.any()), default=0.0)
+    after = max(spread, noise, 1e-3 * before)
+    return log_bayes(int(at.sum()), before, after), after, float(np.max(np.abs(p + gap - y)))
+
+
+def frozen(channel: Channel) -> tuple[Rows, str] | None:
+    """Rows where the channel repeats a value while the prediction moves on, and a sentence."""
+    noise = channel.signal.noise_std or 0.0
+    y, p = channel.measured, channel.predicted
+    at = np.zeros(len(y), dtype=bool)
+    for run in plateaus(y, p, noise):
+        part = slice(run.first, run.last)
+        far = np.ptp(p[part]) >= FAR * float(np.std(p)) and channel.signal.quantity in SLOW
+        if far or np.ptp(y[part]) == 0:
+            at[part] = True
+    if not at.any():
+        return None
+    first = channel.time[np.argmax(at)]
+    return at, f"{channel.label} repeats a value in {at.sum()} rows from t = {first:.4g} s on"
+
+
+def dead_from(channel: Channel, at: Rows, sentence: str) -> Finding | None:
+    """A channel that is frozen for so long that it is dead."""
+    if at.mean() < LOST:
+        return None
+    y, p = channel.measured[at], channel.predicted[at]
+    columns = channel.columns[at]
+    before = scatter_at(1.0, y, p, columns, channel.sizes, channel.noise, 0.0)
+    after = max(channel.noise, 1e-3 * before)
+    bayes = log_bayes(int(at.sum()), before, after)
+    if bayes <= 0:
+        return None
+    value = float(np.median(y))
+    rest = channel.part(~at)
+    price = cost(len(channel.rows), max(rest.scatter(1.0) if len(rest.rows) else after, after)) - PRIOR
+    values = {"value": (value, channel.noise / np.sqrt(at.sum()), channel.signal.unit)}
+    moved = f"{sentence}, while the model moves by {np.ptp(p):.3g} {channel.signal.unit}"
+    return Finding(channel, "dead_channel", bayes, price, values, moved)

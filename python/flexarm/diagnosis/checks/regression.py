@@ -1,0 +1,120 @@
+r"""How a channel follows its prediction, whatever else is small between the two.
+
+.. math:: y_i = s\,p_i + \sum_j a_j c_{ij} + e_i, \quad a_j \sim N(0, S_j^2), \; e_i \sim N(0, \sigma^2)
+   (1)
+
+y are the readings, p the nominal model's prediction, c what sensors and arms do without being at fault: an
+offset, a small turn, a late clock, friction. s is 1 for a sensor that is in order, -1 for one that counts the
+other way, the factor for one in another unit, and 0 for a dead one. The estimate maximises the posterior,
+
+.. math:: \frac{N}{n} \sum_i e_i^2/\sigma^2 + \sum_j a_j^2/S_j^2 \to \min                            (2)
+
+with N independent samples among the n rows, as residuals of a missing effect are no noise: they last as long
+as the motion that causes them. \sigma is the scatter found, and no less than
+
+.. math:: \sigma_0^2 = \text{noise}^2 + s^2\,\text{floor}^2                                           (3)
+
+where floor is what the nominal model misses anyway. Units: those of the channel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+INDEPENDENT = 20
+"""N of (2) at most: a motion of half a minute swings about ten times to and fro."""
+ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Outcome of (2).
+
+    Attributes
+    ----------
+    slope, std : float
+        s and its standard deviation [-].
+    scatter : float
+        Root mean square of e, no less than (3).
+    moving : float
+        Standard deviation of s p, what the channel would show of the motion.
+    noise : float
+        Part of the scatter that is stated noise.
+    """
+
+    slope: float
+    std: float
+    scatter: float
+    moving: float
+    noise: float
+
+    @property
+    def missed(self) -> float:
+        """Share of the motion that is neither explained nor noise [-]: 0 is a perfect image."""
+        left = np.sqrt(max(self.scatter**2 - self.noise**2, 0.0))
+        return float(left / self.moving) if self.moving > 0 else np.inf
+
+
+def independent(count: int) -> int:
+    """N of (2)."""
+    return min(count, INDEPENDENT)
+
+
+def slope_of(y: Floats, p: Floats, columns: Floats, sizes: Floats, noise: float, floor: float) -> Fit:
+    """The slope s of (1).
+
+    Parameters
+    ----------
+    y, p : ndarray, shape (n,)
+        Readings and prediction.
+    columns : ndarray, shape (n, k)
+        c of (1).
+    sizes : ndarray, shape (k,)
+        S of (1), infinite where nothing is known; offsets and turns of a channel in another unit are as much
+        larger as its slope is.
+    noise, floor : float
+        Of (3).
+    """
+    A = np.column_stack([p, columns])
+    slope, std, sigma = 1.0, np.inf, np.hypot(noise, floor)
+    for _ in range(ROUNDS):
+        last, prior = slope, sizes * max(1.0, abs(slope))
+        x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
+        slope, std = float(x[0]), float(np.sqrt(spread[0]))
+        sigma = _scatter(y - A @ x, noise, slope * floor)
+        if abs(slope - last) < 1e-3 * max(abs(slope), std):
+            break
+    return Fit(slope, std, sigma, abs(slope) * float(np.std(p)), noise)
+
+
+def scatter_at(
+    slope: float, y: Floats, p: Floats, columns: Floats, sizes: Floats, noise: float, floor: float
+) -> float:
+    """Scatter, no less than (3), of (1) with a slope that is given."""
+    left, prior = y - slope * p, 1 / (sizes * max(1.0, abs(slope))) ** 2
+    sigma = np.hypot(noise, slope * floor)
+    for _ in range(3):
+        x = _posterior(columns, left, prior, sigma)[0]
+        sigma = _scatter(left - columns @ x, noise, slope * floor)
+    return float(sigma)
+
+
+def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floats, Floats]:
+    """Mode of (2) and the variances of its unknowns; columns are scaled, as they come in many units."""
+    scale = np.sqrt(np.sum(A**2, axis=0))
+    scale[scale == 0] = 1.0
+    B = A / scale
+    w = independent(len(y)) / (len(y) * sigma**2) if sigma > 0 else 1.0
+    H = w * (B.T @ B) + np.diag(weight / scale**2)
+    H += 1e-12 * np.trace(H) / len(H) * np.eye(len(H))
+    inverse = np.linalg.inv(H)
+    return inverse @ (w * (B.T @ y)) / scale, np.diag(inverse) / scale**2
+
+
+def _scatter(e: Floats, noise: float, floor: float) -> float:
+    return float(max(np.sqrt(np.mean(e**2)), np.hypot(noise, floor)))

@@ -1,0 +1,60 @@
+"""Records beside the runs of the nominal model: one simulation a record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from flexarm.campaign import simulate_all
+from flexarm.comparison.beside import NEEDS_ROTATIONS, beside
+from flexarm.comparison.poses import solve_poses
+from flexarm.comparison.subject import Subject
+from flexarm.errors import InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record
+    from flexarm.simulation import Progress
+
+
+def run(
+    arm: Arm,
+    records: Mapping[str, Record],
+    step: float,
+    progress: Progress = None,
+) -> tuple[dict[str, Subject], dict[str, str]]:
+    """Subjects by record, and why there is none of the others.
+
+    A drive whose numbers are wrong may ask for a motion that no arm makes: that record then has no subject.
+    """
+    try:
+        runs = _simulations(arm, records, step, progress)
+    except (InvalidParameter, NotConverged):
+        runs = {}  # one of them fails: each by itself
+    found: dict[str, Subject] = {}
+    why: dict[str, str] = {}
+    for name, record in records.items():
+        try:
+            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, None)[name]
+            found[name] = beside(arm, record, align=False, simulation=mine, step=step).subject
+        except (InvalidParameter, NotConverged) as error:
+            why[name] = str(error)
+    return found, why
+
+
+def _simulations(arm: Arm, records: Mapping[str, Record], step: float, progress: Progress) -> dict[str, Any]:
+    """Of motions side by side, of poses one after the other."""
+    moving = {name: record for name, record in records.items() if record.kind == "motion"}
+    seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
+    runs = simulate_all(
+        [(record.applied_to(arm), record) for record in moving.values()],
+        progress=progress,
+        step=step,
+        rotations=bool(seen & set(NEEDS_ROTATIONS)),
+        forces="strain" in seen,
+    )
+    found: dict[str, Any] = dict(zip(moving, runs, strict=False))
+    for name, record in records.items():
+        if record.kind == "static":
+            found[name] = solve_poses(record.applied_to(arm), record)
+    return found

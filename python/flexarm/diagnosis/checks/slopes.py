@@ -1,0 +1,162 @@
+"""Sign and unit of a channel, from the slope by which it follows its prediction; dead channels.
+
+A sensor in order has slope 1 within what missing effects do to it (`IN_ORDER`): an arm 5 % too long, a
+payload twice as heavy. A slope counts only if the channel then follows the prediction to `FOLLOWS` of its
+motion and is known to five sigma. Factors near a conversion of units are named after it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import log, pi
+
+import numpy as np
+
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.diagnosis.checks.channel import Channel, values_at
+from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
+from flexarm.diagnosis.checks.regression import Fit
+
+IN_ORDER = 1.6
+"""Slopes between its inverse and it need no other unit."""
+LOOSE = {"motor_torque": 3.0, "motor_voltage": 3.0, "strain": 3.0}
+"""The same for what the nominal model knows less well."""
+FOLLOWS = 0.3
+"""Greatest share of the motion that a hypothesis may leave."""
+CERTAIN = 5.0
+"""Sigmas by which a slope must be known."""
+STILL = 0.02
+"""Share of the predicted motion below which a channel does not move."""
+FAR_DELAY = 0.15
+"""Delays [s] that may turn a sign and are no sign error."""
+UNITS = {
+    "degrees for radians": 180 / pi,
+    "radians for degrees": pi / 180,
+    "turns for radians": 0.5 / pi,
+    "radians for turns": 2 * pi,
+    "mm, mrad or another thousandth": 1e3,
+    "thousandfold units": 1e-3,
+    "centimetres for metres": 100.0,
+    "percent": 0.01,
+    "inches for metres": 1 / 0.0254,
+    "metres for inches": 0.0254,
+    "feet for metres": 1 / 0.3048,
+    "metres for feet": 0.3048,
+    "multiples of g for m/s2": 1 / 9.80665,
+    "m/s2 for multiples of g": 9.80665,
+    "micro units": 1e6,
+    "rpm for rad/s": 30 / pi,
+    "rad/s for rpm": pi / 30,
+    "arc minutes for radians": 60 * 180 / pi,
+    "arc seconds for radians": 3600 * 180 / pi,
+}
+"""Conversions by the factor that a reading gets."""
+
+
+def judged(channel: Channel, subject: Subject, placement: Placement) -> Finding:
+    """The channel under its best hypothesis of slope."""
+    n = len(channel.rows)
+    fit, plain = channel.fit(), channel.scatter(1.0)
+    here = Finding(channel, cost=cost(n, plain))
+    firm = abs(fit.slope) > CERTAIN * fit.std and fit.missed < FOLLOWS
+    if not firm:
+        return _dead(channel, plain) or replace(here, strange=_strange(channel, plain))
+    loose = LOOSE.get(channel.signal.quantity, IN_ORDER)
+    another_unit = not 1 / loose < abs(fit.slope) < loose
+    if fit.slope > 0 and not another_unit:
+        return replace(here, strange=_strange(channel, plain))
+    if fit.slope < 0 and _late(channel, subject, placement, fit):
+        return replace(here, strange=True)
+    return _flipped(channel, fit, plain) if not another_unit else _scaled(channel, fit, plain)
+
+
+def _flipped(channel: Channel, fit: Fit, plain: float) -> Finding:
+    after = channel.scatter(-1.0)
+    bayes = log_bayes(len(channel.rows), plain, after)
+    sentence = (
+        f"{channel.label} moves against the model: measured = {fit.slope:.3f} x predicted "
+        f"(+- {fit.std:.1g}); with the sign turned {after:.2g} {channel.signal.unit} are left "
+        f"of {plain:.2g} {channel.signal.unit}"
+    )
+    return _found(channel, "sign_error", bayes, after, {}, sentence)
+
+
+def _scaled(channel: Channel, fit: Fit, plain: float) -> Finding:
+    factor = abs(fit.slope)
+    bayes = log_bayes(len(channel.rows), plain, fit.scatter)
+    turned = "against the model and " if fit.slope < 0 else ""
+    sentence = (
+        f"{channel.label} moves {turned}{factor:.5g} times as far as the model (+- {fit.std / factor:.1%})"
+        f"{unit_named(factor, fit.std / factor)}; {fit.missed:.1%} of the motion is left then"
+    )
+    values = {"factor": (factor, fit.std, "-")}
+    return _found(channel, "unit_error", bayes, fit.scatter, values, sentence)
+
+
+def unit_named(factor: float, relative: float) -> str:
+    """The conversion that a factor may be, for a sentence."""
+    near = min(UNITS, key=lambda name: abs(log(factor / UNITS[name])))
+    off = abs(log(factor / UNITS[near]))
+    return f", as {near} would ({UNITS[near]:.5g})" if off < max(0.1, 3 * relative) else ""
+
+
+def _dead(channel: Channel, plain: float) -> Finding | None:
+    """A channel that shows one value, but for its noise, while the model says that it moves."""
+    seen, said = float(np.std(channel.measured)), float(np.std(channel.predicted))
+    noise = channel.signal.noise_std or 0.0
+    quiet = seen <= max(3 * noise, STILL * said) or seen == 0
+    lively = said > 10 * max(noise, 0.1 * channel.floor) if seen == 0 else said > 10 * max(noise, seen)
+    enough = channel.floor < 0.3 * said
+    if not (quiet and lively and enough):
+        return None
+    value = float(np.median(channel.measured))
+    after = max(seen, noise, 1e-3 * plain)
+    unit = channel.signal.unit
+    sentence = (
+        f"{channel.label} stays at {value:.6g} {unit} to within {seen:.2g} {unit}, while the model says that "
+        f"it moves by {np.ptp(channel.predicted):.3g} {unit}"
+    )
+    std = max(seen, noise) / np.sqrt(len(channel.rows))
+    return _found(
+        channel,
+        "dead_channel",
+        log_bayes(len(channel.rows), plain, after),
+        after,
+        {"value": (value, float(std), unit)},
+        sentence,
+    )
+
+
+def _found(
+    channel: Channel,
+    name: str,
+    bayes: float,
+    after: float,
+    values: dict[str, tuple[float, float, str]],
+    sentence: str,
+) -> Finding:
+    """The fault if it wins, else the channel in order."""
+    n = len(channel.rows)
+    if bayes <= 0:
+        return Finding(channel, cost=cost(n, channel.scatter(1.0)))
+    return Finding(channel, name, bayes, cost(n, after) - PRIOR, values, sentence)
+
+
+def _strange(channel: Channel, plain: float) -> bool:
+    """Whether the channel leaves more than half of its motion unexplained, and much more than any noise."""
+    moving = max(float(np.std(channel.predicted)), 10 * channel.noise)
+    return plain > 0.5 * moving and plain > 5 * np.hypot(channel.noise, channel.floor)
+
+
+def _late(channel: Channel, subject: Subject, placement: Placement, flipped: Fit) -> bool:
+    """Whether a delay explains a turned sign as well: vibration at 5 Hz turns over in 0.1 s."""
+    if subject.record.kind == "static":
+        return False
+    for delay in np.linspace(-FAR_DELAY, FAR_DELAY, 31):
+        there = values_at(subject, channel.signal, placement, float(delay))[channel.rows, channel.index]
+        if not np.isfinite(there).all():
+            continue
+        fit = replace(channel, predicted=there).fit()
+        if fit.slope > CERTAIN * fit.std and fit.missed < max(FOLLOWS, 3 * flipped.missed):
+            return True
+    return False

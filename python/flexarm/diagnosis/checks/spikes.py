@@ -1,0 +1,183 @@
+"""Gross outliers: samples far from their neighbours that are back in place one or two rows later.
+
+A row of evidence is one if its residual differs from the median of its seven neighbours, and from the
+parabolas through those before, after and on both sides (`flexarm.measurement.outliers`), by more than `NOISE`
+times the stated noise, `SPREAD` times the usual such difference, `NEARBY` times that of most rows around it,
+and `RINGING` times the vibration that the model predicts around it: a move that rings the arm does so for
+several rows, and a model seldom has the phase of its ringing right. Torques, accelerations and strains jump
+where teeth strike; of these only readings beyond `RANGES` ranges of the others are outliers. Drives have no
+residual: their samples are told apart by the parabolas alone; where a drive stops within a sample, one of the
+three is right.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.diagnosis.checked import Removed
+from flexarm.diagnosis.checks.channel import channels
+from flexarm.diagnosis.checks.plateaus import SLOW
+from flexarm.measurement.outliers import NEIGHBOURS, off_the_median, parabolas
+from flexarm.measurement.predict import read
+
+if TYPE_CHECKING:
+    from flexarm.comparison.subject import Placement, Subject
+    from flexarm.record import Record, Signal
+
+Floats = NDArray[np.float64]
+
+NOISE, SPREAD, NEARBY = 15.0, 12.0, 6.0
+RINGING, PERIOD = 3.0, 0.6
+"""Vibration is what differs from cubics through `PERIOD` [s], on a grid of `GRID` [s]."""
+GRID = 0.02
+AROUND, MOST_OF_THEM = 6, 0.8
+"""Rows on either side that are around one, and the share of them that is most."""
+RANGES = 2.0
+LONGEST = 2
+"""Rows one after the other that may be outliers."""
+MOST = 0.15
+"""Share of the rows above which they are no outliers but what the signal shows."""
+DRIVE_NOISE = 30.0
+"""As `NOISE`, of drives; parabolas have up to 4.4 times the noise of a sample."""
+
+
+def clean_drives(name: str, record: Record) -> tuple[Record, list[Removed]]:
+    """The record without the outliers of its drives."""
+    found: list[Removed] = []
+    for drive in record.drive:
+        signal = record.signals[drive]
+        if signal.pose is not None or signal.quantity == "joint_command" or len(signal) < 20:
+            continue
+        rows = _isolated(drive_spikes(signal.values[:, 0], signal.noise_std or 0.0))
+        if rows.any() and rows.mean() < MOST:
+            record = without(record, signal, rows)
+            found.append(_removed(name, signal, rows, signal.values))
+    return record, found
+
+
+def clean_evidence(name: str, subject: Subject, placement: Placement) -> tuple[Record, list[Removed]]:
+    """The record without outliers of its other signals."""
+    record, found = subject.record, []
+    if record.kind == "static":
+        return record, []
+    residuals: dict[str, Floats] = {}
+    for channel in channels(name, subject, placement):
+        signal = channel.signal
+        residual = residuals.setdefault(signal.name, np.full(signal.values.shape, np.nan))
+        residual[channel.rows, channel.index] = channel.left()
+    for signal_name, residual in residuals.items():
+        signal = record.signals[signal_name]
+        residual[~signal.valid] = np.nan
+        noise = subject.effects(signal).noise(signal.noise_std or 0.0)
+        rows = _isolated(spikes(residual, noise, ringing(subject, signal, placement)))
+        if signal.quantity not in SLOW:
+            rows &= _beyond_all(residual, rows)
+        if rows.any() and rows.mean() < MOST:
+            record = without(record, signal, rows)
+            found.append(_removed(name, signal, rows, residual))
+    return record, found
+
+
+def _beyond_all(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Rows that are further from the middle of the others than these ever are."""
+    middle = np.nanmedian(residual, axis=0)
+    usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)
+    return np.asarray(np.any(np.abs(residual - middle) > 2 * RANGES * usual, axis=1))
+
+
+def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
+    """Samples of a drive, shape (n,), that are far from all three parabolas."""
+    found = np.zeros(len(samples), dtype=bool)
+    rows = np.flatnonzero(np.isfinite(samples))
+    if len(rows) > NEIGHBOURS:
+        nearest = _off_the_parabolas(samples[rows][:, None])[:, 0]
+        found[rows] = nearest > max(DRIVE_NOISE * noise, 2 * SPREAD * float(np.median(nearest)))
+    return found
+
+
+def _off_the_parabolas(values: Floats) -> Floats:
+    """Distance to the nearest of the three parabolas through neighbours, shape (n, channels)."""
+    off = np.stack([np.abs(y - parabolas(y)) for y in values.T], axis=-1)
+    known = np.where(np.isfinite(off), off, np.inf).min(axis=0)
+    return np.where(np.isfinite(known), known, 0.0)
+
+
+def ringing(subject: Subject, signal: Signal, placement: Placement) -> Floats:
+    """Greatest vibration that the model predicts around each row, shape (n, channels)."""
+    instants = subject.instants(signal, placement)
+    grid = np.arange(instants[0] - PERIOD, instants[-1] + PERIOD, GRID)
+    run = subject.simulation
+    on_grid = read(run, signal, np.minimum(grid, run.time[-1]), subject.frame(signal, placement))
+    half = round(PERIOD / GRID / 2)
+    powers = np.vander(np.linspace(-1, 1, 2 * half + 1), 4)
+    middle = np.linalg.pinv(powers)[-1]  # value at the middle of the cubic through a window
+    smooth = np.stack([np.convolve(p, middle, mode="same") for p in on_grid.T], axis=1)
+    off = np.abs(on_grid - smooth)
+    off[:half], off[-half:] = 0.0, 0.0
+    greatest = np.max(np.lib.stride_tricks.sliding_window_view(off, 2 * half + 1, axis=0), axis=-1)
+    row = np.searchsorted(grid[half:-half], instants).clip(0, len(greatest) - 1)
+    return np.asarray(greatest[row])
+
+
+def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> NDArray[np.bool_]:
+    """Rows of a residual, shape (n, channels), that are far off.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n, channels)
+        Measured minus predicted.
+    noise : ndarray, shape (channels,)
+        1 sigma.
+    ringing : ndarray, shape (n, channels)
+        Vibration that the model predicts around each row.
+    """
+    found = np.zeros(len(residual), dtype=bool)
+    rows, off, usual = off_the_median(residual)
+    if not len(rows):
+        return found
+    size = np.minimum(np.abs(off), _off_the_parabolas(residual[rows]))
+    edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)
+    others = np.delete(windows, AROUND, axis=-1)
+    nearby = np.quantile(others, MOST_OF_THEM, axis=-1)
+    limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby)
+    found[rows] = np.any(
+        size > np.maximum(limit, RINGING * np.broadcast_to(ringing, residual.shape)[rows]), axis=1
+    )
+    return found
+
+
+def without(record: Record, signal: Signal, rows: NDArray[np.bool_]) -> Record:
+    """The record with rows of a signal lost."""
+    values = np.where(rows[:, None], np.nan, record.signals[signal.name].values)
+    changed = record.signals[signal.name].replace(values=values)
+    return record.replace(signals={**record.signals, signal.name: changed})
+
+
+def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Runs of no more than `LONGEST` rows."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], rows.astype(int), [0]])))
+    found = np.zeros_like(rows)
+    for first, last in edges.reshape(-1, 2):
+        if last - first <= LONGEST:
+            found[first:last] = True
+    return found
+
+
+def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> Removed:
+    """With the root mean square distance of `values` from the line between their neighbours."""
+    good = ~rows & np.isfinite(values).all(axis=1)
+    off = [y[rows] - np.interp(signal.time[rows], signal.time[good], y[good]) for y in values.T]
+    size = float(np.sqrt(np.nanmean(np.square(off))))
+    return Removed(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)
+
+
+def without_rows(record: Record, name: str, rows: tuple[int, ...]) -> Record:
+    """The record with rows of a signal lost, given by their numbers."""
+    signal = record.signals[name]
+    lost = np.zeros(len(signal), dtype=bool)
+    lost[list(rows)] = True
+    return without(record, signal, lost)
