@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.diagnosis.gap_rows import GapRows, Part
-from flexarm.diagnosis.joint_states import conditions
+from flexarm.diagnosis.conditions import conditions
+from flexarm.diagnosis.gap_parts import Part
+from flexarm.diagnosis.gap_rows import GapRows
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

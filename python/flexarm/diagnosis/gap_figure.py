@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.diagnosis.gap_curves import AFTER, BEFORE, NOISE
+from flexarm.diagnosis.wording import scale
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -15,11 +19,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.gap_rows import GapRows
+    from flexarm.diagnosis.joint_states import States
     from flexarm.diagnosis.locate import Located
 
 Floats = NDArray[np.float64]
 
-BEFORE, AFTER = "0.65", "C0"
 RECORDS = 4
 """Most records that are drawn against time."""
 Thing = TypeVar("Thing")
@@ -52,8 +56,6 @@ def gap_figure(
     InvalidParameter
         If there is no such signal, direction or joint.
     """
-    import matplotlib.pyplot as plt
-
     rows = _named(before.gaps, signal or _largest(before), "signal")
     name = direction or max(rows.directions, key=lambda key: float(np.sum(rows.directions[key] ** 2)))
     _named(rows.directions, name, "direction")
@@ -62,39 +64,66 @@ def gap_figure(
     drawn = [(rows, BEFORE if after else AFTER, "before" if after else "gap")]
     if after is not None:
         drawn.append((_named(after.gaps, rows.signal, "signal"), AFTER, "after"))
-    kinds = ("angle", "rate", "torque") if chosen.moves else ("angle", "torque")
-    shown = rows.labels[:RECORDS] if chosen.moves else ()
-    figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(shown))), layout="constrained")
-    grid = figure.add_gridspec(1 + len(shown), 6)
-    width = 6 // len(kinds)
-    axes = [figure.add_subplot(grid[0, width * k : width * (k + 1)]) for k in range(len(kinds))]
-    for ax, kind in zip(axes, kinds, strict=True):
-        for gap, colour, label in drawn:
-            of = next(each for each in gap.states if each.joint == chosen.joint)
-            ax.plot(getattr(of, kind), gap.directions[name], ".", ms=2.5, color=colour, label=label)
-        _dress(ax, rows, name, f"{kind} of {chosen.joint} [{chosen.units[kind]}]")
-    for k, record in enumerate(shown):
-        ax = figure.add_subplot(grid[1 + k, :])
-        for gap, colour, label in drawn:
+    return _Sheet(rows, name, chosen, drawn).figure()
+
+
+@dataclass(frozen=True, eq=False)
+class _Sheet:
+    """What is drawn: the gap that sets scale and noise, and every gap with its colour and label."""
+
+    rows: GapRows
+    direction: str
+    states: States
+    drawn: Sequence[tuple[GapRows, str, str]]
+
+    def figure(self) -> Figure:
+        """One row against the states, one for each record against time."""
+        import matplotlib.pyplot as plt
+
+        kinds = ("angle", "rate", "torque") if self.states.moves else ("angle", "torque")
+        records = self.rows.labels[:RECORDS] if self.states.moves else ()
+        figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(records))), layout="constrained")
+        grid = figure.add_gridspec(1 + len(records), 6)
+        width = 6 // len(kinds)
+        first = [figure.add_subplot(grid[0, width * k : width * (k + 1)]) for k in range(len(kinds))]
+        for ax, kind in zip(first, kinds, strict=True):
+            self._against_state(ax, kind)
+        below = [figure.add_subplot(grid[1 + k, :]) for k in range(len(records))]
+        for ax, record in zip(below, records, strict=True):
+            self._against_time(ax, record)
+        for ax in (first[0], *below):
+            ax.set_ylabel(f"gap [{self._scale[1]}]", fontsize="small")
+        first[0].legend(loc="best", fontsize="x-small")
+        figure.suptitle(f"{self.rows.signal}, {self.direction}: measured - model", fontsize="medium")
+        return figure
+
+    def _against_state(self, ax: Axes, kind: str) -> None:
+        for gap, colour, label in self.drawn:
+            states = next(each for each in gap.states if each.joint == self.states.joint)
+            values = self._scale[0] * gap.directions[self.direction]
+            ax.plot(getattr(states, kind), values, ".", ms=2.5, color=colour, label=label)
+        self._dress(ax, f"{kind} of {self.states.joint} [{self.states.units[kind]}]")
+
+    def _against_time(self, ax: Axes, record: str) -> None:
+        for gap, colour, label in self.drawn:
             inside = gap.record == gap.labels.index(record)
-            ax.plot(gap.time[inside], gap.directions[name][inside], lw=0.8, color=colour, label=label)
-        _dress(ax, rows, name, f"time of {record} [s]" if len(rows.labels) > 1 else "time [s]")
-    for ax in (axes[0], *axes[len(kinds) :]):
-        ax.set_ylabel(f"gap [{rows.unit}]", fontsize="small")
-    axes[0].legend(loc="best", fontsize="x-small")
-    figure.suptitle(f"{rows.signal}, {name}: measured - model", fontsize="medium")
-    return figure
+            values = self._scale[0] * gap.directions[self.direction][inside]
+            ax.plot(gap.time[inside], values, lw=0.8, color=colour, label=label)
+        self._dress(ax, f"time of {record} [s]" if len(self.rows.labels) > 1 else "time [s]")
 
+    @cached_property
+    def _scale(self) -> tuple[float, str]:
+        """Factor and unit of the gap."""
+        return scale([float(np.abs(self.rows.directions[self.direction]).max())], self.rows.unit)
 
-def _dress(ax: Axes, rows: GapRows, direction: str, label: str) -> None:
-    """Noise as a band, zero, and units."""
-    sigma = float(np.sqrt(np.mean(rows.noise[direction] ** 2)))
-    ax.axhspan(-2 * sigma, 2 * sigma, color="C2", alpha=0.3, lw=0, label="noise, 2 sigma", zorder=0)
-    if ax.get_xlim()[0] < 0 < ax.get_xlim()[1]:
-        ax.axvline(0.0, color="0.85", lw=0.6, zorder=0)
-    ax.set_xlabel(label, fontsize="small")
-    ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
-    ax.tick_params(labelsize="small")
+    def _dress(self, ax: Axes, label: str) -> None:
+        """Noise as a band, zero, and units."""
+        sigma = self._scale[0] * float(np.sqrt(np.mean(self.rows.noise[self.direction] ** 2)))
+        ax.axhspan(-2 * sigma, 2 * sigma, color=NOISE, lw=0, label="noise, 2σ", zorder=0)
+        if ax.get_xlim()[0] < 0 < ax.get_xlim()[1]:
+            ax.axvline(0.0, color="0.85", lw=0.6, zorder=0)
+        ax.set_xlabel(label, fontsize="small")
+        ax.tick_params(labelsize="small")
 
 
 def _largest(located: Located) -> str:

@@ -1,11 +1,4 @@
-"""The gap of one signal, over all records: its parts by direction and band, beside what the arm did.
-
-    gap = harmonics of the motors + parts by band,   orthogonal to each other in every record         (1)
-
-so squares of parts add up to those of the gap. Harmonics come first: told in the motor's angle they are few
-columns, whatever their frequencies (`flexarm.diagnosis.motor_harmonics`, `flexarm.diagnosis.gap_bands`).
-A part with k of n freedoms has the share k/n of white noise.
-"""
+"""The gap of one signal, over all records: its parts by direction and band, beside what the arm did."""
 
 from __future__ import annotations
 
@@ -16,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.comparison.bands import band_parts
 from flexarm.comparison.beside import Beside
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
 from flexarm.diagnosis.gap_bands import named_bands
+from flexarm.diagnosis.gap_parts import Part, Split, joined_parts
 from flexarm.diagnosis.joint_states import States, joined, states_of
-from flexarm.diagnosis.motor_harmonics import MotorWaves, harmonic_parts, harmonics_of
+from flexarm.diagnosis.motor_harmonics import MotorWaves
 from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.torque import gear_ratio
 
@@ -29,31 +22,6 @@ if TYPE_CHECKING:
     from flexarm.record import Signal
 
 Floats = NDArray[np.float64]
-POSES = "all poses"
-"""Name of the one band that poses have."""
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """What of a gap lies in one band, along one direction.
-
-    Attributes
-    ----------
-    band : str
-        Its name.
-    band_hz : tuple of float
-        Edges [Hz]; of a harmonic the frequencies that it had.
-    values, noise : ndarray, shape (n,)
-        The part, and 1 sigma of white noise in it, at every sample.
-    freedoms : float
-        Number of independent values.
-    """
-
-    band: str
-    band_hz: tuple[float, float]
-    values: Floats
-    noise: Floats
-    freedoms: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +112,7 @@ def gap_rows(
         np.concatenate([each.time for each in pieces]),
         {name: np.concatenate([each.directions[name] for each in pieces]) for name in directions},
         {name: np.concatenate([each.noise[name] for each in pieces]) for name in directions},
-        {name: _joined_parts([each.parts[name] for each in pieces], lengths) for name in directions},
+        {name: joined_parts([each.parts[name] for each in pieces], lengths) for name in directions},
         tuple(joined([each.states[j] for each in pieces]) for j in range(len(joints))),
         tuple(dict.fromkeys(notes)),
     )
@@ -161,7 +129,7 @@ def _of_record(
     sigma = gap.noise_rms / np.sqrt(len(directions)) if gap.noise_rms else noise
     states = tuple(states_of(pair, each, gap.time) for each in joints)
     bands, notes = _bands(pair, gap.time)
-    split = _Split(gap.time, states, [gear_ratio(subject.arm, each) for each in joints], bands, waves)
+    split = Split(gap.time, states, [gear_ratio(subject.arm, each) for each in joints], bands, waves)
     parts = {
         direction: split(values, sigma, _shares(pair, signal, joint, joints, gap.time, direction))
         for direction, values in directions.items()
@@ -198,69 +166,3 @@ def _shares(
     unit = directions_of(pair.subject, signal, joint, time)[direction]
     angles, arm = drive_angles(pair.subject, time), pair.subject.arm
     return [np.sum(unit * point_jacobian(arm, each, signal.point, angles), axis=1) for each in joints]
-
-
-@dataclass(frozen=True, eq=False)
-class _Split:
-    """What the parts (1) of all directions of a signal in one record have in common."""
-
-    time: Floats
-    states: Sequence[States]
-    ratios: Sequence[float]
-    bands: Sequence[tuple[float, float, str]]
-    waves: MotorWaves
-
-    def __call__(self, values: Floats, sigma: float, shares: Sequence[Floats | float]) -> tuple[Part, ...]:
-        """Parts of one direction."""
-        n = len(values)
-        if not self.bands:
-            return (Part(POSES, (0.0, 0.0), values, np.full(n, sigma), float(n)),)
-        harmonics = harmonics_of(values, sigma, self.time, self.waves, self.states, self.ratios, shares)
-        waves, rest = harmonic_parts(values, harmonics)
-        found = []
-        for each, wave in zip(harmonics, waves, strict=True):
-            of = f" of {each.joint}" if len(self.states) > 1 else ""
-            name, k = f"{each.multiple} per motor turn{of}", float(each.columns.shape[1])
-            found.append(Part(name, each.band_hz, wave, np.full(n, sigma * np.sqrt(k / n)), k))
-        edges = [0.0, *(high for _, high, _ in self.bands)]
-        split, freedoms = band_parts(self.time, rest[:, None], edges)
-        freedoms = freedoms * (1 - sum(part.freedoms for part in found) / n)
-        for (low, high, name), part, k in zip(self.bands, split, freedoms.tolist(), strict=True):
-            found.append(Part(name, (low, high), part[:, 0], np.full(n, sigma * np.sqrt(k / n)), k))
-        return _merged(found)
-
-
-def _merged(parts: Sequence[Part]) -> tuple[Part, ...]:
-    """Parts of one name as one: a folded mode may lie in the midst of a band."""
-    found: dict[str, Part] = {}
-    for part in parts:
-        if part.band in found:
-            part = _sum(found[part.band], part)
-        found[part.band] = part
-    return tuple(found.values())
-
-
-def _sum(one: Part, other: Part) -> Part:
-    """Two orthogonal parts of the same samples."""
-    hull = (min(one.band_hz[0], other.band_hz[0]), max(one.band_hz[1], other.band_hz[1]))
-    noise = np.hypot(one.noise, other.noise)
-    return Part(one.band, hull, one.values + other.values, noise, one.freedoms + other.freedoms)
-
-
-def _joined_parts(pieces: Sequence[tuple[Part, ...]], lengths: Sequence[int]) -> tuple[Part, ...]:
-    """Parts over the samples of all records; a band that a record has not is zero there."""
-    found = []
-    for band in dict.fromkeys(part.band for parts in pieces for part in parts):
-        own = [next((part for part in parts if part.band == band), None) for parts in pieces]
-        there = [part for part in own if part is not None]
-        pairs = list(zip(own, lengths, strict=True))
-        found.append(
-            Part(
-                band,
-                (min(p.band_hz[0] for p in there), max(p.band_hz[1] for p in there)),
-                np.concatenate([p.values if p else np.zeros(n) for p, n in pairs]),
-                np.concatenate([p.noise if p else np.zeros(n) for p, n in pairs]),
-                sum(p.freedoms for p in there),
-            )
-        )
-    return tuple(found)

@@ -26,8 +26,10 @@ from numpy.typing import NDArray
 
 from flexarm.comparison.beside import Beside
 from flexarm.comparison.gap import drive_angles
+from flexarm.diagnosis.conditions import tiers
 from flexarm.diagnosis.curves import Followed, followed
-from flexarm.diagnosis.joint_states import States, joined, states_of, tiers
+from flexarm.diagnosis.joint_states import States, joined, states_of
+from flexarm.diagnosis.wording import with_unit
 from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.sampling import columns
 
@@ -113,13 +115,13 @@ class JointRotations:
 
     def summary(self) -> str:
         """A table that a person reads."""
-        head = f"{'joint':<14}{'rms':>12}{'':5}{'alone':>7}{'share':>7}   follows"
+        head = f"{'joint':<14}{'rms':>12}{'alone':>8}{'share':>8}   follows"
         lines = [f"as rotations of the joints, which explain {100 * self.explained:.0f} %", head]
         for each in self.joints:
             follows = f"   {each.follows.best} ({100 * each.follows.share:.0f} %), as {each.hint} would"
             lines.append(
-                f"{each.joint:<14}{each.rms:12.3e} {each.unit:<4}{100 * each.alone:6.0f}%"
-                f"{100 * each.share:6.0f}%{follows if each.share >= NAMED else ''}"
+                f"{each.joint:<14}{with_unit(each.rms, each.unit):>12}{100 * each.alone:7.0f}%"
+                f"{100 * each.share:7.0f}%{follows if each.share >= NAMED else ''}"
             )
         return "\n".join(lines)
 

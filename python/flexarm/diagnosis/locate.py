@@ -14,13 +14,15 @@ import numpy as np
 
 from flexarm.comparison.beside import Beside
 from flexarm.diagnosis.cells import WHOLE, Cell, cells_of
+from flexarm.diagnosis.conditions import tiers
 from flexarm.diagnosis.curves import Followed, followed
 from flexarm.diagnosis.gap_rows import GapRows, gap_rows
 from flexarm.diagnosis.joint_rotations import JointRotations, joint_rotations
-from flexarm.diagnosis.joint_states import moved_joints, tiers
+from flexarm.diagnosis.joint_states import moved_joints
 from flexarm.diagnosis.motor_harmonics import MotorWaves
 from flexarm.diagnosis.noise import estimated_noise
 from flexarm.diagnosis.where import telling
+from flexarm.diagnosis.wording import with_unit
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -83,16 +85,16 @@ class Located:
 
     def _part_table(self) -> list[str]:
         """One line a signal, direction and band."""
-        head = f"{'signal':<18}{'direction':<13}{'band':<28}{'Hz':>15}{'rms':>12}{'noise':>12}{'share':>8}"
+        head = f"{'signal':<18}{'direction':<13}{'band':<27}{'Hz':>16}{'rms':>11}{'noise':>11}{'share':>8}"
         lines = [head]
         for cell in self.cells:
             if cell.state != "all":
                 continue
             hz = f"{cell.band_hz[0]:.3g} to {cell.band_hz[1]:.3g}"
-            mark = "" if cell.exceeds else "  noise"
+            rms, noise = (with_unit(value, cell.unit) for value in (cell.rms, cell.noise_rms))
             lines.append(
-                f"{cell.signal:<18}{cell.direction:<13}{cell.band:<27} {hz:>15}{cell.rms:12.3e}"
-                f"{cell.noise_rms:12.3e}{100 * cell.share:7.1f}%{mark}"
+                f"{cell.signal:<18}{cell.direction:<13}{cell.band:<27}{hz:>16}{rms:>11}{noise:>11}"
+                f"{100 * cell.share:7.1f}%{'' if cell.exceeds else '  noise'}"
             )
         return lines
 
@@ -101,9 +103,10 @@ class Located:
         lines = ["where the gap is"]
         for each in self.where:
             low, high = each["band_hz"]
+            unit = self.gaps[each["signal"]].unit
             lines.append(
                 f"  {each['signal']}, {each['direction']}, {each['when']}, {low:.3g} to {high:.3g} Hz: "
-                f"{each['rms']:.3e} rms, noise {each['noise_rms']:.1e}"
+                f"{with_unit(each['rms'], unit)} rms, noise {with_unit(each['noise_rms'], unit, 2)}"
             )
         return lines if self.where else ["nowhere does the gap exceed the noise"]
 

@@ -19,6 +19,7 @@ from flexarm.diagnosis.curves import CONSTANT
 from flexarm.diagnosis.gap_bands import SLOW
 from flexarm.diagnosis.gap_rows import GapRows
 from flexarm.diagnosis.locate import Located
+from flexarm.diagnosis.wording import number, with_unit
 
 Floats = NDArray[np.float64]
 
@@ -78,8 +79,8 @@ class Remainder:
         at = f"at {self.time:.3g} s" if self.in_time else f"in pose number {self.time + 1:.0f}"
         where = f"{at} of {self.record}" if self.record else at
         said = (
-            f"{self.rms:.2g} {self.unit} rms are left at {self.signal}, {self.ratio:.1f} times the noise, "
-            f"mostly {self.direction}, at most {self.max:.2g} {self.unit} {where}"
+            f"{with_unit(self.rms, self.unit)} rms are left at {self.signal}, {number(self.ratio)} times the "
+            f"noise, mostly {self.direction}, at most {with_unit(self.max, self.unit)} {where}"
         )
         if self.frequency_hz is not None and self.frequency_share >= DOMINANT:
             said += f"; {100 * self.frequency_share:.0f} % of it swings at {self.frequency_hz:.3g} Hz"

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 
 from flexarm.diagnosis.cells import WHOLE, Cell
+from flexarm.diagnosis.conditions import tiers
 from flexarm.diagnosis.curves import CONSTANT, Followed, followed
 from flexarm.diagnosis.gap_rows import GapRows
-from flexarm.diagnosis.joint_states import tiers
 
 CROWDED = 0.15
 FOLLOWS = 0.5

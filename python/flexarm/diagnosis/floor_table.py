@@ -1,0 +1,153 @@
+"""The floor of every signal as a table: noise, independent samples, and the simulation's error beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+CONTRADICTS = 1.5
+"""Factor between stated and estimated noise that is told."""
+
+
+@dataclass(frozen=True)
+class SignalFloor:
+    """The floor of one signal in one record.
+
+    Attributes
+    ----------
+    record, signal, unit : str
+        Which one; the unit of everything below.
+    channels : int
+        Number of channels of the gap.
+    stated, estimated : float or None
+        Noise of a channel, 1 sigma: from the record, effects of the model included, and from the samples.
+    errors : dict of str to float
+        By "step", "mesh" and "alpha": change of the prediction, rms of all channels together.
+    samples : int
+        Rows with a value.
+    independent : float
+        Number of independent samples in the gap, as it is.
+    is_drive : bool
+        Whether it drives the simulation.
+    """
+
+    record: str
+    signal: str
+    unit: str
+    channels: int
+    stated: float | None
+    estimated: float | None
+    errors: Mapping[str, float]
+    samples: int
+    independent: float
+    is_drive: bool = False
+
+    @property
+    def noise(self) -> float | None:
+        """Noise of a channel that counts: the stated one, else what the samples show."""
+        return self.stated if self.stated else self.estimated
+
+    @property
+    def total(self) -> float | None:
+        """Noise of all channels together, as `compare` has it."""
+        return None if self.noise is None else self.noise * float(np.sqrt(self.channels))
+
+    @property
+    def below(self) -> Mapping[str, bool]:
+        """By error: whether it is below the noise; without noise, whether it is nothing."""
+        return {name: error <= (self.total or 0.0) for name, error in self.errors.items()}
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether the samples show another noise than is stated."""
+        if not self.stated or not self.estimated:
+            return False
+        return not 1 / CONTRADICTS < self.estimated / self.stated < CONTRADICTS
+
+
+@dataclass(frozen=True, repr=False)
+class Floor:
+    """The floor of every signal.
+
+    Attributes
+    ----------
+    signals : tuple of SignalFloor
+        By record and signal.
+    """
+
+    signals: tuple[SignalFloor, ...]
+
+    @property
+    def is_below_noise(self) -> bool:
+        """Whether step, mesh and alpha change every prediction by less than its noise."""
+        return all(below for each in self.signals for below in each.below.values())
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know."""
+        found = []
+        for each in self.signals:
+            at = f"{each.signal} of {each.record}"
+            if each.contradicts and each.stated and each.estimated:
+                found.append(
+                    f"{at} scatters by {each.estimated:.2g} {each.unit}, {each.estimated / each.stated:.2g} "
+                    "times the stated noise"
+                    + (": more noise, or a fast gap" if each.estimated > each.stated else "")
+                )
+            for name, below in each.below.items():
+                if not below and each.total:
+                    found.append(
+                        f"{at}: the simulation's {name} counts, {each.errors[name]:.2g} {each.unit} against "
+                        f"a noise of {each.total:.2g} {each.unit}"
+                    )
+        return tuple(found)
+
+    def summary(self) -> str:
+        """A table that a person reads: noise of a channel, errors over the noise of all."""
+        names = list(dict.fromkeys(name for each in self.signals for name in each.errors))
+        head = f"{'record':<12}{'signal':<18}{'unit':<7}{'stated':>11}{'estimated':>11}"
+        head += "".join(f"{name + '/noise':>13}" for name in names) + f"{'samples':>9}{'independent':>13}"
+        lines = ["floor: noise of a channel, 1 sigma; change of the prediction over the noise", head]
+        for each in self.signals:
+            cells = [_ratio(each.errors.get(name), each.total) for name in names]
+            label = f"{each.signal} (drive)" if each.is_drive else each.signal
+            lines.append(
+                f"{each.record:<12}{label:<18}{each.unit:<7}{_number(each.stated):>11}"
+                f"{_number(each.estimated):>11}"
+                + "".join(f"{cell:>13}" for cell in cells)
+                + f"{each.samples:9d}{each.independent:13.0f}"
+            )
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Errors of the simulation over the noise, one bar each; below 1 they do not matter."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        shown = [each for each in self.signals if each.errors and each.total]
+        names = list(dict.fromkeys(name for each in shown for name in each.errors))
+        for k, name in enumerate(names):
+            ratios = [each.errors.get(name, 0.0) / (each.total or 1.0) for each in shown]
+            axes.bar(np.arange(len(shown)) + 0.25 * (k - 1), ratios, 0.25, label=name)
+        axes.axhline(1.0, color="0.3", lw=1, label="noise")
+        axes.set(yscale="log", ylabel="change of the prediction over the noise [-]")
+        axes.set_xticks(np.arange(len(shown)), [f"{each.signal}\n{each.record}" for each in shown])
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2e}"
+
+
+def _ratio(error: float | None, noise: float | None) -> str:
+    return "-" if error is None or not noise else f"{error / noise:.3f}"
