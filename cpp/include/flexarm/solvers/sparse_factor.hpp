@@ -24,6 +24,9 @@ class SparseFactor {
   /// x := A⁻¹ x for every column, in place.
   void solve(Eigen::Ref<Eigen::VectorXd> x) const;
   void solve(Eigen::MatrixXd& X) const;
+  /// The same for columns that are stored by rows: substitution then runs along whole rows.
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  void solve(Rows& X) const;
 
   int factorisations() const { return factorisations_; }
 
