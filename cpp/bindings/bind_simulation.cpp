@@ -203,7 +203,8 @@ void bind_transient(py::module_& m) {
       .def_readonly("down", &Varied::down);
   py::class_<DifferentiatedRun>(m, "DifferentiatedRun", "A run and the derivatives of its columns.")
       .def_readonly("run", &DifferentiatedRun::run)
-      .def_readonly("derivatives", &DifferentiatedRun::derivatives);
+      .def_readonly("derivatives", &DifferentiatedRun::derivatives,
+                    "As the run's columns, but one row for each row and parameter.");
   m.def(
       "static_derivative",
       [](const System& system, Equilibrium equilibrium, const std::vector<Varied>& varied, double t) {

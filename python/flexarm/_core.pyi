@@ -711,7 +711,10 @@ class DifferentiatedRun:
     A run and the derivatives of its columns.
     """
     @property
-    def derivatives(self) -> list[Transient]: ...
+    def derivatives(self) -> Transient:
+        """
+        As the run's columns, but one row for each row and parameter.
+        """
     @property
     def run(self) -> Transient: ...
 

@@ -146,14 +146,12 @@ class HeldArm:
         beside = [*self._beside, *(self._turned(each) for each in turning.values())]
         places = [*self._places, *(keys.index(key) for key in turning)]
         moving = _core.static_derivative(self.system, equilibrium, beside)
-        found: dict[str, list[Floats]] = {
-            name: [] if beside else [np.zeros_like(array)] for name, array in arrays.items()
-        }
+        found = {name: np.zeros((*array.shape, len(beside))) for name, array in arrays.items()}
         for k, pair in enumerate(beside):
             up = _seen(self.arm, pair.plus, _core.moved(self.system, state, moving, k, pair.up), loads)
             down = _seen(self.arm, pair.minus, _core.moved(self.system, state, moving, k, pair.down), loads)
             for name, array in up.items():
-                found[name].append((array - down[name]) / (pair.up - pair.down))
+                found[name][..., k] = (array - down[name]) / (pair.up - pair.down)
         return dict(collected(self.parameters, places, found).arrays)
 
     def _turned(self, turning: Turning) -> _core.Varied:

@@ -190,5 +190,4 @@ def _derivatives(
         return None
     beside, places = varied(arm, wanted, assemble)
     slopes = np.asarray(_core.frequency_derivatives(system, equilibrium, count, beside))
-    columns = list(slopes.T) if beside else [np.zeros(len(slopes))]
-    return collected(wanted, places, {"frequency": columns})
+    return collected(wanted, places, {"frequency": slopes})

@@ -17,7 +17,7 @@ from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.arm.parameter import Parameter, neighbours, parameters, path_of
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
-from flexarm.arrays import Floats, frozen
+from flexarm.arrays import Floats, frozen, read_only
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table
 
@@ -178,7 +178,7 @@ def varied(
 
 
 def collected(
-    wanted: tuple[Parameter, ...], places: Sequence[int], arrays: Mapping[str, Sequence[Floats]]
+    wanted: tuple[Parameter, ...], places: Sequence[int], arrays: Mapping[str, Floats]
 ) -> Sensitivities:
     """Derivatives by some of the wanted parameters, with zeros for those that move nothing.
 
@@ -188,14 +188,15 @@ def collected(
         All of them.
     places : sequence of int
         Those of which there are derivatives.
-    arrays : dict of str to sequence of ndarray
-        One derivative a place.
+    arrays : dict of str to ndarray
+        Derivatives, with the places as last axis; used as they are where all parameters have theirs.
     """
+    if list(places) == list(range(len(wanted))):
+        return Sensitivities(wanted, {name: read_only(array) for name, array in arrays.items()})
     whole = {}
     for name, derivatives in arrays.items():
-        array = np.zeros((*derivatives[0].shape, len(wanted)))
-        for k, derivative in zip(places, derivatives, strict=False):
-            array[..., k] = derivative
+        array = np.zeros((*derivatives.shape[:-1], len(wanted)))
+        array[..., places] = derivatives
         whole[name] = frozen(array)
     return Sensitivities(wanted, whole)
 

@@ -406,10 +406,10 @@ def _differentiated(
         system, equilibrium, motions, run.options, varied_systems, initial, report
     )
     found = _simulation(run.arm, both.run, run.options)
-    shapes = {name: value.shape for name in _DERIVED if (value := getattr(found, name)) is not None}
     arrays = {
-        name: [getattr(each, name).T.reshape(shape) for each in both.derivatives] or [np.zeros(shape)]
-        for name, shape in shapes.items()
+        name: getattr(both.derivatives, name).T.reshape(*value.shape, len(places))
+        for name in _DERIVED
+        if (value := getattr(found, name)) is not None
     }
     return replace(found, sensitivities=collected(wanted, places, arrays))
 

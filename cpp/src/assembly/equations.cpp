@@ -7,12 +7,30 @@ namespace flexarm::assembly {
 using namespace geometry;
 
 template <int D>
+Twist<D> wrench(const PointLoadIn<D>& load, const AttachmentIn<D>& at, const FrameIn<D>& H) {
+  const Rotation<D> to_node = load.follows ? at.offset.R : Rotation<D>(H.R.transpose());
+  const Point<D> force = to_node * load.force;
+  Turn<D> moment = load.moment;
+  if constexpr (D == 3) moment = to_node * load.moment;
+  Twist<D> f;
+  f << force, moment + moment_of<D>(at.offset.x, force);
+  return f;
+}
+
+template <int D>
 const AttachmentIn<D>& SystemIn<D>::loaded_point(int point) const {
   if (point < 0 || point >= static_cast<int>(points_.size()) || points_[point].element >= 0) {
     throw InvalidParameter("a point load needs a point of the arm that is declared as loaded, got number " +
                            std::to_string(point));
   }
   return points_[point];
+}
+
+template <int D>
+int SystemIn<D>::first_row(int constraint) const {
+  int row = 0;
+  for (int k = 0; k < constraint; ++k) row += constraints_[k].rows();
+  return row;
 }
 
 template <int D>
@@ -67,12 +85,7 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
     r.template segment<n>(n * k) -= weights_[k].force(state.frames[k].R, loads.gravity);
   for (const PointLoadIn<D>& load : loads.points) {
     const auto& at = loaded_point(load.point);
-    const Rotation<D> to_node = load.follows ? at.offset.R : Rotation<D>(state.frames[at.node].R.transpose());
-    const Point<D> force = to_node * load.force;
-    Turn<D> moment = load.moment;
-    if constexpr (D == 3) moment = to_node * load.moment;
-    r.template segment<D>(n * at.node) -= force;
-    r.template segment<turns<D>>(n * at.node + D) -= moment + moment_of<D>(at.offset.x, force);
+    r.template segment<n>(n * at.node) -= wrench<D>(load, at, state.frames[at.node]);
   }
 
   int row = 0;
@@ -207,29 +220,8 @@ const joints::Transmission* SystemIn<D>::transmission(int joint) const {
   return nullptr;
 }
 
-template <int D>
-SystemIn<D> SystemIn<D>::different_from(const SystemIn& other) const {
-  SystemIn rest = *this;
-  const auto keep_different = [](auto& mine, const auto& theirs) {
-    std::decay_t<decltype(mine)> kept;
-    for (std::size_t k = 0; k < mine.size(); ++k) {
-      if (!(mine[k] == theirs[k])) kept.push_back(mine[k]);
-    }
-    mine = std::move(kept);
-  };
-  keep_different(rest.beams_, other.beams_);
-  keep_different(rest.bodies_, other.bodies_);
-  keep_different(rest.superelements_, other.superelements_);
-  for (std::size_t k = 0; k < weights_.size(); ++k) {
-    if (weights_[k] == other.weights_[k]) rest.weights_[k] = {};
-  }
-  if (constraints_ == other.constraints_ && gears_ == other.gears_) {
-    rest.constraints_.clear();
-    rest.gears_.clear();
-  }
-  return rest;
-}
-
+template Twist<2> wrench<2>(const PointLoadIn<2>&, const AttachmentIn<2>&, const FrameIn<2>&);
+template Twist<3> wrench<3>(const PointLoadIn<3>&, const AttachmentIn<3>&, const FrameIn<3>&);
 template class SystemIn<2>;
 template class SystemIn<3>;
 

@@ -69,13 +69,6 @@ StateDerivative part(const PlanarSystem& plane, const State& state, const StateD
   return flat;
 }
 
-template <int D>
-std::vector<VariationIn<D>> models_of(const std::vector<typename DerivativeRecorderIn<D>::Varied>& varied) {
-  std::vector<VariationIn<D>> models;
-  for (const auto& each : varied) models.push_back(each.models);
-  return models;
-}
-
 /// The two that walk along with a run.
 template <int D>
 CompanionIn<D> companion(SensitivitiesIn<D>& sensitivities, DerivativeRecorderIn<D>& recorder) {
@@ -98,28 +91,28 @@ DifferentiatedRun simulate(const System& system, const Equilibrium& equilibrium,
   const Eigen::Index n = number_of_steps(system.joints().size(), drives, options) + 1;
   const auto coefficients = HhtCoefficients::from_alpha(options.alpha);
   if (const auto plane = in_plane(system, equilibrium, variations, options)) {
-    std::vector<DerivativeRecorderIn<2>::Varied> varied;
+    std::vector<VariedInSpace<2>> varied;
     for (std::size_t k = 0; k < variations.size(); ++k) {
       const PlanarSystem &plus = *plane->models[2 * k], &minus = *plane->models[2 * k + 1];
       const Variation& p = variations[k];
       varied.push_back(
           {{&plus, &minus, p.up, p.down, p.drive_plus, p.drive_minus}, InSpace<2>(plus), InSpace<2>(minus)});
     }
-    SensitivitiesIn<2> sensitivities(*plane->system, coefficients, models_of<2>(varied),
+    SensitivitiesIn<2> sensitivities(*plane->system, coefficients, models_of(varied),
                                      part(*plane->system, equilibrium.state, initial));
     DerivativeRecorderIn<2> recorder(*plane->system, InSpace<2>(*plane->system), varied, options, n,
                                      result.derivatives);
     result.run = simulate_in_plane(*plane->system, equilibrium, drives, options, progress,
                                    companion(sensitivities, recorder));
   } else {
-    std::vector<DerivativeRecorderIn<3>::Varied> varied;
+    std::vector<VariedInSpace<3>> varied;
     for (const Variation& p : variations) varied.push_back({p, {}, {}});
     SensitivitiesIn<3> sensitivities(system, coefficients, variations, std::move(initial));
     DerivativeRecorderIn<3> recorder(system, {}, varied, options, n, result.derivatives);
     result.run =
         simulate_in_space(system, equilibrium, drives, options, progress, companion(sensitivities, recorder));
   }
-  for (Transient& derivative : result.derivatives) derivative.finish(result.run.time.size());
+  result.derivatives.finish(result.run.time.size());
   return result;
 }
 

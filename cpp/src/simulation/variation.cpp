@@ -10,6 +10,9 @@ void VariationIn<D>::check(const assembly::SystemIn<D>& system) const {
     const bool same =
         varied->n_nodes() == system.n_nodes() && varied->n_scalars() == system.n_scalars() &&
         varied->n_free() == system.n_free() && varied->n_constraints() == system.n_constraints() &&
+        varied->beams().size() == system.beams().size() &&
+        varied->bodies().size() == system.bodies().size() &&
+        varied->superelements().size() == system.superelements().size() &&
         varied->laws().size() == system.laws().size() && varied->points().size() == system.points().size();
     if (!same) {
       throw InvalidParameter(
@@ -22,12 +25,12 @@ void VariationIn<D>::check(const assembly::SystemIn<D>& system) const {
 
 template <int D>
 StateDerivative::StateDerivative(const assembly::SystemIn<D>& system, Eigen::Index n_parameters)
-    : position(MatrixXd::Zero(system.n_velocities(), n_parameters)),
+    : position(Slopes::Zero(system.n_velocities(), n_parameters)),
       velocity(position),
       v_dot(position),
       a(position),
-      multipliers(MatrixXd::Zero(system.n_constraints(), n_parameters)),
-      law_x(MatrixXd::Zero(static_cast<Eigen::Index>(system.laws().size()), n_parameters)),
+      multipliers(Slopes::Zero(system.n_constraints(), n_parameters)),
+      law_x(Slopes::Zero(static_cast<Eigen::Index>(system.laws().size()), n_parameters)),
       law_z(law_x) {}
 
 template <int D>

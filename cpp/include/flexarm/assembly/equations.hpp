@@ -73,6 +73,11 @@ struct LoadsIn {
   VectorXd torques;  ///< on the scalar coordinates, by the motors; empty: none
 };
 
+/// Wrench of a point load on its node, in the axes of the node, whose frame is `H`.
+template <int D>
+geometry::Twist<D> wrench(const PointLoadIn<D>& load, const AttachmentIn<D>& at,
+                          const geometry::FrameIn<D>& H);
+
 using PointLoad = PointLoadIn<3>;
 using Loads = LoadsIn<3>;
 
@@ -103,6 +108,7 @@ class SystemIn {
   int n_unknowns() const { return n_free() + n_constraints_; }
   int scalar_offset() const { return n * n_nodes_; }
   bool is_free(int scalar) const { return scalar < n_free_scalars_; }
+  int first_row(int constraint) const;  ///< of its equations (2); behind the last joint come the gears
 
   const std::vector<LinkMesh>& meshes() const { return meshes_; }
   const std::vector<Beam>& beams() const { return beams_; }
@@ -164,10 +170,6 @@ class SystemIn {
   /// Frame of a point (link axes there), and its velocity in those axes.
   FrameD point_frame(const StateD& state, int point) const;
   TwistD point_velocity(const StateD& state, int point) const;
-
-  /// A copy without what it shares with another system of the same structure: beams, bodies, parts, weights,
-  /// and the constraints if all are shared. Differences of residuals need no more.
-  SystemIn different_from(const SystemIn& other) const;
 
  protected:
   int row(const Part& part, int k) const;  // of its k-th velocity

@@ -61,6 +61,8 @@ struct AttachmentIn {
   int element = -1;             ///< −1: on the node
   double xi = 0;                ///< place in the element, 0 to 1
   geometry::FrameIn<D> offset;  ///< from the node's (or the section's) frame to the place, in link axes there
+
+  bool operator==(const AttachmentIn&) const = default;
 };
 
 using Attachment = AttachmentIn<3>;

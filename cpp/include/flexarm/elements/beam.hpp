@@ -98,6 +98,12 @@ class BeamElementIn {
   void set_bow(const TwistD& b, double tau) { bow_ = b, bow_time_ = tau, rest_ = d0_ + b; }
   const TwistD& bow() const { return bow_; }
   bool grows() const { return bow_time_ > 0; }
+  TwistD rest(double t) const {  ///< d₀ + b(t)
+    return grows() ? TwistD(d0_ - std::expm1(-t / bow_time_) * bow_) : rest_;
+  }
+  TwistD bow_rate(double t) const {  ///< b'(t)
+    return grows() ? TwistD(std::exp(-t / bow_time_) / bow_time_ * bow_) : TwistD::Zero();
+  }
 
   double damping_time() const { return eta_; }
   void set_damping_time(double eta) { eta_ = eta; }  ///< η of (3) [s]
@@ -147,6 +153,20 @@ class BeamElementIn {
 
   bool operator==(const BeamElementIn&) const = default;
 
+  /// Whether both have the same stress in every deformation: K, η, d₀ and b(t).
+  bool same_strength(const BeamElementIn& other) const {
+    return K_ == other.K_ && eta_ == other.eta_ && rest_ == other.rest_ && d0_ == other.d0_ &&
+           bow_ == other.bow_ && bow_time_ == other.bow_time_;
+  }
+  /// Whether both have the same shape functions, but for rounding.
+  bool same_shape(const BeamElementIn& other) const {
+    bool same = length_ == other.length_ && d0_ == other.d0_;
+    for (std::size_t k = 0; k < Phi_.size(); ++k) {
+      same = same && std::abs(Phi_[k] - other.Phi_[k]) <= 1e-13 * std::abs(Phi_[k]);
+    }
+    return same;
+  }
+
  private:
   /// Components of a twist that stand alone, and those of each bending plane: w₁, θ₁, w₂, θ₂ of two twists.
   using Bending = std::array<int, 4>;
@@ -161,10 +181,6 @@ class BeamElementIn {
 
   TwistMatrix<D> shape_matrix(double xi) const;
   StrainMatrix strain_matrix(const TwistD& d) const;  // B
-  TwistD rest(double t) const {                       // d₀ + b(t), eq. (7)
-    return grows() ? TwistD(d0_ - std::expm1(-t / bow_time_) * bow_) : rest_;
-  }
-  TwistD bow_rate(double t) const { return std::exp(-t / bow_time_) / bow_time_ * bow_; }  // b'(t)
 
   template <int>
   friend class BeamElementIn;

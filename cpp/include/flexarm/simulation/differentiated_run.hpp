@@ -1,9 +1,9 @@
 /// @file
 /// A run together with the derivatives of all its recorded columns with respect to parameters.
 ///
-/// The state's derivatives come from sensitivity.hpp. An output y(x; p) is then differentiated along them as
-/// variation.hpp says, so that every column a Recorder knows has its derivative, and a parameter that an
-/// output depends on directly (the place of a point) counts too.
+/// The state's derivatives come from sensitivity.hpp, those of the columns from derivative_recorder.hpp:
+/// every column a Recorder knows has its derivative, and a parameter that an output depends on directly (the
+/// place of a point) counts too.
 #pragma once
 
 #include "flexarm/simulation/sensitivity.hpp"
@@ -13,7 +13,9 @@ namespace flexarm::simulation {
 
 struct DifferentiatedRun {
   Transient run;
-  std::vector<Transient> derivatives;  ///< one a parameter: d(column)/dp; no energies
+  /// d(column)/dp; no energies. Each row of a column is one row a parameter here, those of one row behind one
+  /// another.
+  Transient derivatives;
 };
 
 /// As simulate(); `initial` is the derivative of the equilibrium's state.

@@ -14,15 +14,17 @@
 ///
 ///     S = K + [γ/(β h) C + M/(β h² (1 + α))] T_r⁻¹(h),                                                (5)
 ///
-/// factored once a step for all parameters together. ∂r/∂p, at fixed free coordinates, is the difference of
-/// variation.hpp; prescribed coordinates and the memories of joint laws move along in it. What comes out is
-/// the derivative of the discrete motion, not of the exact one: it agrees with differences of whole runs to
-/// their own accuracy. Source: [Bruls2008]; docs/theory.md, section "Sensitivities".
+/// factored once a step for all parameters together. ∂r/∂p, at fixed free coordinates, is that of
+/// partial_residuals.hpp; prescribed coordinates and the memories of joint laws move along in it. What comes
+/// out is the derivative of the discrete motion, not of the exact one: it agrees with differences of whole
+/// runs to their own accuracy. Source: [Bruls2008]; docs/theory.md, section "Sensitivities".
 #pragma once
 
 #include <vector>
 
 #include "flexarm/assembly/tangent_parts.hpp"
+#include "flexarm/simulation/law_slopes.hpp"
+#include "flexarm/simulation/partial_residuals.hpp"
 #include "flexarm/simulation/statics.hpp"
 #include "flexarm/simulation/variation.hpp"
 #include "flexarm/solvers/hht.hpp"
@@ -49,6 +51,8 @@ class SensitivitiesIn {
 
   SensitivitiesIn(const SystemD& system, const solvers::HhtCoefficients& coefficients,
                   std::vector<VariationIn<D>> variations, StateDerivative initial);
+  SensitivitiesIn(const SensitivitiesIn&) = delete;  // its parts refer to one another
+  SensitivitiesIn& operator=(const SensitivitiesIn&) = delete;
 
   /// State 1 from state 0 by an accepted step of size h, with the argument `exponent` of exp in it.
   /// @throws NotConverged if the tangent is singular.
@@ -62,19 +66,23 @@ class SensitivitiesIn {
   void carry(const VectorXd& exponent, double h);
   void factor(const VectorXd& exponent, double h);
   void update(const VectorXd& exponent, double h);
-  void remember(const StateD& before, const StateD& after);
+  void remember();
 
   const SystemD& system_;
   solvers::HhtCoefficients coefficients_;
   std::vector<VariationIn<D>> variations_;
-  std::vector<std::pair<SystemD, SystemD>> differences_;  // what each variation changes, up and down
+  LawSlopesIn<D> laws_;
+  PartialResidualsIn<D> partial_;
   StateDerivative now_, before_;
   StateD state_;  // state 1 with the memories of state 0
   assembly::TangentPartsIn<D> parts_;
   Eigen::SparseMatrix<double> S_;
   solvers::SparseFactor factor_;
-  MatrixXd rhs_;             // of (4), one column a parameter
-  MatrixXd a_rest_, V_, A_;  // (2) and (3) at ξ₁ = 0
+  MatrixXd unknowns_;               // of (4), one column a parameter
+  Slopes rhs_;                      // the same by rows
+  Slopes a_rest_, V_, A_;           // (2) and (3) at ξ₁ = 0
+  Slopes turned_;                   // T_r⁻¹ ξ₁
+  Eigen::RowVectorXd dx_, dx_dot_;  // of a law
 };
 
 }  // namespace flexarm::simulation

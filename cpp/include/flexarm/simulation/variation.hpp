@@ -35,12 +35,15 @@ struct VariationIn {
 };
 using Variation = VariationIn<3>;
 
+/// Derivatives of quantities (rows) by parameters (columns), stored by rows: loops run over the parameters.
+using Slopes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// dx/dp of a State, one column a parameter. Rows of nodes hold the twist by which their frames move, in
 /// their own axes; prescribed coordinates have rows too.
 struct StateDerivative {
-  MatrixXd position, velocity, v_dot, a;  ///< n_velocities() rows
-  MatrixXd multipliers;                   ///< n_constraints() rows
-  MatrixXd law_x, law_z;                  ///< memories of the laws
+  Slopes position, velocity, v_dot, a;  ///< n_velocities() rows
+  Slopes multipliers;                   ///< n_constraints() rows
+  Slopes law_x, law_z;                  ///< memories of the laws
 
   StateDerivative() = default;
   template <int D>

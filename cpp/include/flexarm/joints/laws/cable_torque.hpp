@@ -16,6 +16,8 @@ struct CableTorque {
 
   static constexpr bool acts_at_rest = true;
 
+  bool operator==(const CableTorque&) const = default;
+
   LawResponse respond(double x, double, const LawMemory&) const {
     const double turned = x - rest_angle;
     return {.force = stiffness * turned, .stiffness = stiffness, .energy = 0.5 * stiffness * turned * turned};

@@ -27,6 +27,8 @@ struct DahlFriction {
 
   static constexpr bool acts_at_rest = false;
 
+  bool operator==(const DahlFriction&) const = default;
+
   LawResponse respond(double x, double, const LawMemory& memory) const {
     const double dx = x - memory.x;
     const double s = dx < 0 ? -1.0 : 1.0;

@@ -34,6 +34,8 @@ struct LugreFriction {
 
   static constexpr bool acts_at_rest = false;
 
+  bool operator==(const LugreFriction&) const = default;
+
   LawResponse respond(double x, double v, const LawMemory& memory) const {
     const double s0 = bristle_stiffness, s1 = bristle_damping;
     const auto [g, g_v] = slipping_torque(v);

@@ -37,6 +37,8 @@ struct ReducerSpring {
 
   static constexpr bool acts_at_rest = true;
 
+  bool operator==(const ReducerSpring&) const = default;
+
   LawResponse respond(double x, double x_dot, const LawMemory& memory) const {
     const double play = in_gap(x, memory.flank), e = x - play;
     const bool loose = memory.flank == Flank::free && std::abs(x) < 0.5 * gap;

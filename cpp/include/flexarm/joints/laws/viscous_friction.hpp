@@ -14,6 +14,8 @@ struct ViscousFriction {
 
   static constexpr bool acts_at_rest = true;
 
+  bool operator==(const ViscousFriction&) const = default;
+
   LawResponse respond(double, double x_dot, const LawMemory&) const {
     const double force = coefficient * x_dot;
     return {.force = force, .damping = coefficient, .loss = force};
