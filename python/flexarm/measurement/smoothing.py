@@ -22,6 +22,7 @@ Units: those of the samples, times in s. Source: docs/measurement.md; [deBoor200
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -91,12 +92,24 @@ def smooth(
     if noise_std == 0 or len(t) < 2 * COARSEST:
         return interpolate(t, y)
     stamps, reading = (t, y) if shown is None else _finite(*shown)
-    steps = _steps(stamps, reading / noise_std)
-    if np.all(steps == 0):
+    layout = _layout(stamps.tobytes(), reading.tobytes(), float(noise_std))
+    if layout is None:
         return interpolate(t, y)
+    return _pieces(fit_spline(t, y, *layout)[0])
+
+
+@lru_cache(maxsize=16)
+def _layout(stamps: bytes, reading: bytes, noise_std: float) -> tuple[NDArray[np.intp], bool] | None:
+    """Breaks of samples, and whether the fit starts at rest; None where every sample counts.
+
+    A record drives many models: what its readings say is found once.
+    """
+    t, y = np.frombuffer(stamps), np.frombuffer(reading)
+    steps = _steps(t, y / noise_std)
+    if np.all(steps == 0):
+        return None
     breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
-    at_rest = _starts_at_rest(stamps, reading, breaks, noise_std)
-    return _pieces(fit_spline(t, y, breaks, at_rest)[0])
+    return breaks, _starts_at_rest(t, y, breaks, noise_std)
 
 
 def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:
