@@ -197,7 +197,7 @@ def collected(
     for name, derivatives in arrays.items():
         array = np.zeros((*derivatives.shape[:-1], len(wanted)))
         array[..., places] = derivatives
-        whole[name] = frozen(array)
+        whole[name] = read_only(array)
     return Sensitivities(wanted, whole)
 
 
