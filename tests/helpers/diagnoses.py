@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 from arms import arm, beam, hinge, point
+from planted import two_joints
 
 import flexarm
 from flexarm.arm.sensor import Sensor
@@ -26,7 +27,7 @@ from flexarm.diagnosis.result import (
 )
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.measurement import ClockError, Registration
-from flexarm.record import Clock, Frame
+from flexarm.record import Clock, Frame, Signal
 
 STIFFNESS, TRACKER = 1.4e5, 5e-5
 TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
@@ -219,3 +220,49 @@ def unusable() -> Diagnosis:
 
 ALL = {"effects": of_effects, "adequate": adequate, "unexplained": unexplained, "unusable": unusable}
 """A diagnosis of each verdict."""
+
+
+@cache
+def of_poses() -> Diagnosis:
+    """A spring in the elbow, found in poses that were measured twice each."""
+    rng, count = np.random.default_rng(4), 30
+    model = two_joints()
+    updated = model.with_effect(JointCompliance(at="elbow", stiffness=1e5))
+    poses = np.array([f"p{i}" for i in range(count)])
+    drives = [
+        Signal(
+            name=joint,
+            quantity="joint_angle",
+            joint=joint,
+            side="motor",
+            pose=poses,
+            values=rng.uniform(-1, 1, count),
+        )
+        for joint in ("shoulder", "elbow")
+    ]
+    tip = Signal(
+        name="tip",
+        quantity="position",
+        point="tip",
+        axes=("x", "z"),
+        pose=np.tile(poses, 2),
+        values=np.zeros((2 * count, 2)),
+        noise_std=TRACKER,
+    )
+    empty = flexarm.Record(signals=[*drives, tip], drive=("shoulder", "elbow"), kind="static")
+    true = beside(updated, empty, align=False)
+    seen = true.subject.predicted(tip, true.aligned.placement) + TRACKER * rng.standard_normal((2 * count, 2))
+    measured = empty.replace(signals=[*drives, tip.replace(values=seen)])
+    named = NamedEffect("joint_compliance", "elbow", 0.98, (estimate("stiffness", 1e5, "N m/rad"),))
+    return Diagnosis(
+        "effects",
+        model,
+        updated,
+        (named,),
+        before={"poses": flexarm.compare(model, measured)},
+        after={"poses": flexarm.compare(updated, measured)},
+        training=("poses",),
+        main_signal="tip",
+        located=locate({"poses": beside(model, measured)}),
+        located_after=locate({"poses": beside(updated, measured)}),
+    )

@@ -80,7 +80,7 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
             f"{_article(diagnosis.hold_out_kind)} of the training."
         )
-    return f"Fitted on {fitted}; whole blocks of time were held back to choose."
+    return f"Fitted on {fitted}; whole blocks of it were held back to choose."
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:

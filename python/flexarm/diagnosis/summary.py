@@ -5,8 +5,9 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+from flexarm.diagnosis.refinement import refinements
 from flexarm.diagnosis.sentences import headline, hold_out_sentence, verdict_sentence
-from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, with_unit
+from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis, Estimate, NamedEffect
@@ -61,19 +62,23 @@ def _row(estimate: Estimate) -> str:
 
 
 def _refined(diagnosis: Diagnosis) -> list[str]:
-    lines = ["nominal values refined, +- 1 sigma"] if diagnosis.refined else []
-    for each in diagnosis.refined:
-        factor, unit = scale([each.value, each.nominal], each.unit)
-        value, std, nominal = (number(factor * v, 5) for v in (each.value, each.std, each.nominal))
-        lines.append(f"  {each.parameter}: {value} +- {std} {unit}, nominal {nominal}")
-    return lines
+    found = list(refinements(diagnosis))
+    lines = ["nominal values refined, +- 1 sigma"] if found else []
+    for each in found:
+        if each.determined:
+            moved, std, unit = each.texts
+            nominal = with_unit(each.refined.nominal, each.refined.unit, 4)
+            pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
+            lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
+    left = [each.refined.parameter for each in found if not each.determined]
+    return lines + (_wrapped(f"not determined: {', '.join(left)}", "  ", "    ") if left else [])
 
 
 def _nuisances(diagnosis: Diagnosis) -> list[str]:
-    lines = ["fitted along, within what the records state"] if diagnosis.nuisances else []
+    lines = ["fitted along, within what the records state; 90 %"] if diagnosis.nuisances else []
     for nuisance in diagnosis.nuisances:
-        values = [f"{p.name} {with_unit(p.value, p.unit)}" for p in nuisance.parameters]
-        lines += _wrapped(f"{place_words(nuisance.name, nuisance.at)}: {', '.join(values)}", "  ", "    ")
+        lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
+        lines += [f"  {_row(each)}" for each in nuisance.parameters]
     return lines
 
 

@@ -72,8 +72,28 @@ def interval(estimate: Estimate) -> tuple[str, str, str, str]:
     if not isfinite(half) or half == 0:
         return number(ends[0], 4), number(ends[1], 4), number(ends[2], 4), unit
     places = max(0, min(9, 1 - floor(log10(half))))
-    value, low, high = (f"{end:.{places}f}" if isfinite(end) else "–" for end in ends)
+    value, low, high = (fixed(end, places) for end in ends)
     return value, low, high, unit
+
+
+def fixed(value: float, places: int) -> str:
+    """So many decimals; no zero below zero.
+
+    >>> fixed(-0.004, 2), fixed(-1.25, 1)
+    ('0.00', '-1.2')
+    """
+    text = f"{value:.{places}f}" if isfinite(value) else "–"
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+def signed(value: float, places: int) -> str:
+    """So many decimals, with a sign.
+
+    >>> signed(0.056, 3), signed(-1.8, 2), signed(-0.001, 2)
+    ('+0.056', '-1.80', '0.00')
+    """
+    text = fixed(value, places)
+    return f"+{text}" if value > 0 and text.strip("0.") else text
 
 
 def effect_words(name: str) -> str:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.joint_rotations import NAMED
+from flexarm.diagnosis.refinement import refinements
 from flexarm.diagnosis.sentences import headline, hold_out_sentence, verdict_sentence
 from flexarm.diagnosis.where import FOLLOWS
-from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, with_unit
+from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
 from flexarm.tables import toml_text
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         rotations=list(_rotation_rows(d)),
         effects=[_effect(each) for each in d.effects],
         refined=list(_refined_rows(d)),
+        undetermined=[each.refined.parameter for each in refinements(d) if not each.determined],
         nuisances=list(_nuisance_rows(d)),
         rejected=_rejected_rows(d),
         diff=list(_diff(d)),
@@ -136,7 +138,7 @@ def _effect(effect: NamedEffect) -> Row:
         "title": place_words(effect.name, effect.at),
         "what": effect_law(effect.name),
         "probability": probability(effect.probability),
-        "evidence": effect.evidence,
+        "evidence": effect.evidence[:1].upper() + effect.evidence[1:],
         "parameters": [_parameter(each) for each in effect.parameters],
         "alternatives": [
             {
@@ -155,36 +157,27 @@ def effect_law(name: str) -> str:
 
 
 def _parameter(estimate: Estimate) -> Row:
-    value, low, high, unit = interval(estimate)
+    value, low, high, unit = (_minus(text) for text in interval(estimate))
     return {"name": estimate.name, "value": value, "low": low, "high": high, "unit": unit or "–"}
 
 
 def _refined_rows(d: Diagnosis) -> Iterator[Row]:
-    """Nominal values that moved, and by how many of their stated sigmas."""
-    for each in d.refined:
-        factor, unit = scale([each.value, each.nominal], each.unit)
-        sigma = _stated_sigma(d, each.parameter)
+    """Nominal values that the data determine: where they were, and by how much they moved."""
+    for each in refinements(d):
+        if not each.determined:
+            continue
+        refined, (moved, std, unit) = each.refined, each.texts
         yield {
-            "parameter": each.parameter,
-            "value": number(factor * each.value, 5),
-            "std": number(factor * each.std, 2),
-            "nominal": number(factor * each.nominal, 5),
-            "unit": unit or "–",
-            "moved": f"{(each.value - each.nominal) / sigma:+.1f}".replace("-", "−") if sigma else "–",
+            "parameter": refined.parameter,
+            "nominal": with_unit(refined.nominal, refined.unit, 4),
+            "moved": f"{_minus(moved)} {unit}".rstrip(),
+            "std": f"{std} {unit}".rstrip(),
+            "pull": "–" if each.pull is None else _minus(signed(each.pull, 1)),
         }
 
 
-def _stated_sigma(d: Diagnosis, key: str) -> float | None:
-    """1 sigma that the model's [uncertainty] states for a parameter, whatever its key says of units."""
-    stem, _, last = key.rpartition(".")
-    component = "xyz".index(last) if last in ("x", "y", "z") and stem else None
-    plain = key if component is None else stem
-    for given in d.arm.uncertainty:
-        if given == plain or (given.startswith(f"{plain}_") and "." not in given[len(plain) :]):
-            _, sigma = d.arm.sigma(given)
-            found = sigma[component or 0] if isinstance(sigma, tuple) else sigma
-            return float(found) or None
-    return None
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
 
 
 def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
@@ -199,7 +192,7 @@ def _rejected_rows(d: Diagnosis) -> list[Row]:
     return [
         {
             "title": place_words(each.name, each.at),
-            "evidence": f"{each.log_bayes_factor:,.1f}".replace("-", "−"),
+            "evidence": _minus(f"{each.log_bayes_factor:,.1f}"),
             "why": each.why,
         }
         for each in best

@@ -39,7 +39,7 @@ def candidates(d: Diagnosis) -> Figure | None:
     write_beside(ax, bars, [_lacking(row[1], row[2]) for row in shown])
     ax.axvline(REACH, color="black", lw=0.8, ls="--", label="ln 20: right of it out of reach")
     ax.set_xscale("symlog", linthresh=REACH)
-    ax.set_xlim(0, 4 * max(REACH, *(row[1] for row in shown)))
+    ax.set_xlim(0, 10 * max(REACH, *(row[1] for row in shown)))
     ax.set_xlabel("evidence lacking: −ln(Bayes factor) [-]")
     ax.invert_yaxis()
     ax.grid(visible=False, axis="y")

@@ -68,7 +68,9 @@ def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
         if noise:
             ax.axhline(factor * noise, color="black", lw=0.8, ls="--", label="noise, all bands")
         ax.set(xticks=np.arange(len(labels)), xticklabels=labels, xlabel="band [Hz]", title=name)
-        log_if_wide(ax, "y", [factor * band.rms for gap in gaps.values() for band in gap.bands])
+        floor = 0.1 * (noise or 0.0)  # nobody needs to see what lies that far below the noise
+        log_if_wide(ax, "y", [factor * max(b.rms, floor) for gap in gaps.values() for b in gap.bands])
+        ax.set_ylim(bottom=factor * floor if ax.get_yscale() == "log" and floor else None)
     axes[0, 0].set_ylabel(f"rms of {d.main_signal} [{unit}]")
     legend_below(figure, axes[0, 0])
     return figure

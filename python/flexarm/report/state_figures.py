@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,7 +54,7 @@ def against_states(d: Diagnosis) -> Figure | None:
     figure, axes = sheet(1, len(kinds), 1.6, between=(0.3, 0.0), sharey=True)
     for ax, kind in zip(axes[0], kinds, strict=True):
         draw_against(ax, d, d.main_signal, direction, chosen.joint, kind)
-    axes[0, 1].set_title(f"{d.main_signal}, {direction}: measured − model")
+    axes[0, 0].set_title(f"{d.main_signal}, {direction}: measured − model", loc="left")
     for ax in axes[0, 1:]:
         ax.set_ylabel("")
     legend_below(figure, axes[0, 0])
@@ -107,22 +107,21 @@ def rotations(d: Diagnosis) -> Figure | None:
         return None
     shown = list(zip(found.joints, found.states, strict=True))[:MOST_JOINTS]
     factor, unit = scale([float(np.abs(each.angle).max()) for each, _ in shown], shown[0][0].unit)
-    figure, axes = sheet(len(shown), len(KINDS), 1.1, between=(0.3, BOTTOM), legend=False, sharey=True)
+    kinds = KINDS if any(states.moves for _, states in shown) else ("angle", "torque")
+    figure, axes = sheet(len(shown), len(kinds), 1.1, between=(0.3, BOTTOM), legend=False, sharey=True)
     for row, (rotation, states) in zip(axes, shown, strict=True):
-        _draw_rotation(row, rotation, states, factor, unit)
+        _draw_rotation(dict(zip(kinds, row, strict=True)), rotation, states, factor)
+        row[0].set_ylabel(f"{rotation.joint} [{unit}]")
     return figure
 
 
-def _draw_rotation(
-    axes: Sequence[Axes], rotation: JointRotation, states: States, factor: float, unit: str
-) -> None:
+def _draw_rotation(axes: Mapping[str, Axes], rotation: JointRotation, states: States, factor: float) -> None:
     """One joint's rotation against its own states."""
-    for ax, kind in zip(axes, KINDS, strict=True):
+    for kind, ax in axes.items():
         ax.plot(
             getattr(states, kind), factor * rotation.angle, ls="none", ms=2.2, mew=0, **LOOKS["nominal model"]
         )
         ax.set_xlabel(f"{kind} of {rotation.joint} [{states.units[kind]}]")
-    axes[0].set_ylabel(f"{rotation.joint} [{unit}]")
 
 
 def turned_most(located: Located, rows: GapRows) -> States:
