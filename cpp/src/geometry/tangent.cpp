@@ -55,12 +55,18 @@ InverseTangentCoefficients inverse_tangent_coefficients<3>(double x) {
 
 template <int D>
 TwistMatrix<D> right_tangent_inverse(const Twist<D>& h) {
-  const auto k = inverse_tangent_coefficients<D>(rotation<D>(h).squaredNorm());
-  const TwistMatrix<D> a = ad<D>(h);
-  const TwistMatrix<D> a2 = a * a;
-  TwistMatrix<D> T = TwistMatrix<D>::Identity() + 0.5 * a + k.A * a2;  // eq. (4)
-  if constexpr (D == 3) T += k.B * a2 * a2;                            // eq. (3)
-  return T;
+  if constexpr (D == 2) {  // eq. (4), written out
+    const double omega = h[2], A = series::inverse_v(omega * omega), on_diagonal = 1 - A * omega * omega;
+    return (Matrix3d() << on_diagonal, -0.5 * omega, 0.5 * h[1] + A * omega * h[0],  //
+            0.5 * omega, on_diagonal, -0.5 * h[0] + A * omega * h[1],                //
+            0, 0, 1)
+        .finished();
+  } else {
+    const auto k = inverse_tangent_coefficients<D>(rotation<D>(h).squaredNorm());
+    const TwistMatrix<D> a = ad<D>(h);
+    const TwistMatrix<D> a2 = a * a;
+    return TwistMatrix<D>::Identity() + 0.5 * a + k.A * a2 + k.B * a2 * a2;  // eq. (3)
+  }
 }
 
 template <int D>

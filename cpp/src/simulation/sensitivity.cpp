@@ -107,8 +107,7 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
   rhs_.bottomRows(system_.n_constraints()) *= scale;
   parts_.assemble(state_, loads, scale, true);
   carry(exponent, h);
-  rhs_.noalias() -= parts_.C() * V_;
-  rhs_.noalias() -= parts_.M() * A_;
+  bring_along();
   factor(exponent, h);
   factor_.solve(rhs_);  // eq. (4)
   now_.multipliers = scale * rhs_.bottomRows(system_.n_constraints());
@@ -130,10 +129,25 @@ void SensitivitiesIn<D>::carry(const VectorXd& exponent, double h) {
         before_.position.template middleRows<n_node>(n_node * k));  // eq. (1)
   }
   a_rest_ = -1 / (beta * h * h) * (a_rest_ + h * v0) - (0.5 - beta) / beta * a0;
-  V_.setZero(system_.n_unknowns(), now_.size());
-  A_.setZero(system_.n_unknowns(), now_.size());
-  V_.topRows(n) = v0 + h * ((1 - gamma) * a0 + gamma * a_rest_);
-  A_.topRows(n) = 1 / (1 + alpha) * (a_rest_ + alpha * v_dot0);
+  V_ = v0 + h * ((1 - gamma) * a0 + gamma * a_rest_);
+  A_ = 1 / (1 + alpha) * (a_rest_ + alpha * v_dot0);
+}
+
+/// Takes C V + M A from the right side of (4). Both have the pattern of K, of which they need a part.
+template <int D>
+void SensitivitiesIn<D>::bring_along() {
+  const int* rows = parts_.C().innerIndexPtr();
+  const double *C = parts_.C().valuePtr(), *M = parts_.M().valuePtr();
+  const Eigen::Index n_parameters = rhs_.cols();
+  for (Eigen::Index j = 0; j < V_.rows(); ++j) {
+    const double *v = V_.data() + j * n_parameters, *a = A_.data() + j * n_parameters;
+    for (int k = parts_.C().outerIndexPtr()[j]; k < parts_.C().outerIndexPtr()[j + 1]; ++k) {
+      const double damping = C[k], mass = M[k];
+      if (damping == 0 && mass == 0) continue;
+      double* row = rhs_.data() + rows[k] * n_parameters;
+      for (Eigen::Index p = 0; p < n_parameters; ++p) row[p] -= damping * v[p] + mass * a[p];
+    }
+  }
 }
 
 /// Equations (1) to (3) from ξ₁.

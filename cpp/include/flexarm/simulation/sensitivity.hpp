@@ -64,6 +64,7 @@ class SensitivitiesIn {
 
  private:
   void carry(const VectorXd& exponent, double h);
+  void bring_along();
   void factor(const VectorXd& exponent, double h);
   void update(const VectorXd& exponent, double h);
   void remember();
