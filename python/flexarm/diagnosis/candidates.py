@@ -29,11 +29,11 @@ from flexarm.errors import InvalidParameter
 
 FAULTS = ("saturation", "sign_error", "unit_error", "dead_channel", "outliers")
 """Of sensors; `check` finds them before."""
-LEFT_OUT = (*FAULTS, "lugre_friction", "encoder_quantisation", "external_vibration")
+LEFT_OUT = (*FAULTS, "lugre_friction", "encoder_quantisation")
 """`lugre_friction` is no name of the shared vocabulary; steps of an encoder are noise."""
 ON_SPRING = ("joint_stiffening", "joint_hysteresis", "backlash")
 """Laws of the reducer's deflection, which need a joint_compliance."""
-WAVES = ("transmission_error", "encoder_eccentricity")
+WAVES = ("transmission_error", "encoder_eccentricity", "external_vibration")
 SPRINGS = ("joint_compliance", "base_compliance")
 POSITIVE = ("torque", "gap", "coefficient", "coulomb", "viscous", "cubic_stiffness", "damping_ratio")
 """Parameters that cannot be negative."""
@@ -134,30 +134,44 @@ class Candidate:
         return self.effect.with_parameters({k: v for k, v in values.items() if k in self.free})
 
 
-def candidates(observed: Observed, arm: Arm) -> list[Candidate]:
-    """All that can act on these records in a model, variants of one effect one after the other."""
+def candidates(observed: Observed, arm: Arm, rhythm: Sequence[float] = ()) -> list[Candidate]:
+    """All that can act on these records in a model, variants of one effect one after the other.
+
+    Parameters
+    ----------
+    observed : Observed
+        The records.
+    arm : Arm
+        The model.
+    rhythm : sequence of float
+        Frequencies at which the gap swings [Hz]: an external vibration may have them.
+    """
     found: list[Candidate] = []
     for name in KNOWN_EFFECTS:
         if name in LEFT_OUT:
             continue
         for at in _places(name, observed, arm):
-            found += _at_place(name, at, arm)
+            found += _at_place(name, at, arm, rhythm)
     return found
 
 
-def _at_place(name: str, at: str, arm: Arm) -> Iterator[Candidate]:
+def _at_place(name: str, at: str, arm: Arm, rhythm: Sequence[float]) -> Iterator[Candidate]:
     """Variants of an effect at a place; none where the model refuses it."""
     without = arm.effect(name, at)
-    needs = None
+    needs: Effect | None = None
+    if name == "external_vibration":
+        base = arm.effect("base_compliance", at)
+        if base is None or isinf(value_of(base, "stiffness")):
+            needs = typical_of("base_compliance", at, arm)
     if name in ON_SPRING:
         spring = arm.effect("joint_compliance", at)
         if spring is None or isinf(value_of(spring, "stiffness")):
             needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=2e-3 * TYPICAL_STIFFNESS)
     there = arm if needs is None else arm.with_effect(needs)
     typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
-    for fixed in _variants(name, typical, there):
+    for fixed in _variants(name, typical, rhythm):
         effect = typical.with_parameters(fixed)
-        held = {*fixed} - {"width"}
+        held = {*fixed} - {"width", "frequency"}
         free = tuple(key for key in effect.priors(there) if key not in held and _has(effect, key))
         null = nulls(effect, without, arm)
         probes = tuple(_probes(name, effect, without, free, null, there))
@@ -170,10 +184,12 @@ def _at_place(name: str, at: str, arm: Arm) -> Iterator[Candidate]:
             yield Candidate(effect, free, probes, null, without, needs)
 
 
-def _variants(name: str, effect: Effect, arm: Arm) -> Iterator[dict[str, float]]:
+def _variants(name: str, effect: Effect, rhythm: Sequence[float]) -> Iterator[dict[str, float]]:
     """What is not fitted but tried."""
     if name == "transmission_error":
         yield from ({"multiple": m} for m in MULTIPLES)
+    elif name == "external_vibration":
+        yield from ({"frequency": f} for f in rhythm)
     elif name == "joint_hysteresis":
         width = value_of(effect, "width")
         yield from ({"width": times * width} for times in WIDTHS)

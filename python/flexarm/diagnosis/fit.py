@@ -145,12 +145,15 @@ class Fitter:
         Derivatives of the residual by them, at `at`.
     at : ndarray
         Where the unknowns are, from the centres of their priors.
+    correction : ndarray, optional
+        Added to residuals: what simulations with longer steps miss.
     """
 
     observed: Observed
     unknowns: Unknowns
     slopes: Floats
     at: Floats
+    correction: Floats | None = None
 
     def __post_init__(self) -> None:
         self._projections: dict[frozenset[str], tuple[Unknowns, Projection]] = {}
@@ -177,9 +180,17 @@ class Fitter:
         slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
         return Fitter(self.observed, self.unknowns, slopes, at)
 
+    def coarser(self, observed: Observed, members: Sequence[Candidate] = ()) -> Fitter:
+        """The same with longer steps, right at the model with these effects: for trials about it."""
+        arm = self.with_effects(members)
+        missing = self.observed.residual(arm) - observed.residual(arm)
+        return Fitter(observed, self.unknowns, self.slopes, self.at, missing)
+
     def residual(self, members: Sequence[Candidate]) -> Floats:
         """Of the model with effects, to first order at the centres of the unknowns' priors."""
         raw = self.observed.residual(self.with_effects(members))
+        if self.correction is not None:
+            raw = raw + self.correction
         taken = self.taken(members)
         at = np.array(
             [0.0 if u.key in taken else x for u, x in zip(self.unknowns.each, self.at, strict=True)]

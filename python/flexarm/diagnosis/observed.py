@@ -16,6 +16,7 @@ from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -120,6 +121,13 @@ class Observed:
         if not rows:
             reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
             raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
+
+    def coarser(self, times: float) -> Observed:
+        """The same rows against simulations with longer steps."""
+        found = copy(self)
+        found.step = times * self.step
+        found._runs, found._residuals = OrderedDict(), OrderedDict()
+        return found
 
     def __len__(self) -> int:
         """Number of residuals."""

@@ -20,15 +20,17 @@ from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.configuration import version
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.choose import REACH, Choice, choose, leaves_gap, probabilities
+from flexarm.diagnosis.choose import COARSE, REACH, Choice, choose, leaves_gap, probabilities
 from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import Estimates, estimates
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
 from flexarm.diagnosis.locate import locate
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.remainder import describe_remainder
-from flexarm.diagnosis.result import Alternative, Diagnosis, NamedEffect, Rejected, Stage
+from flexarm.diagnosis.result import Alternative, Diagnosis, NamedEffect, Refined, Rejected, Stage
+from flexarm.diagnosis.rhythm import rhythms
 from flexarm.diagnosis.screen import probe
 from flexarm.diagnosis.unknowns import unknowns
 
@@ -65,7 +67,8 @@ def diagnose(
     records : dict of str to Record, or sequence of Record
         What to explain; all are fitted together.
     hold_out : Record, optional
-        Never used for fitting or choosing: the check of the repair.
+        Never used for fitting or choosing: the check of the repair. Without one, blocks of time are held
+        back.
     jobs : int, optional
         Number of simulations at once; default one a core.
     seed : int
@@ -94,12 +97,21 @@ def diagnose(
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     named = _by_name(records)
+    held = {} if hold_out is None else {_name(hold_out, named): hold_out}
+    kind = "blocks" if hold_out is None else hold_out_kind(named, hold_out)
+    if hold_out is None:
+        parts = {name: hold_back(record) for name, record in named.items()}
+        named = {name: fitted for name, (fitted, _) in parts.items()}
+        held = {f"{name}, held-back blocks": back for name, (_, back) in parts.items()}
     provenance = {"version": version(), "seed": seed}
     tell(0.1, "simulating")
     observed = Observed(arm, named, step=step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
     fitter = Fitter.nominal(observed, unknowns(observed))
+    rhythm = rhythms(fitter.fit(()).rest, observed)
     probed = probe(
-        fitter, candidates(observed, fitter.unknowns.arm), lambda done: tell(0.15 + 0.25 * done, "screening")
+        fitter.coarser(observed.coarser(COARSE)),
+        candidates(observed, fitter.unknowns.arm, rhythm),
+        lambda done: tell(0.15 + 0.25 * done, "screening"),
     )
     choice = choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
     tell(0.8, "intervals")
@@ -111,8 +123,7 @@ def diagnose(
     keep = not open_gap or _closes(choice.best, choice.null)
     updated = repaired(arm, choice.best, sizes, keep) if keep or not open_gap else arm
     tell(0.85, "verifying")
-    everything = {**named, **({} if hold_out is None else {_name(hold_out, named): hold_out})}
-    held_out = tuple(name for name in everything if name not in named)
+    everything = {**named, **held}
     before = {name: compare(arm, record) for name, record in everything.items()}
     after = {name: compare(updated, record) for name, record in everything.items()}
     main = main_signal(named, before)
@@ -126,14 +137,14 @@ def diagnose(
         updated,
         effects,
         sizes.nuisances,
-        sizes.refined,
+        () if updated is arm else tuple(each for each in sizes.refined if _moved(each)),
         _rejected(choice, observed),
         where=located.where if located else (),
         before=before,
         after=after,
         training=tuple(named),
-        held_out=held_out,
-        hold_out_kind="repetition" if held_out else "blocks",
+        held_out=tuple(held),
+        hold_out_kind=kind,
         main_signal=main,
         stages=_stages(arm, updated, choice, everything, main, before, after),
         constancy=tuple(drifts),
@@ -143,6 +154,11 @@ def diagnose(
         located=located,
         located_after=located_after,
     )
+
+
+def _moved(refined: Refined) -> bool:
+    """Whether the data say anything of a nominal value: not of one across the plane of a planar arm."""
+    return abs(refined.value - refined.nominal) > 1e-3 * refined.std
 
 
 def _located(pairs: Mapping[str, Beside]) -> Any:
