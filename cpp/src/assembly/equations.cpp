@@ -49,6 +49,19 @@ VectorXd SystemIn<D>::velocities(const Part& part, const VectorXd& v) const {
 }
 
 template <int D>
+typename SystemIn<D>::Part::Motion SystemIn<D>::motion(const Part& part, const StateD& state) const {
+  using View = Eigen::Map<const VectorXd>;
+  const int first = n * part.node(0), size = n * part.n_interfaces(), modes = part.n_modes();
+  const int first_mode = scalar_offset() + part.mode(0);
+  return {&state.frames[part.node(0)],
+          View(state.s.data() + part.mode(0), modes),
+          View(state.v.data() + first, size),
+          View(state.v.data() + first_mode, modes),
+          View(state.v_dot.data() + first, size),
+          View(state.v_dot.data() + first_mode, modes)};
+}
+
+template <int D>
 int SystemIn<D>::row(const Part& part, int k) const {
   const int modes_from = n * part.n_interfaces();
   return k < modes_from ? n * part.node(0) + k : scalar_offset() + part.mode(k - modes_from);
@@ -102,11 +115,8 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
   if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
 
   for (const Part& part : superelements_) {
-    const VectorXd V = velocities(part, state.v);
-    const VectorXd f = part.internal_forces(configuration(part, state), V, loads.gravity).f +
-                       part.inertia_forces(V, velocities(part, state.v_dot));
-    r.segment(n * part.node(0), n * part.n_interfaces()) += f.head(n * part.n_interfaces());
-    r.segment(scalar_offset() + part.mode(0), part.n_modes()) += f.tail(part.n_modes());
+    part.add_forces(motion(part, state), loads.gravity, r.segment(n * part.node(0), n * part.n_interfaces()),
+                    r.segment(scalar_offset() + part.mode(0), part.n_modes()));
   }
 }
 

@@ -89,6 +89,7 @@ SuperElementIn<D>::SuperElementIn(const model::SuperElementLink& part, int first
   C_ = MatrixXd::Zero(K_.rows(), K_.cols());
   if (part.damping.size() > 0) C_ = G_.transpose() * part.damping * G_;
   Gamma_ = G_.transpose() * part.mass * R.leftCols<3>();
+  find_structure();
   if (part.damping_ratio > 0) set_damping_ratio(part.damping_ratio);
 }
 
@@ -109,6 +110,7 @@ SuperElementIn<D>::SuperElementIn(const SuperElementIn<3>& part, const PlaneAxes
   C_ = strains.transpose() * part.C_ * strains;
   Gamma_ = strains.transpose() * part.Gamma_ * axes.E.leftCols<2>();
   rigid_mass_ = P.transpose() * part.rigid_mass_ * P;
+  find_structure();
 }
 
 template <int D>
@@ -137,6 +139,7 @@ void SuperElementIn<D>::set_damping_ratio(double zeta)
   const MatrixXd A = factor.matrixL().solve(half.transpose());
   const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(0.5 * (A + A.transpose()), Eigen::EigenvaluesOnly);
   C_ = 2 * zeta * std::sqrt(modes.eigenvalues().maxCoeff()) * K_;
+  find_structure();
 }
 
 template <int D>

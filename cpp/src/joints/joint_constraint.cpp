@@ -32,7 +32,7 @@ Twist<D> JointConstraintIn<D>::violation(const FrameD& H_a, const FrameD& H_b, d
     phi.template head<D>() = apart.R.transpose() * apart.x;  // eq. (3)
     return phi;
   }
-  return logarithm<D>(back(theta) * apart);  // eq. (1)
+  return logarithm<D>(coordinate_ < 0 ? apart : back(theta) * apart);  // eq. (1)
 }
 
 template <int D>
@@ -53,6 +53,8 @@ typename JointConstraintIn<D>::Forces JointConstraintIn<D>::forces(const FrameD&
   f.b = Ad_b_.transpose() * multipliers;
   if (type_ == JointType::spherical) {
     f.a = jacobian(H_a, H_b, theta).a.transpose() * multipliers;
+  } else if (coordinate_ < 0) {
+    f.a = -Ad_a_.transpose() * multipliers;
   } else {
     f.a = -Ad_a_.transpose() * (adjoint<D>(back(theta)).transpose() * multipliers);
   }

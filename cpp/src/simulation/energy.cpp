@@ -30,12 +30,11 @@ void add_beams(const SystemIn<D>& system, const StateIn<D>& state, Energies& E) 
 template <int D>
 void add_parts(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn<D>& loads, Energies& E) {
   for (const auto& part : system.superelements()) {
-    const Eigen::VectorXd V = system.velocities(part, state.v);
-    E.kinetic += 0.5 * V.dot(part.momentum(V));
-    const auto forces = part.internal_forces(system.configuration(part, state), V, loads.gravity);
-    E.elastic += forces.elastic;
-    E.gravity += forces.gravity;
-    E.dissipation += forces.dissipation;
+    const auto now = part.energies(system.motion(part, state), loads.gravity);
+    E.kinetic += now.kinetic;
+    E.elastic += now.elastic;
+    E.gravity += now.gravity;
+    E.dissipation += now.dissipation;
   }
 }
 

@@ -150,11 +150,27 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
 }
 
 template <int D>
+template <int Size>
+void TangentChangesIn<D>::correct_sized(VectorXd& x) const {
+  const Eigen::Index size = C_.cols();
+  Eigen::Matrix<double, Size, Size> small(size, size);
+  small.noalias() = C_.template topLeftCorner<Size, Size>(size, size)
+                        .lazyProduct(G_.template topLeftCorner<Size, Size>(size, size));
+  small.diagonal().array() += 1;
+  const Eigen::Matrix<double, Size, 1> Ux = along(x);
+  const Eigen::Matrix<double, Size, 1> change =
+      small.partialPivLu().solve(C_.template topLeftCorner<Size, Size>(size, size).lazyProduct(Ux));
+  x.noalias() -= W_ * change;  // eq. (1)
+}
+
+template <int D>
 void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x) {
   if (W_.cols() == 0 || !update(state)) return;
-  MatrixXd small = C_ * G_;
-  small.diagonal().array() += 1;
-  x.noalias() -= W_ * small.partialPivLu().solve(C_ * along(x));  // eq. (1)
+  if (W_.cols() == 2 * across) {  // one joint, by far the most frequent case
+    correct_sized<2 * across>(x);
+  } else {
+    correct_sized<Eigen::Dynamic>(x);
+  }
 }
 
 template class TangentChangesIn<2>;

@@ -164,6 +164,8 @@ class SystemIn {
   typename Part::Configuration configuration(const Part& part, const StateD& state) const;
   VectorXd velocities(const Part& part, const VectorXd& v) const;
 
+  typename Part::Motion motion(const Part& part, const StateD& state) const;
+
   /// Makes the state the one from which laws with memory count.
   void remember(StateD& state) const;
 

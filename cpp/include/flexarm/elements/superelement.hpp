@@ -110,6 +110,27 @@ class SuperElementIn {
   /// Equation (4).
   VectorXd inertia_forces(const VectorXd& V, const VectorXd& V_dot) const;
 
+  /// The same at once, as views into the state of an arm: frames of the interfaces, amplitudes of the modes,
+  /// velocities and accelerations of both.
+  struct Motion {
+    const FrameIn<D>* frames;
+    Eigen::Map<const VectorXd> eta, v, eta_dot, v_dot, eta_ddot;
+
+    VectorXd velocities() const { return (VectorXd(v.size() + eta.size()) << v, eta_dot).finished(); }
+    VectorXd accelerations() const { return (VectorXd(v.size() + eta.size()) << v_dot, eta_ddot).finished(); }
+  };
+  Configuration configuration(const Motion& at) const;
+
+  /// (3) + (4), added to the rows of the interfaces and to those of the modes: what internal_forces() and
+  /// inertia_forces() give, faster.
+  void add_forces(const Motion& at, const PointD& gravity, Eigen::Ref<VectorXd> r,
+                  Eigen::Ref<VectorXd> r_modes) const;
+
+  struct Energies {
+    double kinetic, elastic, gravity, dissipation = 0;  ///< [J], [J], [J] as in Forces, [W]
+  };
+  Energies energies(const Motion& at, const PointD& gravity) const;
+
   /// ∂(3)/∂(increments), geometric stiffness included.
   MatrixXd stiffness_matrix(const Configuration& at, const VectorXd& V, const PointD& gravity) const;
 
@@ -133,6 +154,10 @@ class SuperElementIn {
   template <int>
   friend class SuperElementIn;
 
+  template <int I>
+  struct Sized;           // superelement_motion.cpp
+  void find_structure();  // rest_, damped_, modes_apart_ of the matrices
+
   VectorXd strains(const Configuration& at) const;                    // d_i of all but the first interface
   MatrixXd strain_matrix(const VectorXd& d) const;                    // B
   VectorXd to_nodes(const VectorXd& d, const VectorXd& sigma) const;  // Bᵀ σ
@@ -144,6 +169,9 @@ class SuperElementIn {
   MatrixXd G_, M_, K_, C_;
   Eigen::Matrix<double, Eigen::Dynamic, D> Gamma_;
   TwistMatrix<D> rigid_mass_;
+  VectorXd rest_;             // d_i0 of all but the first interface
+  bool damped_ = false;       // C is not zero
+  bool modes_apart_ = false;  // nothing but M_bm couples them
 };
 
 using SuperElement = SuperElementIn<3>;

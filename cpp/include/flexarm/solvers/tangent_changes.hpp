@@ -58,6 +58,8 @@ class TangentChangesIn {
   Turned turned(const TurningJoint& joint, double theta) const;  // Pᵀ Ad(exp(−ξ θ)) P
   bool update(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
+  template <int Size>
+  void correct_sized(Eigen::VectorXd& x) const;
   Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
 
   const assembly::SystemIn<D>& system_;
