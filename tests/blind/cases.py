@@ -65,7 +65,8 @@ class Answer:
 
     def to_dict(self) -> dict:
         """For a JSON file."""
-        return {**self.__dict__, "effects": [effect.__dict__ for effect in self.effects]}
+        effects = [effect.__dict__ for effect in self.effects]
+        return {**self.__dict__, "effects": effects, "verdict": list(self.verdict)}
 
     @classmethod
     def from_dict(cls, data: dict) -> Answer:
