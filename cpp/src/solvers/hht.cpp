@@ -248,14 +248,14 @@ bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
   if (options_.reproducible) {  // neither the pattern nor the pivots of earlier numbers
     memory_.factored = std::make_shared<const LinearisationIn<D>>(state, loads_, h);
     matrix_.forget();
-    factor_ = SparseFactor();
+    factor_ = KeptFactor();
   }
   if (!factor_.factor(matrix_.assemble(state, loads_, c, law_tangents))) {
     factored_h_ = 0;
     return false;
   }
   factored_h_ = h;
-  changes_.keep(state, c, law_tangents, factor_);
+  changes_.keep(state, c, law_tangents, factor_.by_substitution());
   return true;
 }
 

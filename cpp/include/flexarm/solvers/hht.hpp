@@ -28,7 +28,7 @@
 
 #include "flexarm/assembly/equations.hpp"
 #include "flexarm/assembly/iteration_matrix.hpp"
-#include "flexarm/solvers/sparse_factor.hpp"
+#include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/tangent_changes.hpp"
 
 namespace flexarm::solvers {
@@ -141,7 +141,7 @@ class HhtStepperIn {
   HhtStatistics statistics_;
 
   assembly::IterationMatrixIn<D> matrix_;
-  SparseFactor factor_;
+  KeptFactor factor_;
   double factored_h_ = 0;  // step for which the factors hold; 0: none
   HhtMemoryIn<D> memory_;
   double mass_scale_;

@@ -1,0 +1,54 @@
+/// @file
+/// Inverse of a matrix that a few separators cut into small parts: what a solve costs if it is the last of
+/// thousands.
+///
+/// With parts p that do not touch one another and the separator s between them (solvers/dissection.hpp),
+///
+///     A = [A_pp  A_ps; A_sp  A_ss],    S = A_ss − Σ A_sp A_pp⁻¹ A_ps                                (1)
+///     x_s = S⁻¹ (b_s − Σ A_sp A_pp⁻¹ b_p)                                                           (2)
+///     x_p = A_pp⁻¹ b_p − A_pp⁻¹ A_ps x_s                                                            (3)
+///
+/// All the matrices of (2), (3) are formed once. A solve is then a few products of small dense matrices,
+/// which run through memory in order, where substitution in sparse triangles waits at every pivot for the one
+/// before. It multiplies more numbers: for a chain n (m + 2 b) + (n b/m)², with parts of m and boundaries of
+/// b unknowns, so it suits up to a few hundred unknowns.
+///
+/// Pivots are looked for inside the parts only. Whether that was good enough is tried on a solution that is
+/// known.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+namespace flexarm::solvers {
+
+class DissectedInverse {
+ public:
+  /// @return false if some part is singular or the inverse loses more than half of the digits.
+  bool invert(const Eigen::SparseMatrix<double>& A);
+
+  /// x := A⁻¹ x
+  void solve(Eigen::VectorXd& x);
+
+ private:
+  using MatrixXd = Eigen::MatrixXd;
+  using VectorXd = Eigen::VectorXd;
+
+  struct Part {
+    Eigen::Index first;         // of its unknowns in the new order
+    std::vector<int> boundary;  // unknowns of the separator that it touches
+    MatrixXd inverse;           // A_pp⁻¹, and below it A_sp A_pp⁻¹
+    MatrixXd from_boundary;     // A_pp⁻¹ A_ps
+    VectorXd product, beyond;   // scratch: of `inverse`; x_s on the boundary
+  };
+
+  void reorder(const Eigen::SparseMatrix<double>& A);
+  void eliminate(Part& part, const MatrixXd& A, MatrixXd& schur) const;
+
+  std::vector<int> order_;  // parts one after the other, then the separator
+  std::vector<Part> parts_;
+  MatrixXd separator_;  // S⁻¹
+  VectorXd b_, x_s_;    // scratch
+};
+
+}  // namespace flexarm::solvers
