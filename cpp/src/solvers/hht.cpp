@@ -118,8 +118,7 @@ bool HhtStepperIn<D>::step(StateIn<D>& state, double h, const Drives& drives) {
   state.t = before_.t + h;
   drives(state.t, drive_);
   loads_.torques = drive_.torques;
-  predict(h);
-  configure(state, h);
+  predict(state, h);
   if (!iterate(state, h)) {
     std::swap(before_, state);
     factored_h_ = 0;
@@ -143,40 +142,49 @@ void HhtStepperIn<D>::remember(StateIn<D>& state) const {
   }
 }
 
-/// Accelerations of state 1 start at those of state 0, so that a₁ = v̇₀ by (2).
+/// State 1 with the accelerations of state 0, so that a₁ = v̇₀ by (2); prescribed coordinates from the drives.
 template <int D>
-void HhtStepperIn<D>::predict(double h) {
-  const double of_a = h * h * (0.5 - coefficients_.beta), of_v_dot = h * h * coefficients_.beta;
-  const int n = system_.n_free();
-  exponent_ = h * before_.v.head(n) + of_a * before_.a.head(n) + of_v_dot * before_.v_dot.head(n);  // eq. (3)
-}
-
-/// State 1 from the exponent: (3), (2) and (4) solved for a₁, v̇₁, v₁; prescribed coordinates from the drives.
-template <int D>
-void HhtStepperIn<D>::configure(StateIn<D>& state, double h) const {
-  constexpr int n_node = geometry::freedoms<D>;
+void HhtStepperIn<D>::predict(StateIn<D>& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
-  const int n = system_.n_free(), n_scalars = system_.n_scalars(), offset = system_.scalar_offset();
-  for (int k = 0; k < system_.n_nodes(); ++k) {
-    state.frames[k] =
-        before_.frames[k] * geometry::exponential<D>(exponent_.template segment<n_node>(n_node * k));  // (3)
-  }
-  const auto v0 = before_.v.head(n), a0 = before_.a.head(n);
-  const double per_h2 = 1 / (beta * h * h), of_a = (0.5 - beta) / beta;
-  state.a.head(n) = per_h2 * (exponent_ - h * v0) - of_a * a0;
-  state.v.head(n) = v0 + h * (1 - gamma) * a0 + h * gamma * state.a.head(n);                  // eq. (4)
-  state.v_dot.head(n) = 1 / (1 + alpha) * (state.a.head(n) + alpha * before_.v_dot.head(n));  // eq. (2)
-  const int n_free_scalars = n - offset;
-  state.s.head(n_free_scalars) = before_.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
-  const int n_driven = n_scalars - n_free_scalars;
+  const int n = system_.n_free(), n_driven = system_.n_velocities() - n;
+  const auto v0 = before_.v.head(n), a0 = before_.a.head(n), v_dot0 = before_.v_dot.head(n);
+  exponent_ = h * v0 + h * h * (0.5 - beta) * a0 + h * h * beta * v_dot0;  // eq. (3)
+  state.v.head(n) = v0 + h * (1 - gamma) * a0 + h * gamma * v_dot0;        // eq. (4)
+  state.v_dot.head(n) = state.a.head(n) = v_dot0;
   state.s.tail(n_driven) = drive_.s.tail(n_driven);
   state.v.tail(n_driven) = drive_.v.tail(n_driven);
   state.v_dot.tail(n_driven) = drive_.v_dot.tail(n_driven);
+  place(state);
+}
+
+/// Adds Δ of (5) to the exponent, and by (3), (4) and (2) what belongs to it to a₁, v₁ and v̇₁.
+template <int D>
+void HhtStepperIn<D>::correct(StateIn<D>& state, double h) {
+  const auto [alpha, beta, gamma] = coefficients_;
+  const int n = system_.n_free();
+  const double per_h2 = 1 / (beta * h * h);
+  const auto dx = dx_.head(n);
+  exponent_ += dx;
+  state.a.head(n) += per_h2 * dx;
+  state.v.head(n) += gamma * h * per_h2 * dx;
+  state.v_dot.head(n) += per_h2 / (1 + alpha) * dx;
+  state.multipliers += mass_scale_ * per_h2 * dx_.tail(system_.n_constraints());
+  place(state);
+}
+
+/// Nodes and free scalar coordinates of state 1 from the exponent, eq. (3).
+template <int D>
+void HhtStepperIn<D>::place(StateIn<D>& state) const {
+  constexpr int n = geometry::freedoms<D>;
+  for (int k = 0; k < system_.n_nodes(); ++k) {
+    state.frames[k] = before_.frames[k] * geometry::exponential<D>(exponent_.template segment<n>(n * k));
+  }
+  const int n_free_scalars = system_.n_free() - system_.scalar_offset();
+  state.s.head(n_free_scalars) = before_.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
 }
 
 template <int D>
 bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
-  const int n = system_.n_free();
   const double beta_h2 = coefficients_.beta * h * h;
   const double tolerance = std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2);
   const bool cautious = has_memory(system_) || memory_.steps % trusted_steps == 0;
@@ -190,9 +198,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
     if (!dx_.allFinite()) return false;
     const double size = increment_norm(system_, dx_);
 
-    exponent_ += dx_.head(n);
-    state.multipliers += mass_scale_ / beta_h2 * dx_.tail(system_.n_constraints());
-    configure(state, h);
+    correct(state, h);
 
     const double rate = previous > 0 ? size / previous : memory_.contraction;
     const double error = rate < 1 ? rate / (1 - rate) * size : size;

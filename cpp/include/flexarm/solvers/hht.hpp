@@ -128,8 +128,9 @@ class HhtStepperIn {
   void set_aside(StateIn<D>& state);
   void remember(StateIn<D>& state) const;
   bool iterate(StateIn<D>& state, double h);
-  void predict(double h);
-  void configure(StateIn<D>& state, double h) const;
+  void predict(StateIn<D>& state, double h);
+  void correct(StateIn<D>& state, double h);
+  void place(StateIn<D>& state) const;
   bool factor(const StateIn<D>& state, double h);
   void solve(const StateIn<D>& state, double h);
   void halve(StateIn<D>& state, double h, const Drives& drives, int depth);
