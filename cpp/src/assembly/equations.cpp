@@ -6,6 +6,28 @@ namespace flexarm::assembly {
 
 using namespace geometry;
 
+namespace {
+
+/// Internal and inertia forces of the beams. An element takes some hundred operations, so it pays to compile
+/// all of them into the loop.
+template <int D>
+[[gnu::flatten]] void add_beams(const SystemIn<D>& system, const StateIn<D>& state, VectorXd& r) {
+  constexpr int n = freedoms<D>;
+  for (const auto& beam : system.beams()) {
+    const int n1 = n * beam.node1(), n2 = n * beam.node2();
+    elements::TwoTwists<D> v, v_dot;
+    v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
+    v_dot << state.v_dot.template segment<n>(n1), state.v_dot.template segment<n>(n2);
+    const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
+                                        v.template head<n>(), v.template tail<n>(), state.elapsed());
+    const elements::TwoTwists<D> inertia = beam.inertia_forces(v, v_dot);
+    r.template segment<n>(n1) += f.f1 + inertia.template head<n>();
+    r.template segment<n>(n2) += f.f2 + inertia.template tail<n>();
+  }
+}
+
+}  // namespace
+
 template <int D>
 Twist<D> wrench(const PointLoadIn<D>& load, const AttachmentIn<D>& at, const FrameIn<D>& H) {
   const Rotation<D> to_node = load.follows ? at.offset.R : Rotation<D>(H.R.transpose());
@@ -78,17 +100,7 @@ void SystemIn<D>::remember(StateD& state) const {
 template <int D>
 void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool friction, VectorXd& r) const {
   r.setZero();
-  for (const Beam& beam : beams_) {
-    const int n1 = n * beam.node1(), n2 = n * beam.node2();
-    elements::TwoTwists<D> v, v_dot;
-    v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
-    v_dot << state.v_dot.template segment<n>(n1), state.v_dot.template segment<n>(n2);
-    const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
-                                        v.template head<n>(), v.template tail<n>(), state.elapsed());
-    const elements::TwoTwists<D> inertia = beam.inertia_forces(v, v_dot);
-    r.template segment<n>(n1) += f.f1 + inertia.template head<n>();
-    r.template segment<n>(n2) += f.f2 + inertia.template tail<n>();
-  }
+  add_beams(*this, state, r);
   for (const auto& body : bodies_) {
     const int k = n * body.node();
     r.template segment<n>(k) +=

@@ -8,7 +8,7 @@ namespace {
 
 /// Kinetic and elastic energy of the beams, and what damping and bows do.
 template <int D>
-void add_beams(const SystemIn<D>& system, const StateIn<D>& state, Energies& E) {
+[[gnu::flatten]] void add_beams(const SystemIn<D>& system, const StateIn<D>& state, Energies& E) {
   constexpr int n = freedoms<D>;
   for (const auto& beam : system.beams()) {
     const FrameIn<D>&H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
