@@ -14,8 +14,8 @@ series::Exponential series::exponential_beyond(double x) {
                                                            x * (1.0 / 39916800 - x * (1.0 / 6227020800)))))};
   }
   const double phi = std::sqrt(x);
-  const double half_sine = std::sin(0.5 * phi);
-  const double sine = std::sin(phi);
+  const double half_sine = std::sin(0.5 * phi), half_cosine = std::cos(0.5 * phi);  // found together
+  const double sine = 2 * half_sine * half_cosine;
   return {sine / phi, 2 * half_sine * half_sine / x, (phi - sine) / (x * phi)};
 }
 
