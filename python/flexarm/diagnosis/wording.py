@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.result import Estimate
 
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_RAISED = str.maketrans("234", "²³⁴")
 _WITHOUT_PREFIX = ("", "-", "1", "kg", "kg m2", "Hz", "%")
 _FREE_OF_SIZE = ("m", "rad")
 """Units that begin an expression such as m/s, whose prefix stays below one: 3 km/s is no speed of an arm."""
@@ -29,13 +30,14 @@ def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
     """
     sizes = [abs(value) for value in values if value is not None and isfinite(value)]
     largest = max(sizes, default=0.0)
+    shown = "" if unit in ("-", "1") else unit.translate(_RAISED)
     if unit in _WITHOUT_PREFIX or largest == 0:
-        return 1.0, "" if unit in ("-", "1") else unit
+        return 1.0, shown
     least = 1.0 if largest >= 1 else 0.1
     power = min(9, max(-9, 3 * floor(log10(largest / least * (1 + 1e-12)) / 3)))
     if unit.split("/")[0].split(" ")[0] in _FREE_OF_SIZE:
         power = min(power, 0)
-    return 10.0**-power, _PREFIXES[power] + unit
+    return 10.0**-power, _PREFIXES[power] + shown
 
 
 def number(value: float | None, digits: int = 3) -> str:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import unified_diff
 from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.joint_rotations import NAMED
@@ -44,7 +47,10 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"place": lambda each: place_words(each["name"], each["at"])}
+    environment.filters |= {
+        "place": lambda each: place_words(each["name"], each["at"]),
+        "breakable": lambda key: Markup("<wbr>").join(re.split(r"(?<=[._/])", key)),
+    }
     return environment.get_template("diagnosis.html.j2").render(
         d=d,
         headline=headline(d),

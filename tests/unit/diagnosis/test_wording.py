@@ -23,7 +23,7 @@ def test_examples_hold():
         (1234.5, "m", "1234 m"),  # no arm is a kilometre long
         (5.8e-4, "rad", "0.580 mrad"),
         (0.35, "rad", "0.350 rad"),
-        (9.564e9, "N m/rad3", "9.56 GN m/rad3"),
+        (9.564e9, "N m/rad3", "9.56 GN m/rad³"),
         (2.1e11, "Pa", "210 GPa"),
         (14.1, "kg", "14.1 kg"),
         (0.0005, "kg", "0.000500 kg"),  # a prefix on kg would be read as one on g

@@ -18,7 +18,7 @@ from flexarm.report.diagnosis_page import page
 from flexarm.report.figures import style
 
 VERDICTS = sorted(diagnoses.ALL)
-VOID = {"meta", "img", "br", "link", "input", "hr"}
+VOID = {"meta", "img", "br", "wbr", "link", "input", "hr"}
 
 
 class Page(HTMLParser):
