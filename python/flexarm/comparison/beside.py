@@ -16,11 +16,16 @@ from flexarm.comparison.subject import Subject, subject
 from flexarm.comparison.unknowns import drive_clock, stated
 from flexarm.drive import Drive, true_time
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.measurement.sampling import columns
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.modal import Modes
     from flexarm.record import Record
 
+MODES = 3
+SEEN = 0.01
+"""Part of a mode's motion of the points that a measured axis must show; a frame may be turned by as much."""
 NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
 
 
@@ -46,8 +51,8 @@ class Beside:
 
     @cached_property
     def modes(self) -> tuple[tuple[float, float], ...]:
-        """Frequency [Hz] and damping ratio of three modes at the middle of the motion; none for poses."""
-        return tuple(_modes(self.subject)) if self.record.kind == "motion" else ()
+        """Frequency [Hz] and damping ratio of the first three modes that the sensors see; none for poses."""
+        return tuple(_modes(self)) if self.record.kind == "motion" else ()
 
     @property
     def modes_hz(self) -> tuple[float, ...]:
@@ -129,11 +134,11 @@ def _end(record: Record, arm: Arm, start: float) -> float:
     return max(ends, default=record.duration) + 1e-9
 
 
-def _modes(pair: Subject) -> list[tuple[float, float]]:
+def _modes(beside: Beside) -> list[tuple[float, float]]:
     """Modes of the arm at the middle of its motion; none if it has no equilibrium there."""
     from flexarm.modal import modes
 
-    run, arm = pair.simulation, pair.arm
+    run, arm = beside.subject.simulation, beside.subject.arm
     angles = np.asarray(run.drive_angle)
     middle = {
         name: float((angles[:, j].min() + angles[:, j].max()) / 2)
@@ -141,7 +146,24 @@ def _modes(pair: Subject) -> list[tuple[float, float]]:
         if arm.joint(name).moves
     }
     try:
-        found = modes(arm, joints=middle, count=3)
+        found = modes(arm, joints=middle, count=2 * MODES)
     except (InvalidParameter, NotConverged):
         return []
-    return list(zip(found.frequency_hz.tolist(), found.damping_ratio.tolist(), strict=True))
+    pairs = zip(found.frequency_hz.tolist(), found.damping_ratio.tolist(), strict=True)
+    return [pair for pair, seen in zip(pairs, _seen(beside, found), strict=True) if seen][:MODES]
+
+
+def _seen(beside: Beside, found: Modes) -> list[bool]:
+    """Which modes move a point along a measured axis; all where something else than positions is measured."""
+    subject, largest = beside.subject, np.zeros(len(found.frequency_hz))
+    for signal in subject.evidence.values():
+        if signal.quantity == "position":
+            frame = subject.frame(signal, beside.aligned.placement)
+            axes = (frame.error_rotation.T @ frame.frame_axes)[:, columns(signal.axes)]
+            moved = found.shape[:, found.points.index(signal.point), :3] @ axes
+            largest = np.maximum(largest, np.abs(moved).max(axis=1))
+        elif signal.point is not None or signal.link is not None:
+            return [True] * len(largest)
+    if not np.any(largest):
+        return [True] * len(largest)
+    return [bool(seen) for seen in largest > SEEN * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]

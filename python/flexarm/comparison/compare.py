@@ -51,7 +51,7 @@ def compare(
     step, alpha : float
         Of the simulation [s], [-].
     bands : sequence of float, optional
-        Inner edges of the bands [Hz]; default: half and twice the arm's first mode.
+        Inner edges of the bands [Hz]; default: half and twice the first mode that the sensors see.
 
     Returns
     -------

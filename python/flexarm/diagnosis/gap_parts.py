@@ -21,6 +21,8 @@ from flexarm.diagnosis.motor_harmonics import MotorWaves, harmonic_parts, harmon
 
 Floats = NDArray[np.float64]
 
+PER_TURN = "per motor turn"
+"""What a harmonic's name holds."""
 POSES = "all poses"
 """Name of the one band that poses have."""
 
@@ -82,7 +84,7 @@ class Split:
         found = []
         for each, wave in zip(harmonics, waves, strict=True):
             of = f" of {each.joint}" if len(self.states) > 1 else ""
-            name, k = f"{each.multiple} per motor turn{of}", float(each.columns.shape[1])
+            name, k = f"{each.multiple} {PER_TURN}{of}", float(each.columns.shape[1])
             found.append(Part(name, each.band_hz, wave, np.full(n, sigma * np.sqrt(k / n)), k))
         edges = [0.0, *(high for _, high, _ in self.bands)]
         split, freedoms = band_parts(self.time, rest[:, None], edges)

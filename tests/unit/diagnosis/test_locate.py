@@ -5,6 +5,7 @@ import pytest
 from arms import LENGTH
 from planted import RATIO, run_of
 
+import flexarm
 from flexarm.diagnosis.locate import locate
 from flexarm.errors import InvalidParameter
 
@@ -186,3 +187,12 @@ def test_signals_without_stated_noise_are_weighed_by_their_scatter(run):
     located = locate(bare)
     assert any("no noise is stated for tip" in note for note in located.notes)
     assert located.gaps["tip"].noise["tangential"][0] == pytest.approx(4e-5, rel=0.15)
+
+
+def test_bands_are_those_of_the_modes_that_the_sensors_see(run):
+    """A tracker in the plane of a swing does not see the mode across it, which has no motion there."""
+    seen, all_modes = run.showing({}).modes_hz, flexarm.modes(run.simulation.arm, count=6)
+    across = np.abs(all_modes.shape[:, 0, 1]) > np.abs(all_modes.shape[:, 0, 0])
+    assert across.any()
+    apart = np.abs(np.subtract.outer(seen, all_modes.frequency_hz[across])).min()
+    assert apart > 0.1

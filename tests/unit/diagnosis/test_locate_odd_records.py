@@ -9,7 +9,7 @@ import flexarm
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.remainder import remainder_of
+from flexarm.diagnosis.remainder import describe_remainder
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal
@@ -20,7 +20,7 @@ def all_steps(pairs):
     located = locate(pairs)
     assert str(located)
     assert str(floor(pairs))
-    assert str(remainder_of(located))
+    assert str(describe_remainder(located))
     assert located.plot().axes
     return located
 

@@ -8,7 +8,7 @@ import flexarm
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.remainder import remainder_of
+from flexarm.diagnosis.remainder import describe_remainder
 from flexarm.record import Record, Signal
 
 SPRING = 1e5  # N m/rad
@@ -83,7 +83,7 @@ def test_the_floor_of_poses_comes_from_repeats_and_mesh(pairs):
 
 
 def test_what_is_left_of_poses_has_no_frequency(pairs):
-    found = remainder_of(locate(pairs["spring"]))
+    found = describe_remainder(locate(pairs["spring"]))
     assert found.frequency_hz is None
     assert "pose" in str(found)
     assert "Hz" not in str(found)
