@@ -12,15 +12,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from flexarm.comparison.beside import beside
 from flexarm.diagnosis.checked import Checked, Removed
-from flexarm.diagnosis.checks.clocks import remarks_on_stamps
-from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, standing_drive
+from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
+from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.diagnosis.checks.findings import findings
+from flexarm.diagnosis.checks.jumps import remarks_on_clocks
 from flexarm.diagnosis.checks.merge import Verdict, merged
 from flexarm.diagnosis.checks.placing import placing
 from flexarm.diagnosis.checks.runs import run
 from flexarm.diagnosis.checks.spikes import clean_drives, clean_evidence, without_rows
+from flexarm.diagnosis.checks.stamps import remarks_on_stamps
+from flexarm.diagnosis.checks.standing import constant_drive, standing_drive
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -71,11 +75,12 @@ def check(
         outliers += removed
     subjects, failed = run(arm, named, step, progress)
     verdicts = []
-    remarks = remarks_on_stamps(named)
+    remarks = [*remarks_on_stamps(named), *remarks_on_poses(named)]
     for name in named:
         if name in subjects:
             named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))
             outliers += removed
+            subjects[name] = _beside(arm, named[name], subjects[name])
         verdict = _judged(arm, name, named[name], subjects.get(name), step)
         verdicts.append(verdict)
         named[name], notes = _without_frozen(named[name], verdict)
@@ -83,6 +88,8 @@ def check(
         if name in failed and verdict.drive is None:
             remarks.append(f"{name}: the model cannot be simulated: {failed[name]}")
     faults = merged(verdicts)
+    if not faults:
+        remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
     return Checked(named, faults, tuple(outliers), tuple(remarks))
 
 
@@ -125,16 +132,21 @@ def _judged(arm: Arm, name: str, record: Record, subject: Subject | None, step: 
     """One record: its channels as they are, or with a drive's fault taken back if that explains more."""
     if subject is None:
         return Verdict(name, (), drive_fault(arm, name, record, None, step))
-    from flexarm.comparison.beside import beside
-
-    clean = beside(arm, record, align=False, simulation=subject.simulation).subject
-    found = findings(name, clean)
-    if not any(each.name or each.strange for each in found):
-        return Verdict(name, found, standing_drive(record, found))
-    standing = standing_drive(record, found)
+    found = findings(name, subject)
+    standing = standing_drive(arm, record, found)
     if standing is not None:
         return Verdict(name, (), standing)
-    return _weighed(name, found, drive_fault(arm, name, record, found, step))
+    if not any(each.name or each.strange for each in found):
+        return Verdict(name, found)
+    verdict = _weighed(name, found, drive_fault(arm, name, record, found, step))
+    if verdict.drive is None and (still := constant_drive(arm, record, found)) is not None:
+        return Verdict(name, (), still)
+    return verdict
+
+
+def _beside(arm: Arm, record: Record, subject: Subject) -> Subject:
+    """The simulation beside the record without its outliers."""
+    return beside(arm, record, align=False, simulation=subject.simulation).subject
 
 
 def _weighed(name: str, found: Sequence[Finding], drive: DriveFinding | None) -> Verdict:

@@ -4,6 +4,7 @@ The records come from a chain of rigid rods (`tests/blind`), the nominal model f
 tracker and its registration are in them. Faults are put on the readings by hand.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -181,6 +182,119 @@ def test_a_spiky_encoder_drives_the_model_smoothly(nominal, faultless):
     found = check(nominal, {"run": changed(faultless, "hinge", thrown)})
     assert found.usable
     assert [(each.signal, each.rows) for each in found.outliers] == [("hinge", tuple(rows))]
+
+
+def shifted(rec: flexarm.Record, change) -> flexarm.Record:
+    """The record with the tracker's stamps changed."""
+    tip = rec.signals["tip"]
+    return rec.replace(signals={**rec.signals, "tip": tip.replace(time=change(tip.time))})
+
+
+def test_a_clock_that_jumps_is_said(nominal, faultless):
+    """The tracker's stamps are 15 ms later from t = 6 s on: a remark with the size, and no fault."""
+    found = check(nominal, {"run": shifted(faultless, lambda t: t + 0.015 * (t > 6))})
+    assert found.usable
+    (remark,) = found.remarks
+    step, at = re.fullmatch(r"run: the clock tracker jumps by (\S+) ms near t = (\S+) s, .*", remark).groups()
+    assert float(step) == pytest.approx(15, abs=1)
+    assert float(at) == pytest.approx(6, abs=0.5)
+
+
+def test_a_late_clock_does_not_jump(nominal, faultless):
+    """Stamps that are 50 ms late all the time are left to the alignment."""
+    found = check(nominal, [shifted(faultless, lambda t: t + 0.05)])
+    assert (found.faults, found.remarks) == ((), ())
+
+
+def test_a_tracker_that_was_moved_is_said(nominal):
+    """Two reflectors both lie 20 mm higher in the second record; of one reflector nobody can say."""
+    arm = nominal.replace(
+        points=(*nominal.points, nominal.points[0].replace(name="mid", position=(0, 0, 1.5)))
+    )
+    points = {"tip": (1.0, (0.0, 0.0)), "mid": (0.5, (0.0, 0.0))}
+    rng = np.random.default_rng(5)
+    first, second = (record(RODS, SWING, 12.0, rng, LAB, Nuisances(), points, torque=False) for _ in range(2))
+    for name in points:
+        second = changed(second, name, column(1, lambda z: z + 0.02))
+    found = check(arm, {"monday": first, "tuesday": second})
+    assert found.usable
+    (remark,) = found.remarks
+    assert "monday and tuesday contradict each other: tip, mid lie 0.0" in remark
+    assert "apart along z, as if the frame tracker had moved" in remark
+
+
+def test_noise_pauses_and_lost_rows_are_said(nominal, faultless):
+    """An encoder ten times noisier than stated, that pauses for a second, and a tip half of which is lost."""
+    rng = np.random.default_rng(6)
+    loud = changed(faultless, "hinge", lambda y: y + 10 * LAB.encoder * rng.standard_normal(y.shape))
+    lost = changed(loud, "tip", column(0, lambda x: np.where(np.arange(len(x)) % 2, x, np.nan)))
+    hinge = lost.signals["hinge"]
+    keep = (hinge.time < 5) | (hinge.time > 6)
+    paused = lost.replace(
+        signals={**lost.signals, "hinge": hinge.replace(time=hinge.time[keep], values=hinge.values[keep])}
+    )
+    remarks = check(nominal, {"run": paused}).remarks
+    assert any(re.match(r"run: the noise of hinge is about 2e-05 rad, stated is 2e-06", r) for r in remarks)
+    assert any(r.startswith("run: hinge pauses for 1.01 s after t = 4.995 s") for r in remarks)
+    assert any(re.match(r"run: tip holds no value in 5\d% of its 120 rows", r) for r in remarks)
+
+
+def test_what_the_data_leave_open_is_named_as_alternative(nominal, faultless):
+    """Without torque a planar arm with one reflector looks the same with encoder or x counting backwards.
+
+    Then both are named, one as the other's alternative.
+    """
+    signals = {name: signal for name, signal in faultless.signals.items() if name != "torque"}
+    poor = changed(faultless.replace(signals=signals), "tip", column(0, lambda x: -x))
+    (fault,) = check(nominal, [poor]).faults
+    named = {(fault.name, fault.at), *((other.name, other.at) for other in fault.alternatives)}
+    assert named == {("sign_error", "tip"), ("sign_error", "hinge")}
+
+
+def posed(angles, tips) -> flexarm.Record:
+    """A static record of an arm at output angles, with its tips (x, z) by a tracker."""
+    pose = [f"p{k}" for k in range(len(angles))]
+    common = {"pose": np.array(pose), "time": None}
+    drive = flexarm.Signal(
+        name="hinge",
+        quantity="joint_angle",
+        joint="hinge",
+        side="motor",
+        values=angles,
+        noise_std=1e-5,
+        **common,
+    )
+    tip = flexarm.Signal(
+        name="tip", quantity="position", point="tip", axes=("x", "z"), values=tips, noise_std=1e-4, **common
+    )
+    return flexarm.Record(kind="static", signals=[drive, tip], drive=("hinge",))
+
+
+@pytest.mark.parametrize(
+    ("what", "expected"),
+    [
+        ("in order", []),
+        ("x flipped", [("sign_error", "tip", ("x",))]),
+        ("z in millimetres", [("unit_error", "tip", ("z",))]),
+    ],
+)
+def test_poses_are_checked_too(nominal, what, expected):
+    """Eleven poses of the rigid arm, 3 (sin q, cos q), beside the elastic model that sags by centimetres."""
+    q = np.linspace(-1.0, 0.9, 11)
+    tips = LENGTH * np.stack([np.sin(q), np.cos(q)], axis=1)
+    tips += 1e-4 * np.random.default_rng(2).standard_normal(tips.shape)
+    tips *= {"in order": (1, 1), "x flipped": (-1, 1), "z in millimetres": (1, 1e3)}[what]
+    found = check(nominal, [posed(q, tips)])
+    assert [(fault.name, fault.at, fault.channels) for fault in found.faults] == expected
+
+
+def test_a_check_reads_as_a_table(nominal, faultless):
+    """Verdict, fault, place, probability, record, parameter and evidence."""
+    text = str(check(nominal, {"run": changed(faultless, "tip", lambda y: 1e3 * y)}))
+    assert text.startswith("1 record checked: data are unusable\n  unit_error    tip ")
+    assert "probability 1.000   in run" in text
+    assert re.search(r"factor = (999|1000|1001)\S* \+- \S+ -", text)
+    assert "times as far as the model" in text
 
 
 def test_of_the_development_cases_only_the_faulty_one_is_unusable(shared_dir):

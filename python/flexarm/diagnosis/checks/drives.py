@@ -2,9 +2,8 @@
 
 A wrong drive moves the model wrongly everywhere, so each hypothesis is simulated: the fault is put on the
 drive's signal as an effect, which takes it back before the model is driven (`flexarm.drive`). It wins if all
-channels together, each under its best hypothesis, then cost less (`flexarm.diagnosis.checks.finding`). A
-drive that stands, or stops at an end of its range, while other sensors move on cannot be simulated; it shows
-by itself.
+channels together, each under its best hypothesis, then cost less (`flexarm.diagnosis.checks.finding`). Drives
+that stand cannot be taken back; see `flexarm.diagnosis.checks.standing`.
 """
 
 from __future__ import annotations
@@ -15,11 +14,9 @@ from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.diagnosis.checks.finding import PRIOR, Finding
 from flexarm.diagnosis.checks.findings import findings
-from flexarm.diagnosis.checks.plateaus import SLOW, runs
 from flexarm.diagnosis.checks.runs import run
 from flexarm.diagnosis.checks.slopes import unit_named
 from flexarm.measurement.torque import gear_ratio
@@ -29,10 +26,6 @@ if TYPE_CHECKING:
     from flexarm.arm.sensor_effect import ChannelEffect
     from flexarm.record import Record, Signal
 
-Floats = NDArray[np.float64]
-
-FAR_OFF = 0.05
-"""Motion along a drive that stands, as a share of the reach or as an angle [rad]; less may be vibration."""
 COARSE = 1e-2
 """Step of hypotheses' runs [s]: enough to tell a factor of 57 or a sign."""
 FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0.1, 2.0, 0.5, 4.0, 0.25)
@@ -41,8 +34,10 @@ FARTHEST = 4 * pi
 """Angles of a revolute joint beyond which a hypothesis is not tried [rad]; lengths likewise [m]."""
 CLEAR = 5.0
 """Difference of costs from which a drive is at fault."""
+PLAIN = 15.0
+"""The same from which on, all channels being in order, no other hypothesis is tried."""
 REPAIRED = 0.7
-"""Share of the channels that must be in order then."""
+"""Share of the channels that must be in order then; the others must have been at fault before, alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +83,8 @@ def drive_fault(
         trial = _tried(arm, name, record, effect, without, COARSE)
         if trial is not None and (best is None or trial.log_bayes > best[0]):
             best = trial.log_bayes, effect
+        if trial is not None and trial.log_bayes > PLAIN and not any(e.name or e.strange for e in trial.rest):
+            break
     if best is None:
         return None
     found = _tried(arm, name, record, best[1], without, step)
@@ -98,37 +95,38 @@ def _hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> 
     """Effects on drives that would disturb what is disturbed, and leave a motion that arms make."""
     from flexarm.effects import SignError, UnitError
 
-    found: list[ChannelEffect] = []
+    signs: list[ChannelEffect] = []
+    units: list[ChannelEffect] = []
     for name in record.drive:
         signal = record.signals[name]
         farthest = float(np.nanmax(np.abs(signal.values), initial=0.0))
         spread = float(np.nanstd(signal.values))
         if signal.joint is None or spread <= 3 * (signal.noise_std or 0.0):
             continue
-        if without is not None and not _disturbed(arm, signal.joint, without):
+        if without is not None and not disturbed(arm, signal.joint, without):
             continue
-        found.append(SignError(at=name))
+        signs.append(SignError(at=name))
         ratio = gear_ratio(arm, signal.joint)
         own = (ratio, 1 / ratio) if ratio != 1 else ()
-        found += [
+        units += [
             UnitError(at=name, factor=factor)
             for factor in (*FACTORS, *own)
             if farthest / factor < FARTHEST and spread / factor > 1e-3
         ]
-    return found
+    return signs + units
 
 
-def _disturbed(arm: Arm, joint: str, found: Sequence[Finding]) -> bool:
+def disturbed(arm: Arm, joint: str, found: Sequence[Finding]) -> bool:
     """Whether at least half of the signals that a joint moves do not follow the model."""
     odd: dict[str, bool] = {}
     for each in found:
         signal = each.channel.signal
-        if _moves(arm, joint, signal):
+        if moves(arm, joint, signal):
             odd[signal.name] = odd.get(signal.name, False) or bool(each.name) or each.strange
     return bool(odd) and sum(odd.values()) >= len(odd) / 2
 
 
-def _moves(arm: Arm, joint: str, signal: Signal) -> bool:
+def moves(arm: Arm, joint: str, signal: Signal) -> bool:
     """Whether a joint moves the place of a signal; torques are left to their own joint."""
     if signal.joint is not None:
         return signal.joint == joint
@@ -154,7 +152,9 @@ def _tried(
     if name not in subjects:
         return None
     rest = findings(name, subjects[name])
-    if not rest or np.mean([not (each.name or each.strange) for each in rest]) < REPAIRED:
+    known = {each.key for each in without or () if each.name}
+    new = any(each.name and each.key not in known for each in rest)
+    if not rest or new or np.mean([not (each.name or each.strange) for each in rest]) < REPAIRED:
         return None
     before = sum(each.cost for each in without) if without is not None else np.inf
     bayes = before - sum(each.cost for each in rest) + PRIOR
@@ -175,91 +175,3 @@ def _said(effect: ChannelEffect, record: Record) -> str:
         f"the drive {effect.at} shows {factor:.5g} times the angle{unit_named(factor, 0.0)}: "
         f"driven by 1/{factor:.5g} of it the model follows {others}"
     )
-
-
-# ------------------------------------------------------------------------------ drives that stand
-
-
-def standing_drive(record: Record, found: Sequence[Finding]) -> DriveFinding | None:
-    """A drive that shows one value, all the time or for a while, although the arm moves then."""
-    for name in record.drive:
-        signal = record.signals[name]
-        if signal.pose is not None:
-            continue
-        keep = np.isfinite(signal.values[:, 0])
-        time, angle = signal.time[keep], signal.values[keep, 0]
-        noise = signal.noise_std or 0.0
-        if len(angle) < 10:
-            continue
-        moved = [
-            (first, last, who)
-            for first, last in _standing(time, angle, noise)
-            if _abrupt(angle, first, last, noise)
-            and (who := _moving_then(found, time[first], time[last - 1])) is not None
-        ]
-        if moved:
-            return _stands(signal, angle, noise, time, moved)
-    return None
-
-
-def _standing(time: Floats, angle: Floats, noise: float) -> list[tuple[int, int]]:
-    """Runs of samples that agree, exactly or to within the noise, and last for 1 % of the record."""
-    least = 0.01 * float(time[-1] - time[0])
-    found = [(each.first, each.last) for width in (0.0, 8 * noise) for each in runs(angle, width)]
-    return [(i, j) for i, j in found if time[j - 1] - time[i] >= least]
-
-
-def _abrupt(angle: Floats, first: int, last: int, noise: float) -> bool:
-    """Whether a drive stops or starts within a sample; a motor slows down before it stands."""
-    steps = np.abs(np.diff(angle))
-    beside = [steps[k] for k in (first - 2, last) if 0 <= k < len(steps)]
-    return not beside or max(beside) > max(20 * noise, 0.02 * float(np.max(steps)))
-
-
-def _moving_then(found: Sequence[Finding], begin: float, end: float) -> str | None:
-    """A channel that moves between two times much more than the model, driven as it was, does."""
-    for each in found:
-        channel = each.channel
-        at = (channel.time >= begin) & (channel.time <= end)
-        if at.sum() < 3:
-            continue
-        seen, said = _travel(channel.measured[at]), _travel(channel.predicted[at])
-        least = max(20 * channel.noise, 2 * channel.floor, FAR_OFF * channel.size)
-        if channel.signal.quantity in SLOW and seen > max(2 * said, least):
-            return channel.label
-    return None
-
-
-def _travel(values: Floats) -> float:
-    """How far a channel moves, vibration averaged: range of the means of its thirds."""
-    thirds = [float(np.mean(part)) for part in np.array_split(values, 3)]
-    return max(thirds) - min(thirds)
-
-
-def _stands(
-    signal: Signal,
-    angle: Floats,
-    noise: float,
-    time: Floats,
-    moved: list[tuple[int, int, str]],
-) -> DriveFinding:
-    """Dead or cut off, from the runs while which the arm moved."""
-    rows = sum(last - first for first, last, _ in moved)
-    levels = np.array([float(np.median(angle[first:last])) for first, last, _ in moved])
-    ends = (np.max(angle), np.min(angle))
-    at_end = all(min(abs(level - end) for end in ends) <= 8 * noise + 1e-12 for level in levels)
-    who = ", ".join(dict.fromkeys(label for _, _, label in moved))
-    if at_end and rows < 0.9 * len(angle):
-        limit = float(np.mean(np.abs(levels)))
-        sentence = (
-            f"the drive {signal.name} stops at {levels[0]:.5g} {signal.unit} for {rows} samples "
-            f"while {who} moves on: it is at the end of its range"
-        )
-        values = {"limit": (limit, max(noise, 1e-9 * limit) / np.sqrt(rows), signal.unit)}
-        return DriveFinding(signal, "saturation", 20.0, values, sentence)
-    sentence = (
-        f"the drive {signal.name} stays at {levels[0]:.5g} {signal.unit} from t = {time[moved[0][0]]:.4g} s "
-        f"for {rows} samples while {who} moves on"
-    )
-    values = {"value": (float(levels[0]), noise / np.sqrt(rows), signal.unit)}
-    return DriveFinding(signal, "dead_channel", 20.0, values, sentence)

@@ -57,6 +57,11 @@ class Finding:
     strange: bool = False
     frozen: tuple[int, ...] = ()
 
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """Fault, signal and channel."""
+        return self.name, self.channel.signal.name, self.channel.name
+
 
 def log_bayes(count: int, before: float, after: float) -> float:
     """(1)."""
