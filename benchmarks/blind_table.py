@@ -27,6 +27,7 @@ class Outcome:
     answer: dict
     report: dict
     seconds: float = 0.0
+    cpu: float = 0.0
     before: float = nan
     after: float = nan
     error: str | None = None
@@ -277,6 +278,8 @@ def _numbers(outcomes: list[Outcome], of: dict[str, list[Outcome]]) -> list[Numb
     if seconds:
         numbers.append(Number("seconds a case, median", median(seconds), "<= 30"))
         numbers.append(Number("seconds a case, worst", max(seconds), "<= 90"))
+        numbers.append(Number("CPU seconds a case, median", median(o.cpu for o in outcomes)))
+        numbers.append(Number("CPU seconds a case, worst", max(o.cpu for o in outcomes)))
     return numbers
 
 

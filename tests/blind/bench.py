@@ -141,7 +141,7 @@ def record_of(truth: Truth, bench: Bench, run: str, rng: np.random.Generator) ->
 
 
 def _encoder(truth: Truth, bench: Bench, run: str, joint: str, rng: np.random.Generator) -> Signal:
-    time = np.arange(0, bench.end, 1 / ENCODER_RATE)
+    time = np.arange(0, bench.end + 0.5 / ENCODER_RATE, 1 / ENCODER_RATE)  # to the last of all samples
     angle, sigma = bench.angles[run][joint](time)[0], bench.levels.encoder
     encoder = truth.sensors.encoder(joint)
     if encoder.step:

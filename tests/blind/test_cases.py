@@ -35,9 +35,9 @@ def true_model(case: Case) -> flexarm.Arm:
 
 
 def over_noise(arm: flexarm.Arm, record: flexarm.Record) -> dict[str, float]:
-    """rms of the positions' gaps over the noise."""
-    signals = flexarm.compare(arm, record).signals.values()
-    return {gap.name: gap.rms["total"] / gap.noise_rms for gap in signals if gap.unit == "m"}
+    """rms of all gaps over their noise, reflectors' and torques'."""
+    signals = flexarm.compare(arm, record).signals
+    return {name: gap.rms["total"] / gap.noise_rms for name, gap in signals.items()}
 
 
 @pytest.mark.parametrize(
