@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
     from flexarm.configuration import config, show_config
+    from flexarm.diagnosis.plan_result import Plan
+    from flexarm.diagnosis.planning import plan
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
@@ -41,6 +43,7 @@ _EXPORTS = {
     "LinearModel": "flexarm.linear",
     "Modes": "flexarm.modal",
     "NotConverged": "flexarm.errors",
+    "Plan": "flexarm.diagnosis.plan_result",
     "Record": "flexarm.record",
     "Sensitivities": "flexarm.sensitivity",
     "Signal": "flexarm.record",
@@ -57,6 +60,7 @@ _EXPORTS = {
     "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
+    "plan": "flexarm.diagnosis.planning",
     "read_mesh": "flexarm.solids",
     "reduce_mesh": "flexarm.reduction",
     "show_config": "flexarm.configuration",
@@ -77,6 +81,7 @@ __all__ = [
     "LinearModel",
     "Modes",
     "NotConverged",
+    "Plan",
     "Record",
     "Sensitivities",
     "Signal",
@@ -93,6 +98,7 @@ __all__ = [
     "linearise",
     "measure",
     "modes",
+    "plan",
     "read_mesh",
     "reduce_mesh",
     "show_config",

@@ -12,6 +12,7 @@ from flexarm.cli.compare import compare
 from flexarm.cli.diagnose import diagnose
 from flexarm.cli.linearise import linearise
 from flexarm.cli.modes import modes
+from flexarm.cli.plan import plan
 from flexarm.cli.reduce import reduce
 from flexarm.cli.reproduce import reproduce
 from flexarm.cli.simulate import simulate
@@ -30,6 +31,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm simulate arm.toml --drive swing.csv --out run
     flexarm compare arm.toml measured               how far is the model off
     flexarm diagnose arm.toml measured --out why    what does the model lack
+    flexarm plan arm.toml --drive swing.csv         what could an experiment tell
     flexarm reduce hub.inp --interface ...          a solid part as a link
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence).
@@ -67,5 +69,5 @@ def _help(text: str) -> str:
 
 
 app.callback(help=_help(HELP))(_common)
-for command in (check, static, modes, linearise, simulate, compare, diagnose, reduce, reproduce):
+for command in (check, static, modes, linearise, simulate, compare, diagnose, plan, reduce, reproduce):
     app.command(help=_help(command.__doc__ or ""))(command)

@@ -1,0 +1,115 @@
+"""`flexarm plan`: which effects an experiment could tell apart, before it is run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flexarm.cli.options import Force, Json, Model, blame, load_arm, print_json, show_progress, warn
+from flexarm.cli.phases import phases
+from flexarm.errors import InvalidFile
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.diagnosis.plan_result import Plan
+    from flexarm.drive import Drive as Motion
+    from flexarm.record import Record
+
+Drives = Annotated[
+    list[Path],
+    typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles; repeat it."),
+]
+OutOrNone = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Directory for plan.json, plan.html, figures.")
+]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
+]
+
+
+def plan(
+    model: Model,
+    drive: Drives,
+    out: OutOrNone = None,
+    json: Json = False,
+    jobs: Jobs = None,
+    force: Force = False,
+) -> None:
+    """Which effects an experiment could tell apart, before it is run.
+
+    Simulates the motions with the model's sensors, tries every effect at every place at a plausible size, and
+    says how small an effect would still be seen, which effects would be taken for one another, and the
+    cheapest addition that parts them: a reflector, the motor's torque, another payload, speed or pose. Run it
+    the day before a campaign.
+
+        flexarm plan arm.toml --drive swing.csv
+        flexarm plan arm.toml --drive slow.csv --drive measured --out plan
+
+    A record as DRIVE is made again, with its signals, noise, clocks, frames and payloads. A CSV file has
+    time_s and one column per driven joint, and is seen by the model's [[sensors]]; without any a tracker of
+    the last point is assumed (5e-5 m at 10 Hz), and said.
+    """
+    arm = load_arm(model)
+    motions = {name: _motion(path, arm) for name, path in _names(drive).items()}
+    if out is None:
+        found = _planned(model, arm, motions, jobs)
+    else:
+        from flexarm.output import output_directory
+        from flexarm.report.plan_page import write
+
+        with output_directory(out, force) as directory:
+            found = _planned(model, arm, motions, jobs)
+            write(found, directory)
+    if json:
+        print_json(found.to_json_dict())
+        return
+    print(found.summary())
+    if out is not None:
+        print(f"\nwritten to {out}: open {out / 'plan.html'}")
+
+
+def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
+    """The plan, with a bar for a person at a terminal."""
+    import flexarm
+
+    with phases(show_progress()) as tell, blame(model):
+        progress = None if tell is None else lambda done, what: tell(what, done)
+        found: Plan = flexarm.plan(arm, motions, jobs=jobs, progress=progress)
+    return found
+
+
+def _names(paths: list[Path]) -> dict[str, Path]:
+    """Motions by the names of their files or directories.
+
+    Raises
+    ------
+    InvalidFile
+        If two have the same name.
+    """
+    found: dict[str, Path] = {}
+    for path in paths:
+        name = (path.parent if path.name == "record.toml" else path).resolve().stem
+        if name in found:
+            what = f"is called {name!r} as another one is; motions need different names"
+            raise InvalidFile(path, "--drive", what)
+        found[name] = path
+    return found
+
+
+def _motion(path: Path, arm: Arm) -> Motion | Record:
+    """What moves the joints."""
+    if path.is_dir() or path.name == "record.toml":
+        from flexarm.record import Record
+
+        record = Record.load(path)
+        warn(path, [*record.check(), *record.check_against(arm)])
+        if record.kind == "static":
+            what = 'is "static"; planned are motions, so give a record of kind "motion" or a CSV file'
+            raise InvalidFile(path, "kind", what)
+        return record
+    from flexarm.drive import Drive
+
+    with blame(path):
+        return Drive.from_csv(path, arm)

@@ -1,0 +1,70 @@
+"""Pictures of a plan: which effect would be taken for which, and how small an effect is still seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.wording import place_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.diagnosis.plan_result import Plan
+
+TIED, PARTED, CLEAR, UNSEEN = "#d55e00", "#f0c08a", "#0072b2", "#dddddd"
+"""Colours of a pair: not told apart, hardly (up to ten times ln 20), well; of an effect that is not seen."""
+
+
+def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
+    """Rows: the effect that is there; columns: the one that is named. Effects that are not seen are grey."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    ax = ax if ax is not None else _axes()
+    seen = np.array([each.seen for each in plan.effects])
+    values = np.clip(plan.log_bayes_factor, 1e-3, 1e9)
+    values = np.where(seen[:, None], values, np.nan)
+    np.fill_diagonal(values, np.nan)
+    colours = ListedColormap([TIED, PARTED, CLEAR]).with_extremes(bad=UNSEEN)
+    norm = BoundaryNorm([0.0, REACH, 10 * REACH, 1e10], 3)
+    ax.imshow(values, cmap=colours, norm=norm, aspect="equal", interpolation="none")
+    labels = [place_words(*each.place) for each in plan.effects]
+    ax.set_yticks(range(len(labels)), labels, fontsize=7)
+    ax.set_xticks(range(len(labels)), labels, fontsize=7, rotation=90)
+    ax.set_ylabel("there is")
+    ax.set_xlabel("taken for")
+    ax.grid(visible=False)
+    for side in ax.spines.values():
+        side.set_visible(False)
+    return ax
+
+
+def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
+    """The smallest detectable size of every effect over its plausible one, smallest first."""
+    ax = ax if ax is not None else _axes()
+    shown = sorted((e for e in plan.effects if e.log_bayes_factor > 0), key=lambda each: each.times)
+    labels = [place_words(*each.place) for each in shown]
+    times = [min(each.times, 1e3) for each in shown]
+    colours = [CLEAR if each.seen else UNSEEN for each in shown]
+    bars = ax.barh(labels, times, color=colours)
+    ax.bar_label(bars, [each.least_words for each in shown], padding=3, fontsize=7)
+    ax.axvline(1.0, color="black", lw=0.8, ls="--")
+    ax.set_xscale("log")
+    if times:
+        ax.set_xlim(0.5 * min(times), 30 * max(times))
+    ax.tick_params(axis="y", labelsize=7)
+    ax.set_xlabel(f"smallest detectable size (ln B = {STRONG:g}) over the plausible one [-]")
+    ax.invert_yaxis()
+    ax.grid(visible=False, axis="y")
+    return ax
+
+
+def _axes() -> Axes:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure.subplots()

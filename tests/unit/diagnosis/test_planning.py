@@ -1,0 +1,175 @@
+"""Claims about plans: what the paper's set-up can tell apart, what parts the rest, and how small is seen."""
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from arms import arm, beam, hinge, point
+from pytest import approx
+
+import flexarm
+from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.experiment import NOISE, from_drive
+from flexarm.record import Clock, Frame
+
+TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
+JOINT, LINK, LOAD = ("joint_compliance", "hinge"), ("link_stiffness", "rod"), ("payload_mass", "load")
+SOFT = (JOINT, LINK, LOAD)
+CLOCKS, FRAMES = {"controller": Clock(), "tracker": Clock(sigma=2e-3)}, {"tracker": Frame(translation=1e-3)}
+
+
+def tracker(name, noise=5e-5):
+    return Sensor(
+        name=name,
+        quantity="position",
+        point=name,
+        axes=("x", "z"),
+        rate_hz=10,
+        noise_std=noise,
+        clock="tracker",
+        frame="tracker",
+    )
+
+
+def crane(*sensors):
+    """The paper's arm: a tube with a load on a hinge."""
+    return arm(
+        name="crane",
+        gravity=[0, 0, -9.81],
+        joints=[hinge("hinge", "rod", gear_ratio=120)],
+        links=[beam("rod", [0, 0, 3.0], TUBE, elements=2, damping_ratio=0.02)],
+        payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
+        points=[point("mid", "rod", [0, 0, 1.5]), point("tip", "rod", [0, 0, 3.0])],
+    ).replace(sensors=sensors)
+
+
+def there_and_back(period):
+    """Minimum-jerk moves between -1.2 and 1.2 rad: quasi-static if the period is long."""
+    t = np.linspace(0.0, period, 401)
+    s = 1 - np.abs(2 * t / period - 1)
+    return flexarm.Drive.from_samples(t, {"hinge": -1.2 + 2.4 * s**3 * (10 - 15 * s + 6 * s**2)})
+
+
+@cache
+def poor():
+    """Motor angle in, tip out, one payload, slowly."""
+    model = crane(tracker("tip"))
+    return flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1)
+
+
+@pytest.mark.parametrize("pair", [(JOINT, LINK), (JOINT, LOAD), (LINK, LOAD)])
+def test_in_the_papers_set_up_springs_and_payload_coincide(pair):
+    """All three are seen, and bend the arm by what gravity asks: contract, end of section 4."""
+    found = poor()
+    assert all(found.effect(*place).seen for place in pair)
+    assert found.tie(*pair).log_bayes_factor < REACH
+    assert any(set(pair) <= {found.effects[i].place for i in group} for group in found.groups)
+
+
+def parted(pair, words):
+    [found] = [p for p in poor().tie(*pair).partings if words in p.addition]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("pair", "words"),
+    [
+        ((JOINT, LINK), "mid-span"),  # a spring turns the whole link, EI bends it
+        ((LINK, LOAD), "torque"),  # the torque weighs the payload, whatever bends
+        ((JOINT, LOAD), "torque"),
+        ((JOINT, LOAD), "weighed"),
+        ((LINK, LOAD), "weighed"),
+    ],
+)
+def test_what_parts_them_by_mechanics_parts_them(pair, words):
+    assert parted(pair, words).log_bayes_factor > max(REACH, 5 * poor().tie(*pair).log_bayes_factor)
+
+
+@pytest.mark.parametrize(("pair", "words"), [((JOINT, LINK), "torque"), ((JOINT, LOAD), "half the speed")])
+def test_what_says_nothing_new_parts_nothing(pair, words):
+    """Torque is the same whatever bends; slower than quasi-static is quasi-static."""
+    assert not parted(pair, words).parts
+
+
+def test_of_what_parts_a_pair_the_cheapest_comes_first():
+    for tie in poor().ties:
+        costs = [each.minutes for each in tie.partings if each.parts]
+        assert costs == sorted(costs)
+        assert tie.cheapest is (tie.partings[0] if costs else None)
+
+
+def test_more_reflectors_and_the_torque_part_springs_and_payload():
+    torque = Sensor(
+        name="torque", quantity="motor_torque", joint="hinge", side="output", rate_hz=10, noise_std=2.0
+    )
+    model = crane(tracker("tip"), tracker("mid"), torque)
+    found = flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1)
+    index = [[e.place for e in found.effects].index(place) for place in SOFT]
+    factors = found.log_bayes_factor[np.ix_(index, index)]
+    assert factors[~np.eye(3, dtype=bool)].min() > REACH
+    assert not any(found.tie(one, other) for one in SOFT for other in SOFT if one != other)
+
+
+def test_the_smallest_size_is_proportional_to_the_noise():
+    """E ln B ~ (size/noise)^2 where neither clock nor frame is uncertain."""
+    exact = {"clocks": {"controller": Clock(), "tracker": Clock()}, "frames": {"tracker": Frame()}}
+    sizes = []
+    for noise in (5e-5, 2e-4):
+        found = flexarm.plan(crane(tracker("tip", noise)), [there_and_back(10.0)], jobs=1, **exact)
+        sizes.append([found.effect(*place).times for place in SOFT])
+    assert np.divide(sizes[1], sizes[0]) == approx(4.0, rel=1e-6)
+
+
+def test_the_smallest_size_of_a_reflector_offset_is_that_of_its_noise():
+    """An offset o along the link moves every sample by o: |gap|^2 = N (o/sigma)^2 in both axes together."""
+    exact = {"clocks": {"controller": Clock(), "tracker": Clock()}, "frames": {"tracker": Frame()}}
+    found = flexarm.plan(crane(tracker("tip")), [there_and_back(10.0)], jobs=1, **exact)
+    each = found.effect("reflector_offset", "tip")
+    samples, delta = 101, 0.2
+    # of the 2 N rows (sin q, cos q) N_v lies between N/2 and 2 N
+    for spread, bound in ((samples / 2, "least"), (2 * samples, "most")):
+        value = 5e-5 * np.sqrt(2 * STRONG * (1 + delta**2 * spread) / samples)
+        assert abs(each.least) >= value if bound == "least" else abs(each.least) <= value
+
+
+def test_without_sensors_a_tracker_is_assumed_and_said():
+    found = from_drive("run", there_and_back(10.0), crane())
+    assert [(s.point, s.noise_std, s.rate_hz) for s in found.sensors] == [("tip", NOISE["position"], 10.0)]
+    assert "no sensors" in found.assumed[0]
+    assert found.clocks["tracker"].sigma > 0
+    assert found.frames["tracker"].translation > 0
+
+
+def test_a_faster_run_passes_the_same_points_earlier():
+    run = from_drive("run", there_and_back(10.0), crane())
+    fast, turned = run.faster(2.0), run.turned("hinge", 0.3)
+    t = np.linspace(0.0, 5.0, 50)
+    assert fast.drive.joints["hinge"](t) == approx(run.drive.joints["hinge"](2 * t), abs=1e-12)
+    assert fast.drive.end == approx(5.0)
+    assert turned.drive.joints["hinge"](t) == approx(run.drive.joints["hinge"](t) + 0.3, abs=1e-12)
+
+
+def test_a_record_is_made_again_with_its_sensors_noise_and_payload():
+    run = replace(from_drive("run", there_and_back(4.0), crane(tracker("tip")), CLOCKS, FRAMES))
+    record = run.record(crane(), 4e-3, -0.05)
+    found = flexarm.plan(crane(), {"again": record}, jobs=1)
+    assert found.assumed == ()
+    assert found.effect("reflector_offset", "tip").seen
+    assert ("time_delay", "tracker") in [e.place for e in found.effects]
+
+
+def test_the_file_holds_what_is_printed():
+    found = poor()
+    report = found.to_json_dict()
+    assert json.loads(json.dumps(report, allow_nan=False)) == report
+    assert len(report["effects"]) == len(found.effects) == len(report["log_bayes_factor"])
+    assert report["ties"][0]["additions"][0]["addition"] in found.summary()
+    assert found.headline() in found.summary()
+
+
+def test_a_plan_without_motion_is_refused():
+    with pytest.raises(flexarm.InvalidParameter, match="at least one motion"):
+        flexarm.plan(crane(), {})
