@@ -12,7 +12,7 @@ import argparse
 import json
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import asdict
 from math import nan
 from multiprocessing import get_context
@@ -64,16 +64,35 @@ def diagnosed(spec: Spec, out: Path, reuse: bool) -> Outcome:
     return outcome
 
 
-def outcomes_of(specs: list[Spec], out: Path, jobs: int, reuse: bool) -> list[Outcome]:
-    """All of them, as they finish said on standard error."""
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        running = [pool.submit(diagnosed, spec, out, reuse) for spec in specs]
-        found = []
-        for number, (spec, future) in enumerate(zip(specs, running, strict=True), 1):
-            found.append(future.result())
-            said = found[-1].error or found[-1].verdict
-            print(f"{number}/{len(specs)} {spec.name}: {said}, {found[-1].seconds:.0f} s", file=sys.stderr)
-    return found
+def kept_by_a_process(spec: Spec, out: Path, reuse: bool, timeout: float) -> Outcome:
+    """The outcome of a process of its own: one that crashes or lasts too long costs its case alone."""
+    start = time.perf_counter()
+    process = get_context("spawn").Process(target=diagnosed, args=(spec, out, reuse))
+    process.start()
+    process.join(timeout)
+    if process.exitcode == 0:
+        return Outcome(**json.loads((out / spec.name / "outcome.json").read_text()))
+    said = f"no answer after {timeout:g} s" if process.exitcode is None else f"exit code {process.exitcode}"
+    process.kill()
+    answer = {"group": spec.group, "kind": spec.kind, "effects": [], "noise": 0.0, "verdict": []}
+    made = out / spec.name / "answer.json"
+    if made.exists():
+        answer |= json.loads(made.read_text()) | {"group": spec.group}
+    return Outcome(answer, {}, time.perf_counter() - start, error=said)
+
+
+def outcomes_of(specs: list[Spec], out: Path, jobs: int, reuse: bool, timeout: float) -> list[Outcome]:
+    """All of them, in their order; said on standard error as they finish."""
+
+    def one(spec: Spec) -> Outcome:
+        found = kept_by_a_process(spec, out, reuse, timeout)
+        print(
+            f"{spec.name}: {found.error or found.verdict}, {found.seconds:.0f} s", file=sys.stderr, flush=True
+        )
+        return found
+
+    with ThreadPoolExecutor(jobs) as pool:
+        return list(pool.map(one, specs))
 
 
 def arguments() -> argparse.Namespace:
@@ -84,6 +103,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--count", type=int, help="cases a group")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2, help="processes")
+    parser.add_argument("--timeout", type=float, default=600.0, metavar="S", help="of a case, with making it")
     parser.add_argument("--reuse", action="store_true", help="take outcomes that are there")
     parser.add_argument("--make-only", action="store_true", help="make cases, diagnose nothing")
     parser.add_argument("--save", type=Path, metavar="FILE.json", help="write the table and all outcomes")
@@ -107,7 +127,7 @@ def main() -> None:
         with ProcessPoolExecutor(given.jobs, mp_context=get_context("spawn")) as pool:
             list(pool.map(case_of, specs, [given.out] * len(specs)))
         return
-    outcomes = outcomes_of(specs, given.out, given.jobs, given.reuse)
+    outcomes = outcomes_of(specs, given.out, given.jobs, given.reuse, given.timeout)
     table = tabulated(outcomes)
     print(f"{len(outcomes)} cases, seed {given.seed}\n\n{table}")
     if given.save:

@@ -2,7 +2,7 @@
 
 single   one effect in rich data that leaves 10 times the noise; every effect in turn, arm and place by chance
 power    the same at 3 and at 30 times the noise
-poor     one effect, the tip alone in slow sines, 20 times the noise
+poor     one effect, the tip alone in slow sines, 6 and 20 times the noise
 double   two effects of different names, 15 times each
 none     nothing hidden; nominal values are off within their uncertainty
 outside  what no name of the vocabulary covers, 20 times the noise
@@ -14,7 +14,7 @@ from itertools import cycle, islice
 
 import numpy as np
 
-SIZES = {"single": (10.0,), "power": (3.0, 30.0), "poor": (20.0,), "double": (15.0,), "outside": (20.0,)}
+SIZES = {"single": (10.0,), "power": (3.0, 30.0), "poor": (6.0, 20.0), "double": (15.0,), "outside": (20.0,)}
 COUNTS = {"single": 60, "power": 40, "poor": 24, "double": 30, "none": 24, "outside": 20, "fault": 10}
 """Cases of each group unless asked for otherwise."""
 KINDS = ("hinged", "planar", "spatial")

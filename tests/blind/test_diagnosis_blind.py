@@ -48,8 +48,12 @@ def test_a_large_effect_in_rich_data_is_named_at_its_place(kind, effect, at):
 
 
 def test_in_poor_data_the_truth_is_in_the_set():
-    """The tip alone in slow sines cannot part a soft joint from a soft tube: several names."""
-    report = diagnosed(make_case("hinged", "joint_compliance", "hinge", 20.0, seed=22, rich=False))
+    """At five times the noise the tip in slow sines cannot part a soft joint from a soft tube.
+
+    Refitted with nuisances, the tube is worse by a chi square of 1 a record (at twenty times the noise by 15,
+    and the joint alone would be right).
+    """
+    report = diagnosed(make_case("hinged", "joint_compliance", "hinge", 5.0, seed=22, rich=False))
     assert ("joint_compliance", "hinge") in set().union(*sets(report))
     assert len(report["effects"]) == 1
     assert len(sets(report)[0]) > 1
