@@ -1,0 +1,68 @@
+"""What is held out, and how far it lies from the training."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexarm import Record, Signal
+from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
+from flexarm.record.table import CarriedPayload
+
+TIME = np.arange(0.0, 20.0, 0.02)
+
+
+def record(amplitude=1.0, frequency=0.2, mass=None):
+    angle = amplitude * np.sin(2 * np.pi * frequency * TIME)
+    signals = [
+        Signal(name="hinge", quantity="joint_angle", values=angle, time=TIME, joint="hinge", side="motor"),
+        Signal(name="tip", quantity="position", values=np.sin(angle), time=TIME, point="tip", axes=("x",)),
+    ]
+    payloads = {} if mass is None else {"load": CarriedPayload(mass=mass)}
+    return Record(signals={s.name: s for s in signals}, drive=("hinge",), payloads=payloads)
+
+
+def test_every_row_of_evidence_is_in_one_of_the_parts():
+    whole = record()
+    fitted, held = hold_back(whole)
+    inside = np.isfinite(fitted.signals["tip"].values[:, 0])
+    back = np.isfinite(held.signals["tip"].values[:, 0])
+    assert np.array_equal(inside, ~back)
+    assert back.mean() == pytest.approx(0.2, abs=0.01)
+
+
+def test_the_drive_stays_whole_in_both_parts():
+    whole = record()
+    for part in hold_back(whole):
+        assert np.array_equal(part.signals["hinge"].values, whole.signals["hinge"].values)
+
+
+def test_blocks_are_stretches_of_time():
+    _, held = hold_back(record())
+    back = np.isfinite(held.signals["tip"].values[:, 0])
+    assert np.abs(np.diff(back.astype(int))).sum() <= 8  # four blocks have eight ends
+
+
+@pytest.mark.parametrize(
+    ("held_out", "kind"),
+    [
+        (record(), "repetition"),
+        (record(mass=5.0), "extrapolation"),
+        (record(amplitude=0.8), "interpolation"),
+        (record(amplitude=1.4), "extrapolation"),
+        (record(frequency=0.4), "extrapolation"),
+    ],
+)
+def test_a_held_out_record_is_told_by_payload_range_and_rate(held_out, kind):
+    training = {"large": record(), "small": record(amplitude=0.5, frequency=0.2)}
+    assert hold_out_kind(training, held_out) == kind
+
+
+def test_a_payload_between_those_of_training_is_interpolation():
+    training = {"light": record(mass=2.0), "heavy": record(mass=10.0)}
+    assert hold_out_kind(training, record(mass=6.0)) == "interpolation"
+
+
+def test_another_number_of_drives_is_extrapolation():
+    lone = record()
+    assert hold_out_kind({"a": lone}, replace(lone, drive=())) == "extrapolation"
