@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.configuration import version
 from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.check import check, named_records
 from flexarm.diagnosis.choose import COARSE, REACH, Choice, choose, leaves_gap, probabilities
 from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import Estimates, estimates
@@ -33,6 +35,7 @@ from flexarm.diagnosis.result import Alternative, Diagnosis, NamedEffect, Refine
 from flexarm.diagnosis.rhythm import rhythms
 from flexarm.diagnosis.screen import probe
 from flexarm.diagnosis.unknowns import unknowns
+from flexarm.diagnosis.wording import place_words
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -96,14 +99,28 @@ def diagnose(
     """
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
-    named = _by_name(records)
+    given = named_records(records)
+    provenance = {"version": version(), "seed": seed}
+    tell(0.0, "checking")
+    checked = check(arm, given, step=step)
+    remarks = (*map(str, checked.outliers), *checked.remarks)
+    if checked.faults:
+        return Diagnosis(
+            "unusable",
+            arm,
+            arm,
+            effects=tuple(checked.faults),
+            training=tuple(given),
+            remarks=remarks,
+            provenance={**provenance, "seconds": time.monotonic() - begun},
+        )
+    named = dict(checked.records)
     held = {} if hold_out is None else {_name(hold_out, named): hold_out}
     kind = "blocks" if hold_out is None else hold_out_kind(named, hold_out)
     if hold_out is None:
         parts = {name: hold_back(record) for name, record in named.items()}
         named = {name: fitted for name, (fitted, _) in parts.items()}
         held = {f"{name}, held-back blocks": back for name, (_, back) in parts.items()}
-    provenance = {"version": version(), "seed": seed}
     tell(0.1, "simulating")
     observed = Observed(arm, named, step=step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
     fitter = Fitter.nominal(observed, unknowns(observed))
@@ -149,6 +166,7 @@ def diagnose(
         stages=_stages(arm, updated, choice, everything, main, before, after),
         constancy=tuple(drifts),
         remainder=str(left) if left is not None else "",
+        remarks=remarks,
         next_experiment="",
         provenance={**provenance, "seconds": time.monotonic() - begun},
         located=located,
@@ -168,8 +186,8 @@ def _located(pairs: Mapping[str, Beside]) -> Any:
 
 def repaired(arm: Arm, fit: Fit, sizes: Estimates, effects: bool = True) -> Arm:
     """The nominal model with refined values and, if asked for, the effects of a fit."""
-    for refined in sizes.refined:
-        arm = with_value(arm, refined.parameter, refined.value)
+    for refined in filter(_moved, sizes.refined):
+        arm = with_value(arm, refined.parameter, _rounded(refined.value, refined.std))
     if not effects:
         return arm
     for member in sorted(fit.members, key=lambda m: m.name not in ("joint_compliance", "base_compliance")):
@@ -177,6 +195,11 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates, effects: bool = True) -> Arm:
             arm = arm.with_effect(member.needs)
         arm = arm.with_effect(member.effect)
     return arm
+
+
+def _rounded(value: float, std: float) -> float:
+    """A value to a thousandth of its standard deviation, so that files do not feign more."""
+    return value if not std > 0 else round(value, max(0, 3 - floor(log10(std))))
 
 
 def main_signal(records: Mapping[str, Record], before: Mapping[str, Comparison]) -> str:
@@ -227,13 +250,14 @@ def _evidence(choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], obser
     before = max(above_noise(choice.null.rest, observed).values())
     after = max(above_noise(best.rest, observed).values())
     rivals = choice.rivals[k]
+    what = place_words(member.name, member.at)
     text = (
-        f"with {member.name} at {member.at} the largest gap above the noise falls from {before:.2g} to "
+        f"with {what} the largest gap above the noise falls from {before:.2g} to "
         f"{after:.2g} times the noise (ln Bayes factor {choice.gain:.0f} over the nominal model)"
     )
     if rivals:
         rival = rivals[0]
-        text += f"; next is {rival.candidate.name} at {rival.candidate.at}, ln {rival.behind:.1f} behind"
+        text += f"; next is {place_words(*rival.candidate.place)}, ln {rival.behind:.1f} behind"
     for each in moving:
         text += (
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
@@ -292,13 +316,6 @@ def _stages(
     if updated != arm:
         stages.append(Stage("nominal values refined", rms(after)))
     return tuple(stages)
-
-
-def _by_name(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
-    """Records by name: the keys, or numbers."""
-    if isinstance(records, Mapping):
-        return dict(records)
-    return {f"record_{k + 1}": record for k, record in enumerate(records)}
 
 
 def _name(record: Record, taken: Mapping[str, Record]) -> str:
