@@ -31,6 +31,8 @@ GLUED = 1e-3
 """1 sigma of the place of a reflector that is added [m]."""
 TORQUE_NOISE = 0.01
 """Of a logged torque, over its greatest value in the run."""
+SETTLED = 0.05
+"""A logged torque counts after so much of the run: where a drive starts with a jump it says little."""
 NEAR = 0.2
 """A reflector is there already if one is so near, over the length of the link."""
 
@@ -91,6 +93,7 @@ def _torques(run: Experiment, simulation: Simulation) -> Iterator[Addition]:
             rate_hz=_rate(run),
             noise_std=noise,
             clock=clock,
+            start=SETTLED * (run.drive.end - run.drive.start),
         )
         yield Addition(f"with the motor torque of {joint} logged", MINUTES["torque"], sensors=(sensor,))
 

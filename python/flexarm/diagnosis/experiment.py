@@ -212,7 +212,7 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
     noise : dict of str to float, optional
         1 sigma of signals that state none [SI].
     """
-    drive = Drive.from_record(record, arm)
+    drive = _ended(Drive.from_record(record, arm))
     drivers = {str(record.signals[d].joint): d for d in record.drive}
     own = next((record.signals[d].clock for d in record.drive), record.reference_clock)
     said: list[str] = []
@@ -236,6 +236,12 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
         record.links,
         tuple(said),
     )
+
+
+def _ended(drive: Drive) -> Drive:
+    """The same until the motion ends: held after it, its rate would jump, as that of no motor does."""
+    last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
+    return replace(drive, end=min(drive.end, last))
 
 
 def _shows(sensor: Sensor, joint: str) -> bool:

@@ -27,6 +27,7 @@ from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import Estimates, estimates
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.further import next_experiment
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
 from flexarm.diagnosis.locate import locate
 from flexarm.diagnosis.observed import Observed
@@ -139,6 +140,8 @@ def diagnose(
     verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
     keep = not open_gap or _closes(choice.best, choice.null)
     updated = repaired(arm, choice.best, sizes, keep) if keep or not open_gap else arm
+    tell(0.83, "next experiment")
+    further = next_experiment(choice, observed, open_gap)
     tell(0.85, "verifying")
     everything = {**named, **held}
     before = {name: compare(arm, record) for name, record in everything.items()}
@@ -167,7 +170,7 @@ def diagnose(
         constancy=tuple(drifts),
         remainder=str(left) if left is not None else "",
         remarks=remarks,
-        next_experiment="",
+        next_experiment=further.sentence,
         provenance={**provenance, "seconds": time.monotonic() - begun},
         located=located,
         located_after=located_after,

@@ -1,0 +1,282 @@
+r"""What to measure next: the addition whose simulated data part the named effects from their rivals best.
+
+The named model and each alternative have been fitted to the data at hand. Their predictions d of another run
+differ; an alternative may be refitted to both, data at hand (rows 0) and to come (rows 1), its parameters z
+within their priors, with clocks, frames and nominal values u free along,
+
+.. math:: v = \begin{pmatrix} d_0 \\ d_1 \end{pmatrix} - \begin{pmatrix} J_0 & Z_0 \\ J_1 & Z_1 \end{pmatrix}
+   \begin{pmatrix} u \\ z \end{pmatrix}                                                                (1)
+
+and the expected log Bayes factor of the named effect, if it is right, is that of eq. (2) of
+`flexarm.diagnosis.separation`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm import Arm
+from flexarm.diagnosis.additions import Addition, menu, with_points
+from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.choose import COARSE, REACH, Choice, Rival
+from flexarm.diagnosis.experiment import Experiment, from_record
+from flexarm.diagnosis.fit import STEP, Fit
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.projection import Projection
+from flexarm.diagnosis.separation import expected_log_bayes_factor
+from flexarm.diagnosis.unknowns import Unknown, nominal
+from flexarm.diagnosis.wording import listed, number, place_words
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.record import Record
+
+Floats = NDArray[np.float64]
+
+ENOUGH = 10.0
+"""Of additions that all promise so much ln B, the cheapest is proposed."""
+MOST = 3
+"""Alternatives that are simulated."""
+PRIOR = 3.0
+"""Sigma of z in (1), as in `fit`."""
+
+
+@dataclass(frozen=True)
+class NextExperiment:
+    """What to measure next.
+
+    Attributes
+    ----------
+    sentence : str
+        For a person; empty if nothing is left to separate.
+    gain : float
+        Expected ln Bayes factor of the named effect over the nearest of its alternatives.
+    minutes : float
+        Cost, roughly.
+    """
+
+    sentence: str = ""
+    gain: float = 0.0
+    minutes: float = 0.0
+
+
+def next_experiment(choice: Choice, observed: Observed, unexplained: bool = False) -> NextExperiment:
+    """The addition to the records at hand that parts the named effects from their alternatives best.
+
+    Parameters
+    ----------
+    choice : Choice
+        What was named, and what else is within reach.
+    observed : Observed
+        The records at hand.
+    unexplained : bool
+        Whether no known effect explains the gap: then, what would describe the remainder.
+    """
+    motions = {name: record for name, record in observed.records.items() if record.kind == "motion"}
+    if unexplained:
+        return NextExperiment(_to_describe(observed, motions))
+    pairs = [(k, rival) for k, rivals in enumerate(choice.rivals) for rival in rivals if rival.behind < REACH]
+    pairs = sorted(pairs, key=lambda pair: pair[1].behind)[:MOST]
+    if not pairs:
+        return NextExperiment()
+    if not motions:
+        return NextExperiment(
+            f"Move the arm slowly through the poses, or weigh another payload in them: static poses alone "
+            f"do not part {_words(choice, pairs)}; what that would gain has not been computed."
+        )
+    name, record = next(iter(motions.items()))
+    found = [
+        (addition, gain)
+        for addition, gains in _gains(choice, observed, name, record, pairs)
+        if np.isfinite(gain := min(gains))
+    ]
+    if not found:
+        return NextExperiment()
+    addition, gain = _best(found)
+    return NextExperiment(_sentence(choice, name, addition, gain, pairs), gain, addition.minutes)
+
+
+def _best(found: Sequence[tuple[Addition, float]]) -> tuple[Addition, float]:
+    """The cheapest of those that promise enough, else the one that promises most."""
+    enough = [pair for pair in found if pair[1] >= ENOUGH]
+    return min(enough, key=lambda p: (p[0].minutes, -p[1])) if enough else max(found, key=lambda p: p[1])
+
+
+def _sentence(
+    choice: Choice, name: str, addition: Addition, gain: float, pairs: Sequence[tuple[int, Rival]]
+) -> str:
+    """What to do and what it would bring."""
+    parted = _words(choice, pairs)
+    if gain < REACH:
+        return (
+            f"Nothing that is easily added parts {parted}: the most, an expected ln Bayes factor of "
+            f"{number(gain, 2)}, comes from repeating '{name}' {addition.words}."
+        )
+    least = "at least " if len(pairs) > 1 else ""
+    return (
+        f"Repeat '{name}' {addition.words}: it would part {parted} with an expected ln Bayes factor of "
+        f"{least}{number(gain, 2)} (some {addition.minutes:g} min)."
+    )
+
+
+def _words(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> str:
+    """Such as "a from b and c"."""
+    each = []
+    for k in dict.fromkeys(k for k, _ in pairs):
+        rivals = listed([place_words(*rival.candidate.place) for i, rival in pairs if i == k])
+        each.append(f"{place_words(*choice.best.members[k].place)} from {rivals}")
+    return listed(each)
+
+
+# ------------------------------------------------------------------------ numbers
+
+
+def _gains(
+    choice: Choice, observed: Observed, name: str, record: Record, pairs: Sequence[tuple[int, Rival]]
+) -> Iterator[tuple[Addition, list[float]]]:
+    """E ln B of every pair with every addition."""
+    arm = choice.fitter.with_effects(choice.best.members)
+    noise = {row.signal: row.sigma for row in observed.rows if row.record == name}
+    run = from_record(name, record, arm, noise)
+    step = COARSE * observed.step
+    try:
+        additions = menu(observed.arm, [run], run.run(arm, step, observed.alpha))
+    except (InvalidParameter, NotConverged):
+        return
+    there = with_points(arm, additions)
+    present = _present(choice, pairs)
+    sensors = [sensor for addition in additions for sensor in addition.sensors]
+    logged = replace(run, sensors=(*run.sensors, *sensors))
+    again = _Next.of(logged, there, choice, observed, pairs)
+    for addition in additions:
+        own = {*(s.name for s in run.sensors), *(s.name for s in addition.sensors)}
+        rows = again if addition.sensors else _Next.of(addition.runs[0], there, choice, observed, pairs)
+        if rows is not None:
+            yield addition, [_expected(present, rows, k, own) for k in range(len(pairs))]
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Rows of (1): differences d and derivatives Z for each pair, derivatives J by unknowns."""
+
+    unknowns: tuple[Unknown, ...]
+    slopes: Floats
+    apart: list[Floats]
+    moves: list[Floats]
+
+
+def _present(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> _Rows:
+    """Rows 0 of (1)."""
+    fitter = choice.fitter
+    best = fitter.observed.residual(fitter.with_effects(choice.best.members))
+    apart = [fitter.observed.residual(fitter.with_effects(r.fit.members)) - best for _, r in pairs]
+    return _Rows(fitter.unknowns.each, fitter.slopes, apart, [rival.fit.slopes for _, rival in pairs])
+
+
+@dataclass(frozen=True, eq=False)
+class _Next:
+    """Rows 1 of (1), and which signal each belongs to."""
+
+    rows: _Rows
+    signals: list[str]
+
+    @classmethod
+    def of(
+        cls,
+        run: Experiment,
+        arm: Arm,
+        choice: Choice,
+        observed: Observed,
+        pairs: Sequence[tuple[int, Rival]],
+    ) -> _Next | None:
+        """Of a run; None if it cannot be simulated."""
+        step = COARSE * observed.step
+        try:
+            record = run.record(arm, step, observed.alpha)
+            there = Observed(arm, {run.name: record}, step=step, alpha=observed.alpha, jobs=observed.jobs)
+            best = there.residual(arm)
+            each = _unknowns(choice, arm, there)
+            slopes = there.slopes(arm, [u.key for u in each])
+            models = [_put(arm, choice, rival.fit) for _, rival in pairs]
+            apart = [there.residual(model) - best for model in models]
+            moves = [
+                _derivatives(there, arm, choice, rival.fit, best + d)
+                for (_, rival), d in zip(pairs, apart, strict=True)
+            ]
+        except (InvalidParameter, NotConverged):
+            return None
+        signals = [row.signal for row, where in there.channels() for _ in range(where.stop - where.start)]
+        return cls(_Rows(each, slopes, apart, moves), signals)
+
+
+def _unknowns(choice: Choice, arm: Arm, observed: Observed) -> tuple[Unknown, ...]:
+    """Those of the diagnosis, and the places of reflectors that are added."""
+    known = choice.fitter.unknowns.each
+    taken = {u.key for u in known}
+    more = (u for u in nominal(arm, observed.records) if u.key not in taken and u.key.startswith("points."))
+    return (*known, *more)
+
+
+def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
+    """A fitted model with the points and unknowns of `arm`."""
+    found = choice.fitter.with_effects(fit.members if members is None else members)
+    return found.replace(points=arm.points, uncertainty=arm.uncertainty)
+
+
+def _derivatives(observed: Observed, arm: Arm, choice: Choice, fit: Fit, here: Floats) -> Floats:
+    """Z of (1) by finite steps."""
+    columns = []
+    for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
+        members = list(fit.members)
+        member = members[coordinate.candidate]
+        moved = member.effect.with_parameters({coordinate.name: coordinate.value(float(z) + STEP)})
+        members[coordinate.candidate] = replace(member, effect=moved)
+        try:
+            columns.append((observed.residual(_put(arm, choice, fit, members)) - here) / STEP)
+        except (InvalidParameter, NotConverged):
+            columns.append(np.zeros_like(here))
+    return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
+
+
+def _expected(present: _Rows, found: _Next, k: int, signals: Iterable[str]) -> float:
+    """E ln B of pair k, of the signals that an addition has."""
+    wanted = set(signals)
+    kept = np.array([signal in wanted for signal in found.signals])
+    new = found.rows
+    more = len(new.unknowns) - len(present.unknowns)
+    before = np.column_stack([present.slopes, np.zeros((len(present.slopes), more)), present.moves[k]])
+    after = np.column_stack([new.slopes, new.moves[k]])[kept]
+    sigma = np.concatenate([[u.sigma for u in new.unknowns], np.full(present.moves[k].shape[1], PRIOR)])
+    apart = np.concatenate([present.apart[k], new.apart[k][kept]])
+    v = Projection(np.vstack([before, after]), sigma).rest(apart[:, None])  # eq. (1)
+    return float(expected_log_bayes_factor(v, len(apart))[0])
+
+
+# -------------------------------------------------------------------- unexplained
+
+
+def _to_describe(observed: Observed, motions: dict[str, Record]) -> str:
+    """What would show of which kind a remainder is, as far as the records have not varied it yet."""
+    if not motions:
+        return "Repeat the poses on another day: what returns is a law, what does not is a disturbance."
+    name, record = next(iter(motions.items()))
+    wishes = []
+    if len(motions) < 2:
+        wishes.append("at half the speed")
+    loads = {tuple(sorted((n, p.mass) for n, p in r.payloads.items())) for r in motions.values()}
+    if len(loads) < 2 and observed.arm.payloads:
+        wishes.append("with another payload that is weighed")
+    torques = any(s.quantity == "motor_torque" for r in motions.values() for s in r.signals.values())
+    if not torques and record.drive:
+        wishes.append("with the motor torque logged")
+    if not wishes:
+        return (
+            f"Repeat '{name}' unchanged: what returns of the remainder is a law that no known effect has, "
+            "what does not is a disturbance."
+        )
+    return (
+        f"Repeat '{name}' {listed(wishes)}: whether the remainder follows speed, load, torque or time alone "
+        "shows what kind of law is missing."
+    )

@@ -1,0 +1,106 @@
+"""Claims about the next experiment: it parts what mechanics parts, and is silent where nothing is left."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from arms import arm, beam, hinge, point
+
+import flexarm
+from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.choose import REACH, Choice, Rival
+from flexarm.diagnosis.evidence import log_bayes_factor, worth
+from flexarm.diagnosis.experiment import from_drive
+from flexarm.diagnosis.fit import Fitter
+from flexarm.diagnosis.further import ENOUGH, next_experiment
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.unknowns import unknowns
+from flexarm.effects.joint_compliance import JointCompliance
+from flexarm.record import Clock, Frame
+
+TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
+STEP = 4e-3
+
+
+def crane():
+    """A tube with a load on a rigid hinge, seen at its tip."""
+    tip = Sensor(
+        name="tip",
+        quantity="position",
+        point="tip",
+        axes=("x", "z"),
+        rate_hz=5,
+        noise_std=5e-5,
+        clock="tracker",
+        frame="tracker",
+    )
+    return arm(
+        name="crane",
+        gravity=[0, 0, -9.81],
+        joints=[hinge("hinge", "rod", gear_ratio=120)],
+        links=[beam("rod", [0, 0, 3.0], TUBE, elements=2, damping_ratio=0.02)],
+        payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
+        points=[point("tip", "rod", [0, 0, 3.0])],
+    ).replace(sensors=(tip,))
+
+
+@cache
+def choice(*rivals):
+    """A slow record of an arm with a spring, the spring named, some rivals fitted in its place."""
+    t = np.linspace(0.0, 40.0, 401)
+    s = 1 - np.abs(t / 20 - 1)
+    drive = flexarm.Drive.from_samples(t, {"hinge": -1.2 + 2.4 * s**3 * (10 - 15 * s + 6 * s**2)})
+    clocks = {"controller": Clock(), "tracker": Clock(sigma=2e-3)}
+    run = from_drive("slow", drive, crane(), clocks, {"tracker": Frame(translation=1e-3)})
+    real = crane().with_effect(JointCompliance(at="hinge", stiffness=4e5, damping=800.0))
+    observed = Observed(crane(), {"slow": run.record(real, STEP, -0.05)}, step=STEP)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    known = {c.place: c for c in candidates(observed, fitter.unknowns.arm)}
+    best = fitter.fit([known["joint_compliance", "hinge"]])
+    value = worth(best.rest, observed)
+    fits = [fitter.fit([known[place]]) for place in rivals]
+    others = [Rival(f.members[0], f, log_bayes_factor(best, f, observed, value)) for f in fits]
+    return Choice(fitter.fit(()), best, fitter, value, [others])
+
+
+def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
+    """Both are fitted and within reach; torque cannot part them, as it is the same whatever bends."""
+    made = choice(("link_stiffness", "rod"))
+    assert made.rivals[0][0].behind < REACH
+    found = next_experiment(made, made.fitter.observed)
+    assert found.gain >= ENOUGH
+    assert "torque" not in found.sentence
+    assert found.sentence.startswith("Repeat 'slow' ")
+    assert "joint compliance at hinge from link stiffness at rod" in found.sentence
+    assert f"{found.gain:.0f}"[:2] in found.sentence
+
+
+def test_a_spring_is_parted_from_a_heavier_load_by_the_torque_the_cheapest_way():
+    made = choice(("payload_mass", "load"))
+    found = next_experiment(made, made.fitter.observed)
+    assert found.gain >= ENOUGH
+    assert "with the motor torque of hinge logged" in found.sentence
+    assert found.minutes == pytest.approx(15.0)
+
+
+def test_against_several_rivals_the_gain_is_that_against_the_nearest():
+    made = choice(("link_stiffness", "rod"), ("payload_mass", "load"))
+    found = next_experiment(made, made.fitter.observed)
+    assert "torque" not in found.sentence
+    assert "at least" in found.sentence
+    assert "link stiffness at rod" in found.sentence
+    assert "payload mass at load" in found.sentence
+
+
+def test_where_nothing_is_left_to_separate_nothing_is_proposed():
+    made = choice()
+    assert next_experiment(made, made.fitter.observed).sentence == ""
+
+
+def test_what_no_effect_explains_is_to_be_described():
+    """One load, one record and no torque: these are what a remainder may follow."""
+    made = choice()
+    said = next_experiment(made, made.fitter.observed, unexplained=True).sentence
+    for words in ("'slow'", "half the speed", "another payload", "motor torque"):
+        assert words in said
