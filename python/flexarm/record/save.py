@@ -48,8 +48,9 @@ def _place(signal: Signal) -> Signal:
     channels = (
         signal.channels if signal.channels and not any(map(_names_other_unit, signal.channels)) else made
     )
-    stamps = signal.time_column or ("pose" if signal.pose is not None else "time_s")
+    stamps = signal.time_column or "time_s"
     stamps = "time_s" if _names_other_unit(stamps) else stamps
+    stamps = "pose" if signal.pose is not None and stamps == "time_s" else stamps
     plain = Path(signal.file).name if signal.file else f"{signal.name}.csv"
     return signal.replace(channels=channels, file=plain, time_column=stamps)
 
