@@ -8,6 +8,8 @@ reads `test_2.tsv` and `test_3.tsv` of DATA_DIR and writes for each test N
     OUT_DIR/test_N/by_hub_angle     a record that is driven by the measured hub angle
     OUT_DIR/test_N/by_reference     the same signals, driven by the position reference through the controller
 
+Each record states its gains too, so the model of one test serves the records of both.
+
 How the columns become signals (SI; the ruler lies along x of its link, the hub turns about z):
 
     hub angle, rate      joint_angle and joint_rate of `hub`, side "output": the column is the hub's own angle
@@ -151,11 +153,19 @@ def gains(columns: Columns, path: Path) -> dict[str, float]:
     return found
 
 
+def settings(K: dict[str, float]) -> dict[str, float]:
+    """The controller's gains; K2 and K4 act on the deflection against the hub's direction."""
+    return {
+        "position_gain": K["K1"],
+        "rate_gain": K["K3"],
+        "deflection_gain": -K["K2"],
+        "deflection_rate_gain": -K["K4"],
+    }
+
+
 def model(nominal: Arm, name: str, K: dict[str, float]) -> Arm:
-    """The arm with the gains of a test; K2 and K4 act on the deflection against the hub's direction."""
-    controller = nominal.controllers[0].replace(
-        position_gain=K["K1"], rate_gain=K["K3"], deflection_gain=-K["K2"], deflection_rate_gain=-K["K4"]
-    )
+    """The arm with the gains of a test."""
+    controller = nominal.controllers[0].replace(**settings(K))
     return nominal.replace(name=f"{nominal.name}, {name}", controllers=(controller,))
 
 
@@ -180,6 +190,7 @@ def record(columns: Columns, name: str, K: dict[str, float], drive: str) -> Reco
         signals={signal.name: signal for signal in signals},
         drive=(drive,),
         description=f"ASEN flexible arm, {name}: {stated}; driven by {drive}",
+        controllers={"hub": settings(K)},
         initial="moving",
         clocks={board: Clock(), "tip_sensor": Clock(sigma=LATENCY_SIGMA)},
     )

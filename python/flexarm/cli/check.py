@@ -145,6 +145,7 @@ def _record(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
         "duration": record.duration,
         "drive": list(record.drive),
         "payloads": {name: load.to_plain() for name, load in record.payloads.items()},
+        "controllers": {name: dict(values) for name, values in record.controllers.items()},
         "links": {name: drawn.to_plain() for name, drawn in record.links.items()},
         "clocks": {name: clock.model_dump() for name, clock in record.clocks.items()},
         "frames": {name: frame.model_dump() for name, frame in record.frames.items()},
@@ -176,6 +177,7 @@ def _signal(record: Record, name: str) -> dict[str, Any]:
 def _head(record: Record) -> list[str]:
     lines = [repr(record).strip("<>"), f"  drive: {', '.join(record.drive) or 'none'}"]
     lines += [f"  payload {name}: {load.to_plain()}" for name, load in record.payloads.items()]
+    lines += [f"  controller of {name}: {dict(values)}" for name, values in record.controllers.items()]
     lines += [f"  link {name}: drawn out to {drawn.length:g} m" for name, drawn in record.links.items()]
     for i, (name, clock) in enumerate(record.clocks.items()):
         known = (

@@ -67,7 +67,7 @@ def measure(
     description : str
         Of the record.
     **tables
-        `joints`, `payloads` and `links` of the record.
+        `joints`, `payloads`, `links` and `controllers` of the record.
 
     Returns
     -------

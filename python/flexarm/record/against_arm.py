@@ -26,12 +26,13 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
         "point": [point.name for point in arm.points],
         "link": [link.name for link in arm.links],
         "payload": [load.name for load in arm.payloads],
+        "controller": [controller.joint for controller in arm.controllers],
     }
     found = [
         Problem(f"signals.{signal.name}.{kind}", missing(kind, place, names))
         for signal in record.signals.values()
         for kind, names in known.items()
-        if (place := getattr(signal, kind)) is not None and place not in names
+        if (place := getattr(signal, kind, None)) is not None and place not in names
     ]
     found += [
         Problem(f"joints.{name}", missing("joint", name, known["joint"]))
@@ -40,7 +41,11 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
     ]
     return found + [
         Problem(f"{kind}s.{name}", missing(kind, name, known[kind]))
-        for kind, named in (("payload", record.payloads), ("link", record.links))
+        for kind, named in (
+            ("payload", record.payloads),
+            ("link", record.links),
+            ("controller", record.controllers),
+        )
         for name in named
         if name not in known[kind]
     ]
@@ -73,7 +78,7 @@ def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
 
 def carrying(record: Record, arm: Arm) -> Arm:
     """The arm with the payloads and lengths of a run; a weighed mass wins over an effect `payload_mass`."""
-    arm = drawn_out(arm, record.links)
+    arm = drawn_out(_set(arm, record), record.links)
     if not record.payloads:
         return arm
     loads = {load.name: load for load in arm.payloads}
@@ -83,6 +88,20 @@ def carrying(record: Record, arm: Arm) -> Arm:
         loads[name] = loads[name].replace(**carried.to_plain())
     masses = {name: carried.mass for name, carried in record.payloads.items() if carried.mass is not None}
     return weighed(arm.replace(payloads=tuple(loads.values())), masses)
+
+
+def _set(arm: Arm, record: Record) -> Arm:
+    """The arm with its controllers as they were set in a run."""
+    own = {controller.joint: controller for controller in arm.controllers}
+    for joint, values in record.controllers.items():
+        if joint not in own:
+            raise InvalidParameter(missing("controller", joint, own), where=f"controllers.{joint}")
+        settable = sorted(set(type(own[joint]).model_fields) - {"type", "joint", "deflection"})
+        for key in values:
+            if key not in settable:
+                raise InvalidParameter(missing("value", key, settable), where=f"controllers.{joint}.{key}")
+        own[joint] = own[joint].replace(**values)
+    return arm.replace(controllers=tuple(own.values())) if record.controllers else arm
 
 
 def weighed(arm: Arm, masses: Mapping[str, float]) -> Arm:

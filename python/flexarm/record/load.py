@@ -39,6 +39,7 @@ def load(path: Path) -> Record:
         joints=table.joints,
         payloads=table.payloads,
         links=table.links,
+        controllers=table.controllers,
         clocks=clocks,
         frames=table.frames,
         path=toml.parent,

@@ -33,6 +33,8 @@ class Record:
         Where joints stand that nothing drives [rad or m].
     payloads : dict of str to CarriedPayload
         What this run carried, where it differs from the model.
+    controllers : dict of str to dict of str to float
+        Of the controllers of joints the values, such as gains, that were others in this run.
     links : dict of str to DrawnLink
         Lengths of beams that are drawn out as far as a run needs them.
     clocks : dict of str to Clock
@@ -52,6 +54,7 @@ class Record:
     initial: str = "equilibrium"
     joints: Mapping[str, float] = field(default_factory=FrozenDict)
     payloads: Mapping[str, CarriedPayload] = field(default_factory=FrozenDict)
+    controllers: Mapping[str, Mapping[str, float]] = field(default_factory=FrozenDict)
     links: Mapping[str, DrawnLink] = field(default_factory=FrozenDict)
     clocks: Mapping[str, Clock] = field(default_factory=FrozenDict)
     frames: Mapping[str, Frame] = field(default_factory=FrozenDict)
@@ -68,7 +71,7 @@ class Record:
         drive = (drives,) if isinstance(drives, str) else tuple(drives)
         for name, value in (("signals", named), ("drive", drive), ("clocks", FrozenDict(clocks))):
             object.__setattr__(self, name, value)
-        for name in ("joints", "payloads", "links", "frames"):
+        for name in ("joints", "payloads", "controllers", "links", "frames"):
             object.__setattr__(self, name, FrozenDict(getattr(self, name)))
         self._check_names()
 
@@ -187,7 +190,7 @@ class Record:
         return doubts(self, arm)
 
     def applied_to(self, arm: Arm) -> Arm:
-        """The arm as it was in this run: with the payloads that it carried, its booms drawn out.
+        """The arm as it was in this run: with its payloads, its booms drawn out, its controllers set.
 
         Parameters
         ----------

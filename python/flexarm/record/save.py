@@ -110,6 +110,7 @@ def _record_table(record: Record, signals: list[dict[str, Any]]) -> dict[str, An
         table["drive"] = record.drive[0] if len(record.drive) == 1 else list(record.drive)
     table["joints"] = dict(record.joints)
     table["payloads"] = {name: load.to_plain() for name, load in record.payloads.items()}
+    table["controllers"] = {name: dict(values) for name, values in record.controllers.items()}
     table["links"] = {name: drawn.to_plain() for name, drawn in record.links.items()}
     table["clocks"] = {name: _clock(clock.to_plain()) for name, clock in record.clocks.items()}
     table["frames"] = {name: _frame(frame.to_plain()) for name, frame in record.frames.items()}

@@ -88,6 +88,8 @@ def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
+Settings = Annotated[dict[Name, Number], AfterValidator(FrozenDict)]
+"""Values of a controller by key, such as its gains."""
 Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
 Clocks = Annotated[dict[Name, Annotated[Clock, BeforeValidator(_as_clock)]], AfterValidator(FrozenDict)]
 Frames = Annotated[dict[Name, Annotated[Frame, BeforeValidator(_as_frame)]], AfterValidator(FrozenDict)]
@@ -142,6 +144,7 @@ class RecordTable(Table):
     drive: Names = ()
     joints: Annotated[dict[Name, Number], AfterValidator(FrozenDict)] = FrozenDict()
     payloads: Annotated[dict[Name, CarriedPayload], AfterValidator(FrozenDict)] = FrozenDict()
+    controllers: Annotated[dict[Name, Settings], AfterValidator(FrozenDict)] = FrozenDict()
     links: Annotated[dict[Name, DrawnLink], AfterValidator(FrozenDict)] = FrozenDict()
     clocks: Clocks = FrozenDict()
     frames: Frames = FrozenDict()
