@@ -17,7 +17,8 @@ What is left *above the noise* in a channel, over the noise, is
 
 .. math:: s_c^2 = \min(\gamma_0 - 1, \max_{1 \le l \le L} |\gamma_l|), \quad \text{at least } 0      (3)
 
-the smaller one of what noise cannot be because it is too large, and because it is correlated.
+the smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no
+order in time: of them only the variances count, T = max(1, gamma_0) and s^2 = gamma_0 - 1.
 
 No simulation agrees with a machine to better than a part `DISCREPANCY` of the noise, and its error is not
 noise: it lasts. If two models differ by v over N samples, an error of that size along v adds
@@ -38,7 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.observed import Observed, Rows
 
 Floats = NDArray[np.float64]
 Channel = tuple[str, str, int]
@@ -65,7 +66,7 @@ def worth(rest: Floats, observed: Observed) -> dict[Channel, float]:
     found = {}
     for each, where in observed.channels():
         values = rest[where]
-        lags = max(1, int(WINDOW * len(values)))
+        lags = max(1, int(WINDOW * len(values))) if _in_time(each, observed) else 0
         gamma = autocovariance(values, lags)
         window = 1.0 - np.arange(1, lags + 1) / (lags + 1)
         found[each.record, each.signal, each.channel] = max(
@@ -74,13 +75,20 @@ def worth(rest: Floats, observed: Observed) -> dict[Channel, float]:
     return found
 
 
+def _in_time(rows: Rows, observed: Observed) -> bool:
+    """Whether neighbouring rows follow one another in time."""
+    return observed.records[rows.record].kind == "motion"
+
+
 def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
     """s_c of (3) for every channel, over the noise."""
     found = {}
     for each, where in observed.channels():
         values = rest[where]
         gamma = autocovariance(values, min(LAGS, len(values) - 1))
-        square = min(gamma[0] - 1.0, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
+        square = gamma[0] - 1.0
+        if _in_time(each, observed):
+            square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
         found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0)))
     return found
 

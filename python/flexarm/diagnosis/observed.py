@@ -137,7 +137,7 @@ class Observed:
 
     def residual(self, arm: Arm) -> Floats:
         """Eq. (1) for a model, shape (len(self),)."""
-        key = (arm.joints, arm.links, arm.payloads, arm.points, arm.effects)
+        key = (arm.joints, arm.links, arm.payloads, arm.points, arm.effects, arm.motors, arm.controllers)
         if key not in self._residuals:
             found = np.empty(len(self))
             for name in self.records:
@@ -232,7 +232,8 @@ class Observed:
     def _mechanics(self, record: Record, arm: Arm) -> tuple[Any, ...]:
         """What a run depends on: everything but effects on sensors that do not drive."""
         moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
-        return (arm.joints, arm.links, arm.payloads, arm.points, moving, _driving(record, arm))
+        loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
+        return (arm.joints, arm.links, arm.payloads, arm.points, moving, _driving(record, arm), loop)
 
     def _only_seen(self, key: str) -> bool:
         """Whether a parameter is the place of a point of which only positions are measured."""
@@ -319,6 +320,14 @@ def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:
     """Effects of the model on signals and clocks that drive a record."""
     places = {*record.drive, *(record.signals[name].clock for name in record.drive)}
     return tuple(e for e in arm.effects if isinstance(e, SignalEffect | ClockEffect) and e.at in places)
+
+
+def _read_by_controllers(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """Effects on sensors whose readings move the arm, in a closed loop."""
+    if all(record.signals[name].quantity != "joint_command" for name in record.drive):
+        return ()
+    sensors = {sensor.name for sensor in arm.sensors}
+    return tuple(e for e in arm.effects if isinstance(e, SignalEffect) and e.at in sensors)
 
 
 def _end(record: Record, arm: Arm, start: float) -> float:
