@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.checked import Checked, Removed
 from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
-from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault
+from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, same_fault
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.diagnosis.checks.findings import findings
 from flexarm.diagnosis.checks.jumps import remarks_on_clocks
@@ -87,7 +87,7 @@ def check(
         remarks += notes
         if name in failed and verdict.drive is None:
             remarks.append(f"{name}: the model cannot be simulated: {failed[name]}")
-    faults = merged(verdicts)
+    faults = merged([_again(arm, verdict, verdicts, named, step) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
     return Checked(named, faults, tuple(outliers), tuple(remarks))
@@ -141,6 +141,21 @@ def _judged(arm: Arm, name: str, record: Record, subject: Subject | None, step: 
     verdict = _weighed(name, found, drive_fault(arm, name, record, found, step))
     if verdict.drive is None and (still := constant_drive(arm, record, found)) is not None:
         return Verdict(name, (), still)
+    return verdict
+
+
+def _again(
+    arm: Arm, verdict: Verdict, all_of_them: Sequence[Verdict], records: Mapping[str, Record], step: float
+) -> Verdict:
+    """Channels at fault where another record shows that it is their drive: a small motion shows little."""
+    sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.rest and not v.tied]
+    if verdict.drive is not None or not any(each.name for each in verdict.channels):
+        return verdict
+    for fault in sure:
+        name = verdict.record
+        found = same_fault(arm, name, records[name], fault, verdict.channels, step)
+        if found is not None:
+            return Verdict(name, found.rest, found)
     return verdict
 
 

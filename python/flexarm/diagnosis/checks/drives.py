@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,6 +89,18 @@ def drive_fault(
         return None
     found = _tried(arm, name, record, best[1], without, step)
     return found if found is not None and found.log_bayes > -CLEAR else None
+
+
+def same_fault(
+    arm: Arm, name: str, record: Record, fault: DriveFinding, without: Sequence[Finding], step: float
+) -> DriveFinding | None:
+    """A drive's fault that another record shows, if it explains this one as well or better."""
+    from flexarm.arm.effect import read_effect
+
+    table = {key: value for key, (value, _, _) in fault.values.items()}
+    effect: Any = read_effect({"name": fault.name, "at": fault.signal.name, **table})
+    found = _tried(arm, name, record, effect, without, step) if fault.signal.name in record.drive else None
+    return found if found is not None and found.log_bayes > 0 else None
 
 
 def _hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> list[ChannelEffect]:

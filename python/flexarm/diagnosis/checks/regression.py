@@ -44,7 +44,9 @@ class Fit:
     moving : float
         Standard deviation of s p, what the channel would show of the motion.
     noise : float
-        Part of the scatter that is stated noise.
+        1 sigma of the readings.
+    left : float
+        Root mean square of e, however small.
     """
 
     slope: float
@@ -52,11 +54,12 @@ class Fit:
     scatter: float
     moving: float
     noise: float
+    left: float
 
     @property
     def missed(self) -> float:
         """Share of the motion that is neither explained nor noise [-]: 0 is a perfect image."""
-        left = np.sqrt(max(self.scatter**2 - self.noise**2, 0.0))
+        left = np.sqrt(max(self.left**2 - self.noise**2, 0.0))
         return float(left / self.moving) if self.moving > 0 else np.inf
 
 
@@ -81,15 +84,16 @@ def slope_of(y: Floats, p: Floats, columns: Floats, sizes: Floats, noise: float,
         Of (3).
     """
     A = np.column_stack([p, columns])
-    slope, std, sigma = 1.0, np.inf, np.hypot(noise, floor)
+    slope, std, sigma, left = 1.0, np.inf, float(np.hypot(noise, floor)), np.inf
     for _ in range(ROUNDS):
         last, prior = slope, sizes * max(1.0, abs(slope))
         x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
         slope, std = float(x[0]), float(np.sqrt(spread[0]))
-        sigma = _scatter(y - A @ x, noise, slope * floor)
+        left = float(np.sqrt(np.mean((y - A @ x) ** 2)))
+        sigma = max(left, float(np.hypot(noise, slope * floor)))
         if abs(slope - last) < 1e-3 * max(abs(slope), std):
             break
-    return Fit(slope, std, sigma, abs(slope) * float(np.std(p)), noise)
+    return Fit(slope, std, sigma, abs(slope) * float(np.std(p)), noise, left)
 
 
 def scatter_at(

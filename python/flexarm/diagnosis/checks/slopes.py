@@ -75,7 +75,7 @@ def _flipped(channel: Channel, fit: Fit, plain: float) -> Finding:
     bayes = log_bayes(len(channel.rows), plain, after)
     sentence = (
         f"{channel.label} moves against the model: measured = {fit.slope:.3f} x predicted "
-        f"(+- {fit.std:.1g}); with the sign turned {after:.2g} {channel.signal.unit} are left "
+        f"(+- {fit.std:.1g}); with the sign turned {fit.left:.2g} {channel.signal.unit} are left "
         f"of {plain:.2g} {channel.signal.unit}"
     )
     return _found(channel, "sign_error", bayes, after, {}, sentence)
