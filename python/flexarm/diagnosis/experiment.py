@@ -286,21 +286,16 @@ def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: l
     if not sigma:
         sigma = NOISE[signal.quantity]
         said.append(f"noise of signal '{signal.name}' is {sigma:g} (SI)")
+    shared = ("joint", "point", "link", "payload", "side", "position", "fibre", "clock", "frame")
+    given: dict[str, Any] = {key: value for key in shared if (value := getattr(signal, key)) is not None}
+    if signal.axes:
+        given["axes"] = signal.axes
     return Sensor(
         name=signal.name,
         quantity=signal.quantity,
-        joint=signal.joint,
-        point=signal.point,
-        link=signal.link,
-        payload=signal.payload,
-        side=signal.side,
-        axes=signal.axes,
-        position=signal.position,
-        fibre=signal.fibre,
         unit=signal.unit or None,
         noise_std=float(sigma),
-        clock=signal.clock,
-        frame=signal.frame,
         rate_hz=(len(signal.time) - 1) / span,
         start=max(0.0, float(signal.time[0]) - start),
+        **given,
     )

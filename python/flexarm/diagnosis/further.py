@@ -139,9 +139,9 @@ def _gains(
     """E ln B of every pair with every addition."""
     arm = choice.fitter.with_effects(choice.best.members)
     noise = {row.signal: row.sigma for row in observed.rows if row.record == name}
-    run = from_record(name, record, arm, noise)
     step = COARSE * observed.step
     try:
+        run = from_record(name, record, arm, noise)
         additions = menu(observed.arm, [run], run.run(arm, step, observed.alpha))
     except (InvalidParameter, NotConverged):
         return

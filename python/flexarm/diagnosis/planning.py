@@ -256,7 +256,7 @@ def _only(record: Record, sensors: set[str]) -> Record:
 def _planned(candidate: Candidate, shown: Shown, seen: float) -> PlannedEffect:
     """An effect as it is shown, and the smallest one that is seen; see eq. (2) of `separation`."""
     size = candidate.probes[shown.probe]
-    units = {name: unit for name, _, unit in size.parameters()}
+    units = {name: unit.removeprefix("SI") for name, _, unit in size.parameters()}
     name = _parameter(candidate, size)
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
     times = np.sqrt(STRONG / seen) if seen > 0 else inf
