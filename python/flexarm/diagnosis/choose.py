@@ -40,6 +40,8 @@ MOST = 3
 """Effects in one diagnosis."""
 FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
+ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
+"""Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
 COARSE = 2.0
 """Steps of trials over those of the diagnosis; what they miss is corrected about the model at hand."""
 TRIED = 6
@@ -207,7 +209,21 @@ def _refined(fitter: Fitter, fits: Sequence[Fit]) -> tuple[Fit, Fitter]:
         about = fitter.about(fit)
         there.append((about.fit(fit.members), about))
     value = worth(min((f for f, _ in there), key=lambda f: f.cost).rest, observed)
-    return max(there, key=lambda pair: log_evidence(pair[0], observed, value))
+    return polished(*max(there, key=lambda pair: log_evidence(pair[0], observed, value)))
+
+
+def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
+    """A fit repeated about itself until it leaves no less; a law that is not smooth takes some rounds."""
+    best, there, idle = fit, about, 0
+    for _ in range(ROUNDS):
+        if idle == 2 or max(above_noise(best.rest, about.observed).values()) < QUIET:
+            break
+        about = about.about(fit)
+        fit = about.fit(fit.members)
+        idle = 0 if fit.cost < BETTER * best.cost else idle + 1
+        if fit.cost < best.cost:
+            best, there = fit, about
+    return best, there
 
 
 def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:

@@ -28,8 +28,8 @@ from flexarm.errors import InvalidParameter, NotConverged
 
 Floats = NDArray[np.float64]
 
-STEP = 2e-3
-"""Of the differences, in sigmas of a prior."""
+STEP = 1e-2
+"""Of the differences, in sigmas of a prior: laws with corners need steps that reach beyond them."""
 REACH = 8.0
 """Bounds of a parameter in sigmas of its prior."""
 
@@ -213,7 +213,7 @@ class Fitter:
             self._projections[taken] = (left, Projection(self.slopes[:, keep], left.sigma))
         return self._projections[taken]
 
-    def fit(self, members: Sequence[Candidate], evaluations: int = 6, tolerance: float = 2e-3) -> Fit:
+    def fit(self, members: Sequence[Candidate], evaluations: int = 8, tolerance: float = 2e-3) -> Fit:
         """Eq. (1) for a set of effects that start at their own values.
 
         Raises
