@@ -21,6 +21,9 @@ Drives = Annotated[
     list[Path],
     typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles; repeat it."),
 ]
+More = Annotated[
+    list[Path] | None, typer.Argument(metavar="[DRIVE]...", help="More of them, after --drive DRIVE.")
+]
 OutOrNone = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Directory for plan.json, plan.html, figures.")
 ]
@@ -32,6 +35,7 @@ Jobs = Annotated[
 def plan(
     model: Model,
     drive: Drives,
+    more: More = None,
     out: OutOrNone = None,
     json: Json = False,
     jobs: Jobs = None,
@@ -45,14 +49,14 @@ def plan(
     the day before a campaign.
 
         flexarm plan arm.toml --drive swing.csv
-        flexarm plan arm.toml --drive slow.csv --drive measured --out plan
+        flexarm plan arm.toml --drive slow.csv measured --out plan
 
     A record as DRIVE is made again, with its signals, noise, clocks, frames and payloads. A CSV file has
     time_s and one column per driven joint, and is seen by the model's [[sensors]]; without any a tracker of
     the last point is assumed (5e-5 m at 10 Hz), and said.
     """
     arm = load_arm(model)
-    motions = {name: _motion(path, arm) for name, path in _names(drive).items()}
+    motions = {name: _motion(path, arm) for name, path in _names([*drive, *(more or ())]).items()}
     if out is None:
         found = _planned(model, arm, motions, jobs)
     else:

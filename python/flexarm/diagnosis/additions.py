@@ -63,7 +63,7 @@ class Addition:
 
 
 def menu(arm: Arm, runs: Sequence[Experiment], first: Simulation) -> list[Addition]:
-    """All that can be added to some runs, the cheapest first; `first` is a simulation of the first."""
+    """All that can be added to some runs, by cost; `first` is a simulation of the first."""
     found = [*_torques(runs[0], first), *_reflectors(arm, runs), *_motions(arm, runs[0])]
     return sorted(found, key=lambda addition: addition.minutes)
 

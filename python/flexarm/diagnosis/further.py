@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,21 +88,22 @@ def next_experiment(choice: Choice, observed: Observed, unexplained: bool = Fals
             f"do not part {_words(choice, pairs)}; what that would gain has not been computed."
         )
     name, record = next(iter(motions.items()))
-    found = [
-        (addition, gain)
-        for addition, gains in _gains(choice, observed, name, record, pairs)
-        if np.isfinite(gain := min(gains))
-    ]
+    found = _promising(_gains(choice, observed, name, record, pairs))
     if not found:
         return NextExperiment()
-    addition, gain = _best(found)
+    addition, gain = max(found, key=lambda pair: pair[1])
     return NextExperiment(_sentence(choice, name, addition, gain, pairs), gain, addition.minutes)
 
 
-def _best(found: Sequence[tuple[Addition, float]]) -> tuple[Addition, float]:
-    """The cheapest of those that promise enough, else the one that promises most."""
-    enough = [pair for pair in found if pair[1] >= ENOUGH]
-    return min(enough, key=lambda p: (p[0].minutes, -p[1])) if enough else max(found, key=lambda p: p[1])
+def _promising(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addition, float]]:
+    """Additions of the least cost at which one promises enough, else all; dearer ones are not simulated."""
+    found: list[tuple[Addition, float]] = []
+    for _, alike in groupby(gains, key=lambda pair: pair[0].minutes):
+        new = [(addition, gain) for addition, each in alike if np.isfinite(gain := min(each))]
+        if any(gain >= ENOUGH for _, gain in new):
+            return new
+        found += new
+    return found
 
 
 def _sentence(
@@ -149,10 +151,12 @@ def _gains(
     present = _present(choice, pairs)
     sensors = [sensor for addition in additions for sensor in addition.sensors]
     logged = replace(run, sensors=(*run.sensors, *sensors))
-    again = _Next.of(logged, there, choice, observed, pairs)
+    with_all: list[_Next | None] = []  # one run serves all sensors that may be added
     for addition in additions:
         own = {*(s.name for s in run.sensors), *(s.name for s in addition.sensors)}
-        rows = again if addition.sensors else _Next.of(addition.runs[0], there, choice, observed, pairs)
+        if addition.sensors and not with_all:
+            with_all.append(_Next.of(logged, there, choice, observed, pairs))
+        rows = with_all[0] if addition.sensors else _Next.of(addition.runs[0], there, choice, observed, pairs)
         if rows is not None:
             yield addition, [_expected(present, rows, k, own) for k in range(len(pairs))]
 

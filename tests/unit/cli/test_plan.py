@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from arms import arm, beam, hinge, point
 
+import flexarm
 from flexarm.cli.run import run
 
 
@@ -60,6 +61,21 @@ def test_json_is_one_object_and_nothing_else(bench, capsys):
     told = capsys.readouterr()
     assert told.err == ""
     assert json.loads(told.out)["runs"] == ["swing"]
+
+
+def test_several_motions_follow_one_drive_or_several(bench, tmp_path, monkeypatch, capsys):
+    seen = []
+
+    def plan(arm, motions, **options):
+        seen.append(list(motions))
+        raise flexarm.NotConverged("no equilibrium", time=0.0, iteration=1, residual=1.0)
+
+    monkeypatch.setattr(flexarm, "plan", plan, raising=False)
+    (tmp_path / "fast.csv").write_text((bench / "swing.csv").read_text())
+    for words in (["slow", "fast"], ["--drive", "slow", "--drive", "fast"]):
+        paths = {"slow": str(bench / "slow"), "fast": str(tmp_path / "fast.csv")}
+        assert run(command(bench, *(paths.get(word, word) for word in words))) == 3
+    assert seen == [["swing", "slow", "fast"]] * 2
 
 
 # ---------------------------------------------------------------------------- refusals
