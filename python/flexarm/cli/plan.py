@@ -22,7 +22,7 @@ Drives = Annotated[
     typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles; repeat it."),
 ]
 More = Annotated[
-    list[Path] | None, typer.Argument(metavar="[DRIVE]...", help="More of them, after --drive DRIVE.")
+    list[Path] | None, typer.Argument(metavar="DRIVE", help="More of them, after --drive DRIVE.")
 ]
 OutOrNone = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Directory for plan.json, plan.html, figures.")
