@@ -44,8 +44,8 @@ ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
 COARSE = 2.0
 """Steps of trials over those of the diagnosis; what they miss is corrected about the model at hand."""
-TRIED = 6
-"""Candidates that are fitted at each step."""
+TRIED, PAIRS = 6, 3
+"""Candidates that are fitted at each step, and pairs where no single one explains all."""
 
 Note = Callable[[str, float], object]
 
@@ -109,6 +109,11 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
         if not found:
             break
         better, there = _refined(about, found)
+        if not best.members and not explained(better, null, observed):
+            both = _step(about.coarser(trial), probed, best, null, pairs=True)
+            tried += both
+            if both and accepted((two := _refined(about, both))[0], better, null, observed):
+                better, there = two
         if not accepted(better, best, null, observed):
             break
         best, about = better, there
@@ -166,20 +171,15 @@ def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     return False
 
 
-def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit) -> list[Fit]:
-    """Fits of the most promising candidates beside the effects that are there, pairs too."""
-    shares = screen(fitter, probed, best, together=TRIED if not best.members else 0)
-    singles = _one_variant([s for s in shares if len(s.members) == 1], TRIED)
-    double = [s for s in shares if len(s.members) == 2]
-    enough = singles and singles[0].share > 0.9
-    wanted = singles + ([] if enough else _one_variant(double, 2))
+def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit, pairs: bool = False) -> list[Fit]:
+    """Fits of the most promising candidates, or pairs of them, beside the effects that are there."""
+    shares = screen(fitter, probed, best, together=4 * PAIRS if pairs else 0)
+    size = 2 if pairs else 1
+    wanted = _one_variant([s for s in shares if len(s.members) == size], PAIRS if pairs else TRIED)
     found: list[Fit] = []
     for share in wanted:
-        if (
-            found
-            and share.share < FAR * wanted[0].share
-            and any(explained(f, null, fitter.observed) for f in found)
-        ):
+        done = any(explained(f, null, fitter.observed) for f in found)
+        if done and share.share < FAR * wanted[0].share:
             break
         try:
             found.append(fitter.fit((*best.members, *share.members)))

@@ -110,7 +110,10 @@ def diagnose(
             "unusable",
             arm,
             arm,
-            effects=tuple(checked.faults),
+            effects=tuple(
+                NamedEffect(f.name, f.at, f.probability, f.parameters, f.alternatives, f.evidence)
+                for f in checked.faults
+            ),
             training=tuple(given),
             remarks=remarks,
             provenance={**provenance, "seconds": time.monotonic() - begun},
