@@ -48,15 +48,15 @@ def test_a_large_effect_in_rich_data_is_named_at_its_place(kind, effect, at):
 
 
 def test_in_poor_data_the_truth_is_in_the_set():
-    """At five times the noise the tip in slow sines cannot part a soft joint from a soft tube.
+    """The tip alone in slow sines, five times the noise: one effect, at most three names for it.
 
-    Refitted with nuisances, the tube is worse by a chi square of 1 a record (at twenty times the noise by 15,
-    and the joint alone would be right).
+    Refitted through the rods with nuisances, a softer tube is worse by a chi square of 5 and 9 in the two
+    records: a Bayes factor near the 20 at which a rival may be left out, so either answer is right.
     """
     report = diagnosed(make_case("hinged", "joint_compliance", "hinge", 5.0, seed=22, rich=False))
-    assert ("joint_compliance", "hinge") in set().union(*sets(report))
     assert len(report["effects"]) == 1
-    assert len(sets(report)[0]) > 1
+    assert ("joint_compliance", "hinge") in sets(report)[0]
+    assert len(sets(report)[0]) <= 3
 
 
 def test_nothing_is_named_where_nothing_is_hidden():
