@@ -10,12 +10,12 @@ left is fitted in its place; those within `REACH` of the best are within reach o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import exp, log
 
 import numpy as np
 
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidates import SPRINGS, Candidate, value_of
 from flexarm.diagnosis.evidence import Channel, above_noise, log_bayes_factor, log_evidence, worth
 from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.observed import Observed
@@ -182,10 +182,18 @@ def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit, pairs:
         if done and share.share < FAR * wanted[0].share:
             break
         try:
-            found.append(fitter.fit((*best.members, *share.members)))
+            found.append(fitter.fit((*map(relaxed, best.members), *share.members)))
         except (InvalidParameter, NotConverged, ValueError):
             continue
     return found
+
+
+def relaxed(member: Candidate) -> Candidate:
+    """A spring with a typical damping: what it had may have stood in for the effect that is added."""
+    if member.name not in SPRINGS or "damping" not in member.free:
+        return member
+    damping = 2e-3 * value_of(member.effect, "stiffness")
+    return replace(member, effect=member.effect.with_parameters({"damping": damping}))
 
 
 def _one_variant(shares: Sequence[Share], most: int) -> list[Share]:

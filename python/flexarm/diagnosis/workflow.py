@@ -231,7 +231,11 @@ def _named(
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.behind < REACH]
         odds = [min(p, CAP) for p in probabilities(near)]
-        moving = [d for d in drifts if (d["effect"], d["at"]) == member.place and not d["constant"]]
+        moving = [
+            d
+            for d in drifts
+            if (d["effect"], d["at"], d["parameter"]) == (*member.place, member.free[0]) and not d["constant"]
+        ]
         first = min(odds[0], CONFIDENT) if moving or open_gap else odds[0]
         alternatives = tuple(
             Alternative(rival.candidate.name, rival.candidate.at, p)
