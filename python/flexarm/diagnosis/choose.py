@@ -19,7 +19,7 @@ from flexarm.diagnosis.candidates import SPRINGS, Candidate, value_of
 from flexarm.diagnosis.evidence import Channel, above_noise, log_bayes_factor, log_evidence, worth
 from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.observed import Observed
-from flexarm.diagnosis.screen import Probed, Share, screen
+from flexarm.diagnosis.screen import Probed, Share, screen, sharpened
 from flexarm.errors import InvalidParameter, NotConverged
 
 STRONG = 6.0
@@ -175,7 +175,9 @@ def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit, pairs:
     """Fits of the most promising candidates, or pairs of them, beside the effects that are there."""
     shares = screen(fitter, probed, best, together=4 * PAIRS if pairs else 0)
     size = 2 if pairs else 1
-    wanted = _one_variant([s for s in shares if len(s.members) == size], PAIRS if pairs else TRIED)
+    wanted = _one_variant([s for s in shares if len(s.members) == size], PAIRS if pairs else 2 * TRIED)
+    if not pairs:
+        wanted = sharpened(fitter, wanted, best)[:TRIED]
     found: list[Fit] = []
     for share in wanted:
         done = any(explained(f, null, fitter.observed) for f in found)
@@ -275,7 +277,7 @@ def _rivals(
     without = quick.fit(others)
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
-    for share in _one_variant(shares, TRIED):
+    for share in sharpened(quick, _one_variant(shares, 2 * TRIED), without)[:TRIED]:
         place = share.members[0].place
         try:
             fit = known.get(place) or quick.fit((share.members[0], *others))

@@ -98,6 +98,25 @@ def screen(fitter: Fitter, probed: Sequence[Probed], fit: Fit, together: int = 0
     return singles + pairs(fitter, free, fit, together)
 
 
+def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
+    """Shares taken anew with each set at the size found, since laws bend between a probe and that size."""
+    sets = [(*fit.members, *share.members) for share in shares]
+    fitter.observed.prepare(fitter.with_effects(members) for members in sets)
+    found = []
+    for share, members in zip(shares, sets, strict=True):
+        try:
+            move = fitter.residual(members) - fit.residual
+        except (InvalidParameter, NotConverged):
+            continue
+        _, projection = fitter.eliminated(members)
+        rest = projection.rest(np.column_stack([fit.residual, move]))
+        q, d = rest[:, 0], rest[:, 1]
+        times = max(-float(d @ q) / max(float(d @ d), 1e-300), 0.0)
+        left = q + times * d
+        found.append(Share(share.members, 1.0 - float(left @ left) / fit.cost))
+    return sorted(found, key=lambda s: -s.share)
+
+
 def pairs(fitter: Fitter, free: Sequence[Probed], fit: Fit, most: int) -> list[Share]:
     """The best pairs of candidates."""
     found = []
