@@ -16,7 +16,14 @@ from math import exp, log
 import numpy as np
 
 from flexarm.diagnosis.candidates import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.evidence import Channel, above_noise, log_bayes_factor, log_evidence, worth
+from flexarm.diagnosis.evidence import (
+    Channel,
+    above_noise,
+    log_bayes_factor,
+    log_evidence,
+    log_likelihood_ratio,
+    worth,
+)
 from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.screen import Probed, Share, screen, sharpened
@@ -34,8 +41,8 @@ LEFT_SHARE = 0.07
 """The same, of what the nominal model leaves."""
 REACH = log(20.0)
 """Bayes factor within which rivals are alternatives."""
-CLOSE = 30.0
-"""How far behind a rival is fitted with derivatives of its own."""
+CLOSE, WITHIN_SIGHT = 30.0, 8.0
+"""How far behind a rival is fitted with derivatives of its own, and polished as the chosen one was."""
 MOST = 3
 """Effects in one diagnosis."""
 FAR = 0.3
@@ -52,11 +59,27 @@ Note = Callable[[str, float], object]
 
 @dataclass(frozen=True, eq=False)
 class Rival:
-    """An effect in the place of another one, the rest refitted, and its ln Z less than the chosen one's."""
+    """An effect in the place of another one, with the rest refitted.
+
+    Attributes
+    ----------
+    candidate, fit : Candidate and Fit
+        The effect, and the model with it.
+    behind : float
+        ln Z less than the chosen model's.
+    fits_behind : float
+        The same of the fit alone, whatever is plausible.
+    """
 
     candidate: Candidate
     fit: Fit
     behind: float
+    fits_behind: float
+
+    @property
+    def within_reach(self) -> bool:
+        """Whether the data cannot tell it from the chosen effect; what is implausible may still be true."""
+        return self.behind < REACH or (self.fits_behind < REACH and self.behind < 2 * REACH)
 
 
 @dataclass(eq=False)
@@ -279,6 +302,7 @@ def _rivals(
     found = []
     for share in sharpened(quick, _one_variant(shares, 2 * TRIED), without)[:TRIED]:
         place = share.members[0].place
+        about = fitter
         try:
             fit = known.get(place) or quick.fit((share.members[0], *others))
             behind = log_bayes_factor(best, fit, observed, value)
@@ -286,10 +310,13 @@ def _rivals(
                 about = fitter.about(fit)
                 fit = about.fit(fit.members)
                 behind = log_bayes_factor(best, fit, observed, value)
+            if behind < WITHIN_SIGHT:
+                fit, _ = polished(fit, about)
+                behind = log_bayes_factor(best, fit, observed, value)
         except (InvalidParameter, NotConverged, ValueError):
             continue
         member = next(m for m in fit.members if m.place == place)
-        found.append(Rival(member, fit, behind))
+        found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value)))
     return sorted(found, key=lambda rival: rival.behind)
 
 

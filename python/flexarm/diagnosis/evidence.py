@@ -95,21 +95,21 @@ def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
 
 def log_bayes_factor(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
     """ln Z of one model over another one's, eq. (1) with (4)."""
-    weight = _weights(one, observed, value)
-    other_weight = _weights(other, observed, value)
+    priors = occam(one, _weights(one, observed, value)) - occam(other, _weights(other, observed, value))
+    return log_likelihood_ratio(one, other, observed, value) + priors
+
+
+def log_likelihood_ratio(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
+    """The first term of (4): how much better one model fits, whatever is plausible."""
     n = len(observed)
-    chi = float(np.sum(other_weight * other.rest**2) - np.sum(weight * one.rest**2))
-    v = np.abs(np.concatenate([one.rest[:n] - other.rest[:n], [_asked(one) - _asked(other)]]))
+    gain = (
+        _weights(other, observed, value)[:n] * other.rest[:n] ** 2
+        - _weights(one, observed, value)[:n] * one.rest[:n] ** 2
+    )
+    v = np.abs(one.rest[:n] - other.rest[:n])
     spread = float(np.sum(v**2)) ** 2 / max(float(np.sum(v**4)), 1e-300)
-    return (
-        chi / 2 / (1 + DISCREPANCY**2 * spread) + occam(one, weight) - occam(other, other_weight)
-    )  # eq. (1), (4)
-
-
-def _asked(fit: Fit) -> float:
-    """Length of what a fit asks of its unknowns, in sigmas."""
-    z = fit.projection.best(fit.residual) / fit.unknowns.sigma
-    return float(np.linalg.norm(z))
+    asked = float(np.sum(other.rest[n:] ** 2) - np.sum(one.rest[n:] ** 2))
+    return float(np.sum(gain)) / 2 / (1 + DISCREPANCY**2 * spread) + asked / 2  # eq. (4)
 
 
 def _weights(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> Floats:

@@ -78,7 +78,7 @@ def next_experiment(choice: Choice, observed: Observed, unexplained: bool = Fals
     motions = {name: record for name, record in observed.records.items() if record.kind == "motion"}
     if unexplained:
         return NextExperiment(_to_describe(observed, motions))
-    pairs = [(k, rival) for k, rivals in enumerate(choice.rivals) for rival in rivals if rival.behind < REACH]
+    pairs = [(k, rival) for k, rivals in enumerate(choice.rivals) for rival in rivals if rival.within_reach]
     pairs = sorted(pairs, key=lambda pair: pair[1].behind)[:MOST]
     if not pairs:
         return NextExperiment()

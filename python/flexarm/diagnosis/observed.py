@@ -229,6 +229,13 @@ class Observed:
             self._drives[key] = Drive.from_record(record, arm)
         return self._drives[key]
 
+    def _last_drive(self, name: str) -> float:
+        """Last instant at which all drives are known; what is measured later says nothing about the model."""
+        record = self.records[name]
+        if record.kind == "static" or not record.drive:
+            return float(np.inf)
+        return min(float(record.signals[drive].time[-1]) for drive in record.drive)
+
     def _mechanics(self, record: Record, arm: Arm) -> tuple[Any, ...]:
         """What a run depends on: everything but effects on sensors that do not drive."""
         moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
@@ -266,8 +273,9 @@ class Observed:
         residual = pair.residual(signal, self.placement[name], hold=True)
         noise = pair.noise(signal)
         stamps = pair.stamps[signal.name]
+        driven = pair.instants(signal, self.placement[name]) <= self._last_drive(name) + 1e-9
         for channel in range(residual.shape[1]):
-            kept = np.isfinite(residual[:, channel])
+            kept = np.isfinite(residual[:, channel]) & driven
             count = int(kept.sum())
             if count == 0:
                 continue

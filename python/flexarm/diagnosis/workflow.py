@@ -229,7 +229,7 @@ def _named(
     """The chosen effects, each with its rivals within reach."""
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
-        near = [rival for rival in rivals if rival.behind < REACH]
+        near = [rival for rival in rivals if rival.within_reach]
         odds = [min(p, CAP) for p in probabilities(near)]
         moving = [
             d
@@ -288,7 +288,7 @@ def _rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
     chosen = set(choice.best.places)
     for rivals in choice.rivals:
         for rival in rivals:
-            if rival.behind >= REACH:
+            if not rival.within_reach:
                 place = rival.candidate.place
                 found[place] = Rejected(*place, -rival.behind, "explains less in its place")
     for fit, _ in choice.tried:

@@ -30,6 +30,8 @@ Rows = NDArray[np.bool_]
 
 FEWEST = 5
 """Rows of a plateau at least."""
+CROWDED = 0.02
+"""Share of all rows that a plateau with noise must hold: a few rows near the top are no end of a range."""
 MOVES = 0.2
 """Of (1), in standard deviations of the prediction."""
 FAR = 1.0
@@ -113,7 +115,8 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
     """Rows at the upper end and its level, if (2) holds there."""
     at, level, width = _end(y, noise)
     inner = ~at & ~_end(-y, noise)[0]
-    if at.sum() < FEWEST or at.sum() > 0.9 * len(y):
+    fewest = max(FEWEST, CROWDED * len(y)) if width else FEWEST
+    if at.sum() < fewest or at.sum() > 0.9 * len(y):
         return None
     shift, left = _about(y[inner] - p[inner], floor)
     enough = max(10 * noise if width else 5 * noise, 3 * left, 0.02 * float(np.std(p)))
