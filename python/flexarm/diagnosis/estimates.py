@@ -7,8 +7,9 @@ together, are drawn with replacement, and the fit is repeated to first order [Ku
    H = J^T J + \Lambda, \quad g_j = \sum_{i \in j} J_i^T r_i                                           (1)
 
 w_jb is how often block j was drawn, J the derivatives by effects' parameters and unknowns together, Lambda
-their priors' weights. What a prior contributes is uncertain by the prior's own sigma: xi ~ N(0, 1). Intervals
-are quantiles of p_b, mapped to the parameters' own scales.
+their priors' weights. What a prior contributes is uncertain by the prior's own sigma, xi ~ N(0, 1), so that
+what the data leave open keeps the width of its prior. Intervals are quantiles of p_b, mapped to the
+parameters' own scales.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.fit import REACH, Fit
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.result import Estimate, Nuisance, Refined
 
@@ -71,7 +72,7 @@ def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
 def draws(fit: Fit, observed: Observed, rng: np.random.Generator) -> Floats:
     """p_b - p of (1), shape (DRAWS, k + m)."""
     slopes, residual, prior = joint_slopes(fit)
-    k, count = len(fit.z), slopes.shape[1]
+    count = slopes.shape[1]
     scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes**2, axis=0) + prior, 1e-300))
     scores = [(slopes[rows].T @ residual[rows]) * scale for rows in blocks(observed) if len(rows)]
     g = np.stack(scores)
@@ -79,7 +80,6 @@ def draws(fit: Fit, observed: Observed, rng: np.random.Generator) -> Floats:
     inverse = np.linalg.pinv(hessian, hermitian=True)
     weights = rng.multinomial(len(g), np.full(len(g), 1.0 / len(g)), size=DRAWS) - 1.0
     xi = rng.standard_normal((DRAWS, count))
-    xi[:, :k] = 0.0
     moved: Floats = -(weights @ g - xi * np.sqrt(prior) * scale) @ inverse * scale  # eq. (1)
     return moved
 
@@ -106,7 +106,8 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
             continue
         j = places[name]
         coordinate, z = fit.coordinates[j], float(fit.z[j])
-        values = np.array([coordinate.value(float(np.clip(z + dz, -60, 60))) for dz in moved[:, j]])
+        reach = max(REACH, abs(z))
+        values = np.array([coordinate.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
         low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
         found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), unit))
     return tuple(found)
