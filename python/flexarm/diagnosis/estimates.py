@@ -3,13 +3,15 @@ r"""Values and intervals of everything that was fitted, by a block bootstrap.
 Residuals of a fit are not independent: what the model lacks lasts. So whole blocks of time, all channels
 together, are drawn with replacement, and the fit is repeated to first order [Kuensch1989]:
 
-.. math:: p_b = p - H^{-1} \Bigl( \sum_j (w_{jb} - 1) g_j - \xi_b / \sigma \Bigr), \quad
+.. math:: p_b = p - H^{-1} \Bigl( \sum_j (w_{jb} - 1) g_j - \xi_b / \sigma + J^T e_b \Bigr), \quad
    H = J^T J + \Lambda, \quad g_j = \sum_{i \in j} J_i^T r_i                                           (1)
 
 w_jb is how often block j was drawn, J the derivatives by effects' parameters and unknowns together, Lambda
 their priors' weights. What a prior contributes is uncertain by the prior's own sigma, xi ~ N(0, 1), so that
-what the data leave open keeps the width of its prior. Intervals are quantiles of p_b, mapped to the
-parameters' own scales.
+what the data leave open keeps the width of its prior. No simulation is exact, and a fit hides from its own
+residual what the simulation errs in the direction of its parameters: e_b is an error of `DISCREPANCY` of
+the noise in every channel, slow as the motion, of random waves with one to ten periods a record. Intervals
+are quantiles of p_b, mapped to the parameters' own scales.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.fit import REACH, Fit
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.result import Estimate, Nuisance, Refined
@@ -27,7 +30,7 @@ Floats = NDArray[np.float64]
 
 BLOCKS = 24
 """Blocks a record."""
-DRAWS = 600
+DRAWS, WAVES = 600, 10
 HELD = 1.0 / 9.0
 """Weight of an effect's prior, as in `fit`."""
 
@@ -69,7 +72,7 @@ def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
     return slopes, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
 
 
-def draws(fit: Fit, observed: Observed, rng: np.random.Generator) -> Floats:
+def draws(fit: Fit, observed: Observed, rng: np.random.Generator, discrepancy: float = DISCREPANCY) -> Floats:
     """p_b - p of (1), shape (DRAWS, k + m)."""
     slopes, residual, prior = joint_slopes(fit)
     count = slopes.shape[1]
@@ -80,8 +83,20 @@ def draws(fit: Fit, observed: Observed, rng: np.random.Generator) -> Floats:
     inverse = np.linalg.pinv(hessian, hermitian=True)
     weights = rng.multinomial(len(g), np.full(len(g), 1.0 / len(g)), size=DRAWS) - 1.0
     xi = rng.standard_normal((DRAWS, count))
-    moved: Floats = -(weights @ g - xi * np.sqrt(prior) * scale) @ inverse * scale  # eq. (1)
+    waves = slow_waves(observed, slopes) * scale
+    errors = discrepancy / np.sqrt(WAVES) * rng.standard_normal((DRAWS, len(waves))) @ waves
+    moved: Floats = -(weights @ g - xi * np.sqrt(prior) * scale + errors) @ inverse * scale  # eq. (1)
     return moved
+
+
+def slow_waves(observed: Observed, slopes: Floats) -> Floats:
+    """J^T of sine and cosine of 1 to `WAVES` periods a record in each channel, shape (waves, k + m)."""
+    found = []
+    for each, where in observed.channels():
+        turn = 2 * np.pi * (each.time - each.time[0]) / max(float(np.ptp(each.time)), 1e-12)
+        for k in range(1, WAVES + 1):
+            found += [np.sin(k * turn) @ slopes[where], np.cos(k * turn) @ slopes[where]]
+    return np.array(found)
 
 
 def blocks(observed: Observed) -> list[NDArray[np.int_]]:

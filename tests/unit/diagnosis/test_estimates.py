@@ -47,8 +47,15 @@ def test_a_block_is_a_stretch_of_time():
 def test_spread_is_that_of_least_squares_in_white_noise():
     """One sigma is 1/|slope|; a bootstrap over 24 blocks knows it to 15 %, twelve of them to 5 %."""
     slope = 0.5 * np.sin(TIME)
-    spread = [draws(fitted(RNG.normal(size=N), slope), observed(), RNG)[:, 0].std() for _ in range(12)]
+    spread = [draws(fitted(RNG.normal(size=N), slope), observed(), RNG, 0.0)[:, 0].std() for _ in range(12)]
     assert np.mean(spread) == pytest.approx(1 / np.linalg.norm(slope), rel=0.12)
+
+
+def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
+    """A wave of the record's third harmonic in the slope: e has amplitude d/sqrt(10) along it."""
+    slope = np.sin(3 * 2 * np.pi * (TIME - TIME[0]) / np.ptp(TIME))
+    fit = fitted(1e-9 * RNG.normal(size=N), slope)  # no noise: the discrepancy alone
+    assert draws(fit, observed(), RNG, 0.2)[:, 0].std() == pytest.approx(0.2 / np.sqrt(10), rel=0.1)
 
 
 def test_nine_of_ten_intervals_hold_the_truth_in_correlated_noise():
