@@ -15,7 +15,8 @@ KEY = ("run", "tip", 0)
 def one_channel(n):
     """As much of `Observed` as evidence asks for: one channel."""
     rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n))
-    return SimpleNamespace(channels=lambda: [(rows, rows.where)])
+    records = {"run": SimpleNamespace(kind="motion")}
+    return SimpleNamespace(records=records, channels=lambda: [(rows, rows.where)])
 
 
 def test_autocovariance_is_the_mean_of_lagged_products():

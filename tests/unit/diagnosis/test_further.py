@@ -10,7 +10,7 @@ import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.choose import REACH, Choice, Rival
-from flexarm.diagnosis.evidence import log_bayes_factor, worth
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
 from flexarm.diagnosis.experiment import from_drive
 from flexarm.diagnosis.fit import Fitter
 from flexarm.diagnosis.further import ENOUGH, next_experiment
@@ -60,7 +60,15 @@ def choice(*rivals):
     best = fitter.fit([known["joint_compliance", "hinge"]])
     value = worth(best.rest, observed)
     fits = [fitter.fit([known[place]]) for place in rivals]
-    others = [Rival(f.members[0], f, log_bayes_factor(best, f, observed, value)) for f in fits]
+    others = [
+        Rival(
+            f.members[0],
+            f,
+            log_bayes_factor(best, f, observed, value),
+            log_likelihood_ratio(best, f, observed, value),
+        )
+        for f in fits
+    ]
     return Choice(fitter.fit(()), best, fitter, value, [others])
 
 
