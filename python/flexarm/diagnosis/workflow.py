@@ -20,7 +20,7 @@ from flexarm.comparison.beside import Beside, beside
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.configuration import version
-from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.candidates import SPRINGS, candidates
 from flexarm.diagnosis.check import check, named_records
 from flexarm.diagnosis.choose import COARSE, REACH, Choice, choose, leaves_gap, probabilities
 from flexarm.diagnosis.constancy import constancy
@@ -196,16 +196,18 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates, effects: bool = True) -> Arm:
         arm = with_value(arm, refined.parameter, _rounded(refined.value, refined.std))
     if not effects:
         return arm
-    for member in sorted(fit.members, key=lambda m: m.name not in ("joint_compliance", "base_compliance")):
+    found = zip(fit.members, sizes.effects, strict=True)
+    for member, values in sorted(found, key=lambda pair: pair[0].name not in SPRINGS):
         if member.needs is not None and arm.effect(member.needs.name, member.needs.at) is None:
             arm = arm.with_effect(member.needs)
-        arm = arm.with_effect(member.effect)
+        rounded = {each.name: _rounded(each.value, each.std) for each in values}
+        arm = arm.with_effect(member.effect.with_parameters(rounded))
     return arm
 
 
 def _rounded(value: float, std: float) -> float:
     """A value to a thousandth of its standard deviation, so that files do not feign more."""
-    return value if not std > 0 else round(value, max(0, 3 - floor(log10(std))))
+    return value if not std > 0 else round(value, 3 - floor(log10(std)))
 
 
 def main_signal(records: Mapping[str, Record], before: Mapping[str, Comparison]) -> str:
