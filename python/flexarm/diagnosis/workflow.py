@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from math import floor, log10
+from math import log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import Estimates, estimates
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.further import next_experiment
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
 from flexarm.diagnosis.locate import locate
@@ -153,6 +154,7 @@ def diagnose(
     pairs_before = {name: beside(arm, record, step=step) for name, record in named.items()}
     pairs_after = {name: beside(updated, record, step=step) for name, record in named.items()}
     located, located_after = _located(pairs_before), _located(pairs_after)
+    remarks = (*remarks, *floor(pairs_after, step=step, alpha=alpha).notes)
     left = describe_remainder(located_after) if open_gap and located_after else None
     return Diagnosis(
         verdict,  # type: ignore[arg-type]
@@ -207,7 +209,7 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates, effects: bool = True) -> Arm:
 
 def _rounded(value: float, std: float) -> float:
     """A value to a thousandth of its standard deviation, so that files do not feign more."""
-    return value if not std > 0 else round(value, 3 - floor(log10(std)))
+    return value if not std > 0 else round(value, 3 - int(np.floor(log10(std))))
 
 
 def main_signal(records: Mapping[str, Record], before: Mapping[str, Comparison]) -> str:
