@@ -262,7 +262,7 @@ def simulate(
         derivative of the computed motion, not a difference of runs.
     dimension : {"auto", "plane", "space"}
         An arm that moves in a plane is computed with three coordinates a node, several times faster and with
-        the same result. "space" always takes six, as do controllers and sensitivities; "plane" is an error
+        the same result. "space" always takes six, as do controllers; "plane" is an error
         that tells what leaves it where there is none.
     progress : bool or callable, optional
         True shows a bar on standard error; a callable gets the share done and may return False to stop.
