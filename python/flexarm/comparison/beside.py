@@ -116,13 +116,13 @@ def _run(arm: Arm, record: Record, step: float, alpha: float) -> Any:
         drive,
         step=step,
         alpha=alpha,
-        end=_end(record, arm, drive.start),
+        end=last_needed(record, arm, drive.start),
         rotations=bool(quantities & set(NEEDS_ROTATIONS)),
         forces="strain" in quantities,
     )
 
 
-def _end(record: Record, arm: Arm, start: float) -> float:
+def last_needed(record: Record, arm: Arm, start: float) -> float:
     """Last instant that is needed: every stamp less what its clock is late, and three sigma more."""
     own = record.clocks[drive_clock(record)].offset
     ends = []

@@ -26,11 +26,12 @@ from numpy.typing import NDArray
 from flexarm.arm import Arm
 from flexarm.arm.parameter import neighbours, parameters
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
+from flexarm.comparison.beside import last_needed
 from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
 from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Placement, Subject, subject
-from flexarm.comparison.unknowns import drive_clock, stated
-from flexarm.drive import Drive, true_time
+from flexarm.comparison.unknowns import stated
+from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record, Signal
 
@@ -220,7 +221,7 @@ class Observed:
             "forces": "strain" in quantities,
         }
         drive = self._drive(name, record, arm)
-        options["end"] = _end(record, arm, drive.start)
+        options["end"] = last_needed(record, arm, drive.start)
         return simulate(arm, drive, **options)
 
     def _drive(self, name: str, record: Record, arm: Arm) -> Drive:
@@ -336,15 +337,3 @@ def _read_by_controllers(record: Record, arm: Arm) -> tuple[Any, ...]:
         return ()
     sensors = {sensor.name for sensor in arm.sensors}
     return tuple(e for e in arm.effects if isinstance(e, SignalEffect) and e.at in sensors)
-
-
-def _end(record: Record, arm: Arm, start: float) -> float:
-    """Last instant that is needed; see `flexarm.comparison.compare`."""
-    own = record.clocks[drive_clock(record)].offset
-    ends = []
-    for signal in record.signals.values():
-        clock = record.clocks[signal.clock]
-        if len(signal.time) and (not clock.unknown or signal.name in record.drive):
-            late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
-            ends.append(float(true_time(signal, arm, start, late)[-1]))
-    return max(ends, default=record.duration) + 1e-9
