@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,8 @@ from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen, read_only
 from flexarm.assembly import assemble, joint_values
 from flexarm.drive import Drive
+from flexarm.energies import NAMES as ENERGIES
+from flexarm.energies import Energies, recorded_again
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents, Variable
 from flexarm.record import Record
@@ -49,7 +52,8 @@ class Simulation(Result):
     joint_torque, motor_torque : ndarray, shape (n, joint)
         Torque on the child about +axis, and of the motor with rotor inertia and friction; output side [N m].
     kinetic, elastic, gravity, damped, work : ndarray, shape (n,)
-        Energies, and what damping took and drives gave since the start [J].
+        Energies, and what damping took and drives gave since the start [J]. Without `energies=True` the first
+        look at one of them makes the run a second time.
     orientation, angular_rate : ndarray, shape (n, point, 4) and (n, point, 3), or None
         Quaternion x, y, z, w and rate in body axes [rad/s]; with `rotations=True`.
     section_forces : ndarray, shape (n, link, 2, 6), or None
@@ -76,11 +80,7 @@ class Simulation(Result):
     drive_rate: Floats
     joint_torque: Floats
     motor_torque: Floats
-    kinetic: Floats
-    elastic: Floats
-    gravity: Floats
-    damped: Floats
-    work: Floats
+    energy_record: Energies | Callable[[], Energies]
     orientation: Floats | None = None
     angular_rate: Floats | None = None
     section_forces: Floats | None = None
@@ -89,6 +89,36 @@ class Simulation(Result):
     motor_voltage: Floats | None = None
     sensitivities: Sensitivities | None = None
     solver: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def energies(self) -> Energies:
+        """All energies of the run."""
+        return self.energy_record() if callable(self.energy_record) else self.energy_record
+
+    @property
+    def kinetic(self) -> Floats:
+        """Kinetic energy [J], shape (n,)."""
+        return self.energies.kinetic
+
+    @property
+    def elastic(self) -> Floats:
+        """Elastic energy of links and joints [J], shape (n,)."""
+        return self.energies.elastic
+
+    @property
+    def gravity(self) -> Floats:
+        """Potential energy of gravity [J], shape (n,)."""
+        return self.energies.gravity
+
+    @property
+    def damped(self) -> Floats:
+        """What damping and friction took since the start [J], shape (n,)."""
+        return self.energies.damped
+
+    @property
+    def work(self) -> Floats:
+        """Work of drives and loads since the start [J], shape (n,)."""
+        return self.energies.work
 
     @property
     def acceleration(self) -> Floats | None:
@@ -156,7 +186,10 @@ class Simulation(Result):
             If the file is not a stored run.
         """
         data = load(path, "simulation")
-        arrays = {name: frozen(data[name].values) for name in _VARIABLES if name in data}
+        arrays: dict[str, Any] = {
+            name: frozen(data[name].values) for name in _VARIABLES if name in data and name not in ENERGIES
+        }
+        arrays["energy_record"] = Energies(*(frozen(data[name].values) for name in ENERGIES))
         solver = {name: data.attrs[name] for name in _COUNTS if name in data.attrs}
         arm = model_of(data)
         return cls(
@@ -236,6 +269,7 @@ def simulate(
     end: float | None = None,
     forces: bool = False,
     rotations: bool = False,
+    energies: bool = False,
     sensitivities: Iterable[str] = (),
     dimension: str = "auto",
     progress: Progress = None,
@@ -256,6 +290,9 @@ def simulate(
         End of the run [s]; default: of the drive.
     forces, rotations : bool
         Record section forces and base reaction; orientations and angular rates of the points.
+    energies : bool
+        Record energies in the same run; otherwise a second run computes them when they are first asked for.
+        Runs under a controller always record them.
     sensitivities : iterable of str
         Keys of parameters, such as "links.rod.material.youngs_modulus" or
         "effects.backlash.hinge.gap": what the arrays are differentiated by in the same run. The result is the
@@ -296,6 +333,7 @@ def simulate(
     else:
         run, redrive = _prepared(arm, drive, step, alpha, end, forces, rotations), None
     wanted = parameters(run.arm, sensitivities)
+    run.options.record_energies = energies
     run.options.dimension = _dimension(dimension)
     if any(joint.side == "command" for joint in run.drive.joints.values()):
         from flexarm.control import simulate_closed_loop
@@ -351,7 +389,7 @@ def _prepared(
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = float(step), float(alpha)
-    options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
+    options.record_forces, options.record_rotations = forces, rotations
     return _Run(arm, drive, options)
 
 
@@ -380,8 +418,9 @@ def _plain(run: _Run, report: Report) -> Simulation:
     equilibrium = _start(run, held, motions)
     if held is not system:
         equilibrium = _core.released(held, equilibrium, system)
+    found = _core.simulate(system, equilibrium, motions, run.options, report)
     return _simulation(
-        run.arm, _core.simulate(system, equilibrium, motions, run.options, report), run.options
+        run.arm, found, run.options, _energies(found, system, equilibrium, motions, run.options)
     )
 
 
@@ -405,7 +444,8 @@ def _differentiated(
     both = _core.simulate_differentiated(
         system, equilibrium, motions, run.options, varied_systems, initial, report
     )
-    found = _simulation(run.arm, both.run, run.options)
+    energies = _energies(both.run, system, equilibrium, motions, run.options)
+    found = _simulation(run.arm, both.run, run.options, energies)
     arrays = {
         name: getattr(both.derivatives, name).T.reshape(*value.shape, len(places))
         for name in _DERIVED
@@ -475,7 +515,25 @@ def reported(progress: Progress, name: str) -> Iterator[Callable[[float], object
         bar.update(100 - bar.n)
 
 
-def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions) -> Simulation:
+def _energies(
+    found: _core.Transient,
+    system: _core.System,
+    equilibrium: _core.Equilibrium,
+    motions: list[_core.PiecewisePolynomial],
+    options: _core.TransientOptions,
+) -> Energies | Callable[[], Energies]:
+    """Recorded, or how to get them."""
+    if options.record_energies:
+        return Energies.of(found)
+    return recorded_again(system, equilibrium, motions, options, float(found.time[-1]))
+
+
+def _simulation(
+    arm: Arm,
+    run: _core.Transient,
+    options: _core.TransientOptions,
+    energies: Energies | Callable[[], Energies],
+) -> Simulation:
     """The core's columns as arrays with the instant first; they stay where the core wrote them."""
     n, p, links = len(run.time), len(arm.points), len(arm.links)
 
@@ -487,12 +545,9 @@ def _simulation(arm: Arm, run: _core.Transient, options: _core.TransientOptions)
         name: columns(name, len(arm.joints))
         for name in ("joint_angle", "joint_rate", "drive_angle", "drive_rate", "joint_torque", "motor_torque")
     }
-    energies = {
-        name: read_only(getattr(run, name)) for name in ("kinetic", "elastic", "gravity", "damped", "work")
-    }
     arrays: dict[str, Any] = {
         **joints,
-        **energies,
+        "energy_record": energies,
         "position": columns("position", p, 3),
         "velocity": columns("velocity", p, 3),
         "section_forces": columns("section_forces", links, 2, 6),

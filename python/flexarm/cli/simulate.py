@@ -139,5 +139,6 @@ def _run(
         alpha=alpha,
         forces=forces or "strain" in seen,
         rotations=bool(seen & TURNS),
+        energies=True,
         progress=show_progress(),
     )

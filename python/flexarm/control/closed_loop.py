@@ -24,6 +24,7 @@ from flexarm.control.laws import CascadeLaw, feedback_voltage
 from flexarm.control.sensing import Sensing
 from flexarm.drive import Drive, JointDrive
 from flexarm.effects import MotorFriction
+from flexarm.energies import Energies
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -158,7 +159,7 @@ def simulate_closed_loop(
             if report is not None and k % _LOOK == 0 and report(k / n_ticks) is False:
                 break
     transient = run.result()
-    found = _simulation(arm, transient, options)
+    found = _simulation(arm, transient, options, Energies.of(transient))
     seconds = perf_counter() - began
     return _completed(found, drive, loops, losses, np.repeat(voltage, substeps, axis=0), seconds)
 
@@ -265,8 +266,7 @@ def _completed(
         joint_command=_frozen(command),
         motor_voltage=_frozen(held),
         motor_torque=_frozen(torque),
-        damped=_frozen(run.damped - lost),
-        work=_frozen(run.work - lost),
+        energy_record=replace(run.energies, damped=_frozen(run.damped - lost), work=_frozen(run.work - lost)),
         solver={**run.solver, "seconds": seconds},
     )
 
