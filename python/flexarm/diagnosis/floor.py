@@ -15,6 +15,8 @@ information criterion may count.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +25,7 @@ from numpy.typing import NDArray
 from flexarm.comparison.beside import Beside, beside
 from flexarm.diagnosis.floor_table import Floor, SignalFloor
 from flexarm.diagnosis.noise import drive_noise, effective_samples, estimated_noise
-from flexarm.errors import InvalidParameter
+from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -52,8 +54,6 @@ def floor(
     ------
     InvalidParameter
         If there is no record.
-    NotConverged
-        If a simulation fails.
     """
     found = {"record": pairs} if isinstance(pairs, Beside) else dict(pairs)
     if not found:
@@ -80,7 +80,7 @@ def _liveliness(pair: Beside) -> float:
     return float(np.sqrt(np.mean(rates**2, axis=0)).max(initial=0.0))
 
 
-def _of_record(name: str, pair: Beside, others: Mapping[str, Beside]) -> list[SignalFloor]:
+def _of_record(name: str, pair: Beside, others: Mapping[str, Beside | None]) -> list[SignalFloor]:
     """Floors of the signals of one record, with the same record beside other simulations."""
     found = []
     for signal in pair.subject.signals.values():
@@ -113,20 +113,28 @@ def _estimated(pair: Beside, signal: Signal, residual: Floats, is_drive: bool) -
     return estimated_noise(pair, signal, residual)
 
 
-def _variants(pair: Beside, step: float, alpha: float) -> dict[str, Beside]:
-    """The record beside other simulations (1)-(3)."""
-    arm, record = pair.subject.arm, pair.record
-    found = {}
+def _variants(pair: Beside, step: float, alpha: float) -> dict[str, Beside | None]:
+    """The record beside other simulations (1)-(3); None where one comes to no end."""
+    arm, record = pair.subject.arm, replace(pair.record, links={})  # the arm is drawn out already
+    wanted: dict[str, tuple[Arm, float, float]] = {}
     if any(link.type == "beam" for link in arm.links):
-        found["mesh"] = beside(refined(arm), record, align=False, step=step, alpha=alpha)  # eq. (2)
+        wanted["mesh"] = (refined(arm), step, alpha)  # eq. (2)
     if record.kind == "motion":
-        found["step"] = beside(arm, record, align=False, step=step / 2, alpha=alpha)  # eq. (1)
-        found["alpha"] = beside(arm, record, align=False, step=step, alpha=0.0 if alpha else -0.05)  # eq. (3)
-    return dict(sorted(found.items(), reverse=True))
+        wanted["step"] = (arm, step / 2, alpha)  # eq. (1)
+        wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (3)
+    found: dict[str, Beside | None] = {}
+    for kind, (model, length, damping) in sorted(wanted.items(), reverse=True):
+        try:
+            found[kind] = beside(model, record, align=False, step=length, alpha=damping)
+        except NotConverged:
+            found[kind] = None
+    return found
 
 
-def _change(pair: Beside, other: Beside, signal: Signal) -> float:
+def _change(pair: Beside, other: Beside | None, signal: Signal) -> float:
     """Rms change of a prediction, all channels together, at the record's own instants."""
+    if other is None:
+        return inf
     placement = pair.aligned.placement
     there = other.subject.residual(signal, placement) - pair.subject.residual(signal, placement)
     squares = np.sum(there**2, axis=1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isinf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,8 @@ class SignalFloor:
     stated, estimated : float or None
         Noise of a channel, 1 sigma: from the record, effects of the model included, and from the samples.
     errors : dict of str to float
-        By "step", "mesh" and "alpha": change of the prediction, rms of all channels together.
+        By "step", "mesh" and "alpha": change of the prediction, rms of all channels together; infinite where
+        the other simulation came to no end.
     samples : int
         Rows with a value.
     independent : float
@@ -101,7 +103,9 @@ class Floor:
                     + (": more noise, or a fast gap" if each.estimated > each.stated else "")
                 )
             for name, below in each.below.items():
-                if not below and each.total:
+                if isinf(each.errors[name]):
+                    found.append(f"{at}: cannot be simulated with another {name}")
+                elif not below and each.total:
                     found.append(
                         f"{at}: the simulation's {name} counts, {each.errors[name]:.2g} {each.unit} against "
                         f"a noise of {each.total:.2g} {each.unit}"
@@ -133,7 +137,8 @@ class Floor:
         shown = [each for each in self.signals if each.errors and each.total]
         names = list(dict.fromkeys(name for each in shown for name in each.errors))
         for k, name in enumerate(names):
-            ratios = [each.errors.get(name, 0.0) / (each.total or 1.0) for each in shown]
+            errors = [each.errors.get(name, 0.0) for each in shown]
+            ratios = [0.0 if isinf(e) else e / (s.total or 1.0) for e, s in zip(errors, shown, strict=True)]
             axes.bar(np.arange(len(shown)) + 0.25 * (k - 1), ratios, 0.25, label=name)
         axes.axhline(1.0, color="0.3", lw=1, label="noise")
         axes.set(yscale="log", ylabel="change of the prediction over the noise [-]")

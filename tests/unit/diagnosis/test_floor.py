@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 from planted import run_of
+from tests.helpers.arms import beam, fixed, general, point
 
+import flexarm
+from flexarm import Record, Signal
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.floor import floor, refined
 from flexarm.diagnosis.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
-from flexarm.errors import InvalidParameter
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.record import DrawnLink
 
 
 def test_noise_is_seen_beside_a_slow_gap_and_a_vibration():
@@ -96,6 +100,40 @@ def test_only_the_liveliest_record_is_simulated_again_unless_all_are_wanted():
 
 def test_a_finer_mesh_has_twice_the_elements():
     assert [link.elements for link in refined(run_of("two joints").simulation.arm).links] == [4, 4]
+
+
+def test_a_boom_that_a_record_draws_out_is_drawn_out_once():
+    """Nodes of a uniform beam are where they are for any mesh; the boom is twice as long as the model's."""
+    arm = flexarm.Arm.from_dict(
+        {
+            "joints": [fixed("clamp", "boom")],
+            "links": [beam("boom", [1.0, 0, 0], general(1e-4, 1e-9), elements=2)],
+            "points": [point("tip", "boom", [1.0, 0, 0])],
+        }
+    )
+    tip = Signal(
+        name="tip",
+        quantity="position",
+        point="tip",
+        axes=("z",),
+        values=np.zeros((1, 1)),
+        pose=np.array(["a"]),
+    )
+    record = Record(kind="static", signals=[tip], links={"boom": DrawnLink(length=2.0)})
+    (row,) = floor(beside(arm, record)).signals
+    assert row.errors["mesh"] < 1e-6
+
+
+def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch):
+    def fails(*_, **__):
+        raise NotConverged("stuck")
+
+    pair = run_of("one joint").showing({}, 1)
+    monkeypatch.setattr("flexarm.diagnosis.floor.beside", fails)
+    found = floor(pair)
+    assert not found.is_below_noise
+    assert any("tip of record: cannot be simulated with another step" in note for note in found.notes)
+    found.plot()
 
 
 def test_nothing_to_look_at_is_an_error():
