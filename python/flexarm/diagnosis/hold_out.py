@@ -44,11 +44,15 @@ def hold_out_kind(training: Mapping[str, Record], held_out: Record) -> str:
     Returns
     -------
     {"repetition", "interpolation", "extrapolation"}
-        By payload, range and rates of the drives: as in one of the records of training, between them, or
-        beyond.
+        By payload, range and rates of the drives, and how far links were drawn out: as in one of the records
+        of training, between them, or beyond.
     """
     asked = _features(held_out)
-    alike = [_features(record) for record in training.values() if len(record.drive) == len(held_out.drive)]
+    alike = [
+        _features(record)
+        for record in training.values()
+        if len(record.drive) == len(held_out.drive) and record.links.keys() == held_out.links.keys()
+    ]
     if not alike:
         return "extrapolation"
     known = np.array(alike)
@@ -60,8 +64,8 @@ def hold_out_kind(training: Mapping[str, Record], held_out: Record) -> str:
 
 
 def _features(record: Record) -> NDArray[np.float64]:
-    """Least and greatest value and rms rate of each drive, and the mass that was weighed (-1: nominal)."""
-    found: list[float] = []
+    """Range and rms rate of each drive, lengths of links, and the mass that was weighed (-1: nominal)."""
+    found = [record.links[name].length for name in sorted(record.links)]
     for name in record.drive:
         signal = record.signals[name]
         values = signal.values[np.isfinite(signal.values[:, 0]), 0]

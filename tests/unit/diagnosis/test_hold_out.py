@@ -7,7 +7,7 @@ import pytest
 
 from flexarm import Record, Signal
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
-from flexarm.record.table import CarriedPayload
+from flexarm.record.table import CarriedPayload, DrawnLink
 
 TIME = np.arange(0.0, 20.0, 0.02)
 
@@ -66,3 +66,14 @@ def test_a_payload_between_those_of_training_is_interpolation():
 def test_another_number_of_drives_is_extrapolation():
     lone = record()
     assert hold_out_kind({"a": lone}, replace(lone, drive=())) == "extrapolation"
+
+
+@pytest.mark.parametrize(
+    ("length", "kind"), [(1.0, "repetition"), (1.5, "interpolation"), (2.0, "extrapolation")]
+)
+def test_a_boom_that_was_drawn_out_further_than_ever_is_extrapolation(length, kind):
+    def out(length):
+        return replace(record(), links={"boom": DrawnLink(length=length)})
+
+    assert hold_out_kind({"short": out(1.0), "middle": out(1.8)}, out(length)) == kind
+    assert hold_out_kind({"no boom": record()}, out(length)) == "extrapolation"
