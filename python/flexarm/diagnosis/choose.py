@@ -2,9 +2,10 @@
 
 An effect is taken if the evidence for it is strong and what it explains matters: it takes away more than half
 of the noise of some channel and more than a twentieth of the gap there, or brings clocks, frames and nominal
-values back from where their stated uncertainty forbids them. After each step derivatives are taken anew about
-the better model. An effect that the others have made needless is dropped. Every rival of every effect that is
-left is fitted in its place; those within `REACH` of the best are within reach of the data.
+values back from where their stated uncertainty forbids them. If it leaves a gap all the same, it must also
+foretell data that are left out better than the smaller model does. After each step derivatives are taken anew
+about the better model. An effect that the others have made needless is dropped. Every rival of every effect
+that is left is fitted in its place; those within `REACH` of the best are within reach of the data.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from flexarm.diagnosis.evidence import (
     worth,
 )
 from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.screen import Probed, Share, screen, sharpened
 from flexarm.errors import InvalidParameter, NotConverged
@@ -178,9 +180,11 @@ def strain(fit: Fit) -> float:
 
 def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     """Whether evidence for a larger model is strong and what it explains matters."""
-    value = worth(new.rest, observed)
-    gain = log_bayes_factor(new, old, observed, value)
-    return gain > STRONG and (matters(new, old, null, observed) or strain(old) - strain(new) > STRAINED)
+    gain = log_bayes_factor(new, old, observed, worth(new.rest, observed))
+    seen = matters(new, old, null, observed) or strain(old) - strain(new) > STRAINED
+    if gain <= STRONG or not seen:
+        return False
+    return not leaves_gap(new, null, observed) or missed(new, observed) < missed(old, observed)
 
 
 def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from flexarm.diagnosis.estimates import joint_slopes
 from flexarm.diagnosis.evidence import Channel
 from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.left_out import joint_slopes
 from flexarm.diagnosis.observed import Observed
 
 UNLIKELY = 1e-3
@@ -99,6 +99,8 @@ def moves_with(observed: Observed, values: Mapping[str, tuple[float, float]]) ->
     loads = {tuple((k, v.mass) for k, v in record.payloads.items()) for record in records}
     if len(loads) > 1:
         return "payload"
+    if len({tuple((k, v.length) for k, v in record.links.items()) for record in records}) > 1:
+        return "length"
     rates, middles = [], []
     for record in records:
         signals = [record.signals[name] for name in record.drive if record.signals[name].pose is None]

@@ -1,17 +1,19 @@
 r"""Values and intervals of everything that was fitted, by a block bootstrap.
 
-Residuals of a fit are not independent: what the model lacks lasts. So whole blocks of time, all channels
-together, are drawn with replacement, and the fit is repeated to first order [Kuensch1989]:
+Residuals of a fit are not independent: what the model lacks lasts, and poses of a record share it. So whole
+groups of rows (`flexarm.diagnosis.left_out`), blocks of time or static records, all channels together, are
+drawn with replacement, and the fit is repeated to first order [Kuensch1989]:
 
 .. math:: p_b = p - H^{-1} \Bigl( \sum_j (w_{jb} - 1) g_j - \xi_b / \sigma + J^T e_b \Bigr), \quad
    H = J^T J + \Lambda, \quad g_j = \sum_{i \in j} J_i^T r_i                                           (1)
 
-w_jb is how often block j was drawn, J the derivatives by effects' parameters and unknowns together, Lambda
-their priors' weights. What a prior contributes is uncertain by the prior's own sigma, xi ~ N(0, 1), so that
-what the data leave open keeps the width of its prior. No simulation is exact, and a fit hides from its own
-residual what the simulation errs in the direction of its parameters: e_b is an error of `DISCREPANCY` of
-the noise in every channel, slow as the motion, of random waves with one to ten periods a record. Intervals
-are quantiles of p_b, mapped to the parameters' own scales.
+w_jb is how often group j was drawn; static records are few and each pulls the fit towards itself, so r_i is
+there what is missed if the record is left out. J are the derivatives by effects' parameters and unknowns
+together, Lambda their priors' weights. What a prior contributes is uncertain by the prior's own sigma,
+xi ~ N(0, 1), so that what the data leave open keeps the width of its prior. No simulation is exact, and a fit
+hides from its own residual what the simulation errs in the direction of its parameters: e_b is an error of
+`DISCREPANCY` of the noise in every channel, slow as the motion, of random waves with one to ten periods a
+record. Intervals are quantiles of p_b, mapped to the parameters' own scales.
 """
 
 from __future__ import annotations
@@ -23,16 +25,13 @@ from numpy.typing import NDArray
 
 from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.fit import REACH, Fit
+from flexarm.diagnosis.left_out import groups, joint_slopes, left_out, poses
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.result import Estimate, Nuisance, Refined
 
 Floats = NDArray[np.float64]
 
-BLOCKS = 24
-"""Blocks a record."""
 DRAWS, WAVES = 600, 10
-HELD = 1.0 / 9.0
-"""Weight of an effect's prior, as in `fit`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,22 +62,13 @@ def estimates(fit: Fit, observed: Observed, seed: int = 0) -> Estimates:
     )
 
 
-def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
-    """J, r and the diagonal of Lambda of (1), at the optimum."""
-    x = fit.projection.best(fit.residual)
-    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
-    residual = fit.residual + fit.projection.slopes @ x
-    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.coordinates]
-    return slopes, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
-
-
 def draws(fit: Fit, observed: Observed, rng: np.random.Generator, discrepancy: float = DISCREPANCY) -> Floats:
     """p_b - p of (1), shape (DRAWS, k + m)."""
     slopes, residual, prior = joint_slopes(fit)
     count = slopes.shape[1]
     scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes**2, axis=0) + prior, 1e-300))
-    scores = [(slopes[rows].T @ residual[rows]) * scale for rows in blocks(observed) if len(rows)]
-    g = np.stack(scores)
+    misses = np.where(poses(observed), left_out(fit, observed), residual)
+    g = np.stack([(slopes[rows].T @ misses[rows]) * scale for rows in groups(observed) if len(rows)])
     hessian = (slopes * scale).T @ (slopes * scale) + np.diag(prior * scale**2)
     inverse = np.linalg.pinv(hessian, hermitian=True)
     weights = rng.multinomial(len(g), np.full(len(g), 1.0 / len(g)), size=DRAWS) - 1.0
@@ -97,19 +87,6 @@ def slow_waves(observed: Observed, slopes: Floats) -> Floats:
         for k in range(1, WAVES + 1):
             found += [np.sin(k * turn) @ slopes[where], np.cos(k * turn) @ slopes[where]]
     return np.array(found)
-
-
-def blocks(observed: Observed) -> list[NDArray[np.int_]]:
-    """Rows of each block: a stretch of one record, all channels."""
-    found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
-    for each, where in observed.channels():
-        index = np.arange(where.start, where.stop)
-        record = [row.time for row in observed.rows if row.record == each.record]
-        first, last = min(t[0] for t in record), max(t[-1] for t in record)
-        number = np.minimum((BLOCKS * (each.time - first) / max(last - first, 1e-12)).astype(int), BLOCKS - 1)
-        for j in np.unique(number):
-            found.setdefault((each.record, int(j)), []).append(index[number == j])
-    return [np.concatenate(parts) for parts in found.values()]
 
 
 def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:

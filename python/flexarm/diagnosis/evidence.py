@@ -18,7 +18,14 @@ What is left *above the noise* in a channel, over the noise, is
 .. math:: s_c^2 = \min(\gamma_0 - 1, \max_{1 \le l \le L} |\gamma_l|), \quad \text{at least } 0      (3)
 
 the smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no
-order in time: of them only the variances count, T = max(1, gamma_0) and s^2 = gamma_0 - 1.
+order in time, but those of one record share what the model lacks there. With gamma_0 and gamma_w the mean
+square and the mean product of two different poses of a record, over all static records of a signal, n_c poses
+are worth [Moulton1986]
+
+.. math:: T_c = \max(1, \gamma_0 + (n_c - 1) \max(\gamma_w, 0))                                     (2a)
+
+and s^2 = gamma_0 - 1 of the record alone. With nothing in common every pose counts, with all in common the
+record counts once.
 
 No simulation agrees with a machine to better than a part `DISCREPANCY` of the noise, and its error is not
 noise: it lasts. If two models differ by v over N samples, an error of that size along v adds
@@ -28,6 +35,9 @@ DISCREPANCY^2 N to the variance of their difference in chi^2, so that
 
 Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
 difference at a few instants, or in what it asks of nominal values, counts in full.
+
+A law that needs another one, which the model lacks, such as a backlash the spring behind it, is as likely as
+that one is there: an even chance, ln 2 less, which decides nothing but ties.
 """
 
 from __future__ import annotations
@@ -62,16 +72,37 @@ def autocovariance(values: Floats, lags: int) -> Floats:
 
 
 def worth(rest: Floats, observed: Observed) -> dict[Channel, float]:
-    """T_c of (2) for every channel."""
-    found = {}
+    """T_c of (2), of poses of (2a), for every channel."""
+    found = _worth_of_poses(rest, observed)
     for each, where in observed.channels():
+        if not _in_time(each, observed):
+            continue
         values = rest[where]
-        lags = max(1, int(WINDOW * len(values))) if _in_time(each, observed) else 0
+        lags = max(1, int(WINDOW * len(values)))
         gamma = autocovariance(values, lags)
         window = 1.0 - np.arange(1, lags + 1) / (lags + 1)
         found[each.record, each.signal, each.channel] = max(
             1.0, float(gamma[0] + 2 * np.sum(window * gamma[1:]))
         )  # eq. (2)
+    return found
+
+
+def _worth_of_poses(rest: Floats, observed: Observed) -> dict[Channel, float]:
+    """T_c of (2a) for the channels of static records."""
+    groups: dict[tuple[str, int], dict[Channel, Floats]] = {}
+    for each, where in observed.channels():
+        if not _in_time(each, observed):
+            key = (each.record, each.signal, each.channel)
+            groups.setdefault(key[1:], {})[key] = rest[where]
+    found = {}
+    for records in groups.values():
+        parts = list(records.values())
+        squares = sum(float(part @ part) for part in parts)
+        products = sum(float(part.sum()) ** 2 for part in parts) - squares
+        alike = products / max(sum(len(part) * (len(part) - 1) for part in parts), 1)
+        mean = squares / sum(len(part) for part in parts)
+        for key, part in records.items():
+            found[key] = max(1.0, mean + (len(part) - 1) * max(alike, 0.0))  # eq. (2a)
     return found
 
 
@@ -120,14 +151,16 @@ def _weights(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> Fl
 
 
 def occam(fit: Fit, weight: Floats) -> float:
-    """What the parameters cost: all terms of (1) but the first."""
+    """What the parameters cost: all terms of (1) but the first; and what effects need."""
     k = len(fit.z)
     if k == 0:
         return 0.0
+    needed = {(n.name, n.at) for m in fit.members if (n := m.needs) is not None}
     slopes = fit.projection.rest(fit.slopes)
     hessian = slopes.T @ (weight[:, None] * slopes) + np.eye(k)
     prior = sum(c.log_density(float(z)) for c, z in zip(fit.coordinates, fit.z, strict=True))
-    return prior + k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
+    laplace = k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
+    return prior + laplace - len(needed - set(fit.places)) * log(2)
 
 
 def log_evidence(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:

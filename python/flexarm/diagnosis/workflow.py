@@ -30,6 +30,7 @@ from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.further import next_experiment
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
+from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.locate import locate
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.remainder import describe_remainder
@@ -49,7 +50,7 @@ CAP = 0.98
 CONFIDENT = 0.5
 """Greatest probability of a name whose parameter moves, or beside a gap that nothing explains."""
 WORTH_KEEPING = 0.5
-"""Least part of the gap that effects close to be in the repaired model where they do not explain all."""
+"""Least part of the gap in data left out that effects close, to be kept where they do not explain all."""
 
 
 def diagnose(
@@ -142,7 +143,7 @@ def diagnose(
     drifts = constancy(choice.best, observed, choice.value)
     effects = _named(choice, sizes, drifts, open_gap, observed)
     verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
-    keep = not open_gap or _closes(choice.best, choice.null)
+    keep = not open_gap or _closes(choice.best, choice.null, observed)
     updated = repaired(arm, choice.best, sizes, keep) if keep or not open_gap else arm
     tell(0.83, "next experiment")
     further = next_experiment(choice, observed, open_gap)
@@ -252,13 +253,15 @@ def _named(
                 first,
                 sizes.effects[k],
                 alternatives,
-                _evidence(choice, k, moving, observed),
+                _evidence(choice, k, moving, open_gap, observed),
             )
         )
     return tuple(sorted(found, key=lambda effect: -effect.probability))
 
 
-def _evidence(choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], observed: Observed) -> str:
+def _evidence(
+    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
+) -> str:
     """One sentence for a person."""
     best, member = choice.best, choice.best.members[k]
     before = max(above_noise(choice.null.rest, observed).values())
@@ -272,6 +275,11 @@ def _evidence(choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], obser
     if rivals:
         rival = rivals[0]
         text += f"; next is {place_words(*rival.candidate.place)}, ln {rival.behind:.1f} behind"
+    if open_gap:
+        text += (
+            f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
+            f"{missed(choice.null, observed):.2g} without"
+        )
     for each in moving:
         text += (
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
@@ -279,11 +287,9 @@ def _evidence(choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], obser
     return text + "."
 
 
-def _closes(best: Fit, null: Fit) -> bool:
-    """Whether a fit closes enough of the gap to be kept though it does not explain all."""
-    n = len(best.residual)
-    before, after = null.rest[:n], best.rest[:n]
-    return float(after @ after) < (1 - WORTH_KEEPING) ** 2 * float(before @ before)
+def _closes(best: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a fit closes enough of the gap, also where it was not fitted, to be kept with one left."""
+    return missed(best, observed) < (1 - WORTH_KEEPING) * missed(null, observed)
 
 
 def _rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from flexarm.diagnosis.evidence import above_noise, autocovariance, worth
+from flexarm.arm.prior import Prior
+from flexarm.diagnosis.evidence import above_noise, autocovariance, occam, worth
+from flexarm.diagnosis.fit import Coordinate
+from flexarm.diagnosis.projection import Projection
 
 RNG = np.random.default_rng(5)
 KEY = ("run", "tip", 0)
@@ -57,3 +60,64 @@ def test_noise_that_is_larger_than_stated_is_no_gap():
     """It is too large, but it is not correlated."""
     values = 2.0 * RNG.normal(size=4000)
     assert above_noise(values, one_channel(4000))[KEY] < 0.5
+
+
+# ---------------------------------------------------------------------------------------------------- poses
+
+
+def poses(records, each):
+    """As much of `Observed` as evidence asks for: one channel of static records, `each` poses in each."""
+    rows = [
+        SimpleNamespace(record=f"day {k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)))
+        for k in range(records)
+    ]
+    named = {row.record: SimpleNamespace(kind="static") for row in rows}
+    return SimpleNamespace(records=named, channels=lambda: [(row, row.where) for row in rows])
+
+
+def test_poses_with_nothing_in_common_count_in_full():
+    """The mean product of 400 x 90 pairs scatters by 0.7 %, nine times that at most."""
+    found = worth(RNG.normal(size=4000), poses(400, 10))
+    assert max(found.values()) == pytest.approx(1.0, abs=0.15)
+
+
+def test_what_poses_of_a_record_share_counts_once_a_record():
+    """Variance s^2 of each pose and t^2 of each record: T = s^2 + n t^2 [Moulton1986].
+
+    t^2 from 400 records is known to sqrt(2/400) = 7 %.
+    """
+    n, own, shared = 10, 1.5, 3.0
+    common = np.repeat(RNG.normal(size=400), n)
+    found = worth(own * RNG.normal(size=400 * n) + shared * common, poses(400, n))
+    assert len(set(found.values())) == 1
+    assert found["day 0", "tip", 0] == pytest.approx(own**2 + n * shared**2, rel=0.2)
+
+
+def test_all_poses_of_records_that_are_off_as_a_whole_are_worth_one_pose_each():
+    values = np.repeat([5.0, -5.0, 5.0, -5.0], 8)
+    assert worth(values, poses(4, 8))["day 0", "tip", 0] == pytest.approx(8 * 25.0)
+
+
+# ------------------------------------------------------------------------------------------------ parsimony
+
+
+def fit_of(*members):
+    """One parameter of which data say nothing, of some effects."""
+    coordinate = Coordinate(0, "size", Prior(-1.0, 1.0, 0.0, "linear", "m", "a test"))
+    return SimpleNamespace(
+        z=np.zeros(1),
+        coordinates=(coordinate,),
+        slopes=np.zeros((5, 1)),
+        projection=Projection(np.zeros((5, 0)), np.zeros(0)),
+        members=members,
+        places=tuple((member.name, "hinge") for member in members),
+    )
+
+
+def test_a_law_that_needs_a_spring_that_the_model_lacks_is_half_as_likely():
+    spring = SimpleNamespace(name="joint_compliance", at="hinge", needs=None)
+    alone = SimpleNamespace(name="cable_torque", at="hinge", needs=None)
+    gap = SimpleNamespace(name="backlash", at="hinge", needs=spring)
+    plain = occam(fit_of(alone), np.ones(5))
+    assert plain - occam(fit_of(gap), np.ones(5)) == pytest.approx(np.log(2))
+    assert occam(fit_of(gap, spring), np.ones(5)) == pytest.approx(plain)

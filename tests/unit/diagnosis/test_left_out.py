@@ -1,0 +1,69 @@
+"""What a model misses where it was not fitted."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flexarm.diagnosis.left_out import groups, left_out, missed
+from flexarm.diagnosis.projection import Projection
+
+RNG = np.random.default_rng(23)
+EACH = 6
+
+
+def observed(records, kind="static"):
+    rows = [
+        SimpleNamespace(
+            record=f"day {k}",
+            signal="tip",
+            channel=0,
+            where=slice(EACH * k, EACH * (k + 1)),
+            time=np.arange(EACH, dtype=float),
+        )
+        for k in range(records)
+    ]
+    named = {row.record: SimpleNamespace(kind=kind) for row in rows}
+    return SimpleNamespace(rows=rows, records=named, channels=lambda: [(row, row.where) for row in rows])
+
+
+def least_squares(slopes, y, sigma, rows=slice(None)):
+    """x of min |y + J x|^2 + |x/sigma|^2 over some rows."""
+    j = slopes[rows]
+    return -np.linalg.solve(j.T @ j + np.diag(sigma**-2.0), j.T @ y[rows])
+
+
+def fit_of(slopes, y, sigma):
+    """Unknowns alone: a fit at the centres of their priors, from where they go to the optimum."""
+    projection = Projection(slopes, sigma)
+    empty = np.empty((len(y), 0))
+    return SimpleNamespace(z=np.zeros(0), coordinates=(), slopes=empty, residual=y, projection=projection)
+
+
+def test_a_record_is_missed_as_by_a_fit_to_all_others():
+    """Eq. (1) is exact where the model is linear: beside a fit that is made anew for each record."""
+    records = 5
+    slopes = RNG.normal(size=(EACH * records, 3))
+    y, sigma = RNG.normal(size=EACH * records), np.array([0.3, 1.0, 50.0])
+    found = left_out(fit_of(slopes, y, sigma), observed(records))
+    for k in range(records):
+        rows = np.arange(EACH * k, EACH * (k + 1))
+        x = least_squares(slopes, y, sigma, np.setdiff1d(np.arange(len(y)), rows))
+        assert found[rows] == pytest.approx(y[rows] + slopes[rows] @ x, abs=1e-9)
+
+
+def test_a_model_that_memorises_records_fits_them_and_foretells_none():
+    """A parameter for each record fits what its poses share, and says nothing of a new record."""
+    records = 12
+    shared = np.repeat(RNG.normal(size=records), EACH)
+    each = np.repeat(np.eye(records), EACH, axis=0)
+    memory = fit_of(each, shared, np.full(records, 1e3))
+    nothing = fit_of(np.empty((EACH * records, 0)), shared, np.empty(0))
+    assert np.abs(memory.projection.rest(shared)[: len(shared)]).max() < 1e-5
+    assert missed(memory, observed(records)) == pytest.approx(missed(nothing, observed(records)), rel=1e-3)
+
+
+def test_a_static_record_is_one_group_and_a_motion_falls_into_blocks():
+    assert [rows.tolist() for rows in groups(observed(2))] == [list(range(6)), list(range(6, 12))]
+    assert len(groups(observed(1))) == EACH
+    assert len(groups(observed(2, "motion"))) == 2 * EACH
