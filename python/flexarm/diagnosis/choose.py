@@ -51,8 +51,6 @@ FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
-COARSE = 2.0
-"""Steps of trials over those of the diagnosis; what they miss is corrected about the model at hand."""
 TRIED, PAIRS = 6, 3
 """Candidates that are fitted at each step, and pairs where no single one explains all."""
 
@@ -120,22 +118,21 @@ class Choice:
 
 
 def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
-    """Forward, backward, and rivals; trials run with steps `COARSE` times as long."""
+    """Forward, backward, and rivals."""
     observed = fitter.observed
-    trial = observed.coarser(COARSE)
     null = fitter.fit(())
     best, about, path = null, fitter, [null]
     tried: list[Fit] = []
     while len(best.members) < MOST and not explained(best, null, observed):
         if note is not None:
             note(f"looking for effect {len(best.members) + 1}", len(best.members) / (MOST + 1))
-        found = _step(about.coarser(trial, best.members), probed, best, null)
+        found = _step(about, probed, best, null)
         tried += found
         if not found:
             break
         better, there = _refined(about, found)
         if not best.members and not explained(better, null, observed):
-            both = _step(about.coarser(trial), probed, best, null, pairs=True)
+            both = _step(about, probed, best, null, pairs=True)
             tried += both
             if both and accepted((two := _refined(about, both))[0], better, null, observed):
                 better, there = two
@@ -147,12 +144,12 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     value = worth(best.rest, observed)
     if note is not None:
         note("weighing rivals", MOST / (MOST + 1))
-    rivals = [_rivals(about, trial, probed, best, k, tried, value) for k in range(len(best.members))]
+    rivals = [_rivals(about, probed, best, k, tried, value) for k in range(len(best.members))]
     ahead = min((r for each in rivals for r in each), key=lambda rival: rival.behind, default=None)
     if ahead is not None and ahead.behind < 0:
         best = ahead.fit
         about, value = about.about(best), worth(best.rest, observed)
-        rivals = [_rivals(about, trial, probed, best, k, tried, value) for k in range(len(best.members))]
+        rivals = [_rivals(about, probed, best, k, tried, value) for k in range(len(best.members))]
     gains = [(f, log_bayes_factor(f, null, observed, value)) for f in tried]
     return Choice(null, best, about, value, rivals, gains, path)
 
@@ -283,7 +280,6 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
 
 def _rivals(
     fitter: Fitter,
-    trial: Observed,
     probed: Sequence[Probed],
     best: Fit,
     k: int,
@@ -300,15 +296,14 @@ def _rivals(
         for f in tried
         if rest < set(f.places) and len(f.members) == len(best.members)
     }
-    quick = fitter.coarser(trial, best.members)
-    without = quick.fit(others)
+    without = fitter.fit(others)
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
-    for share in sharpened(quick, _one_variant(shares, 2 * TRIED), without)[:TRIED]:
+    for share in sharpened(fitter, _one_variant(shares, 2 * TRIED), without)[:TRIED]:
         place = share.members[0].place
         about = fitter
         try:
-            fit = known.get(place) or quick.fit((share.members[0], *others))
+            fit = known.get(place) or fitter.fit((share.members[0], *others))
             behind = log_bayes_factor(best, fit, observed, value)
             if behind < CLOSE:
                 about = fitter.about(fit)

@@ -5,15 +5,18 @@ r"""Effects fitted through the full simulation, with everything uncertain elimin
 u are the effects' parameters, logarithms where their priors are logarithmic, C the residual that clocks,
 frames and nominal values cannot explain (`flexarm.diagnosis.projection`), m and s mode and sigma of a prior.
 The prior is widened to a third of its weight, since it need not know this machine: it keeps what the data do
-not determine, such as a damping, at plausible values. SciPy's least_squares solves (1) within bounds, with
-derivatives from finite steps, as laws that are not smooth need them.
+not determine, such as a damping, at plausible values. SciPy's least_squares solves (1) within bounds. Its
+derivatives come from finite steps, as laws that are not smooth need them, and from there on from Broyden's
+update [Broyden1965] while that foretells what a step does,
+
+    J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                         (2)
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import exp, log, log1p
+from dataclasses import dataclass, replace
+from math import exp, inf, log, log1p
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +33,12 @@ Floats = NDArray[np.float64]
 
 STEP = 1e-2
 """Of the differences, in sigmas of a prior: laws with corners need steps that reach beyond them."""
+FORETOLD = 0.25
+"""Part of a step's effect that (2) may have missed before differences are taken anew."""
+LIKELY = 2.0
+"""Sigmas within which nominal values are taken where nothing but them is fitted."""
+CENTRED, LESS = 3, 0.9
+"""Rounds of that, and the part of the gap below which one was worth while."""
 REACH = 8.0
 """Bounds of a parameter in sigmas of its prior."""
 
@@ -145,15 +154,15 @@ class Fitter:
         Derivatives of the residual by them, at `at`.
     at : ndarray
         Where the unknowns are, from the centres of their priors.
-    correction : ndarray, optional
-        Added to residuals: what simulations with longer steps miss.
+    correction : ndarray
+        Added to residuals: what simulations miss for their time steps, at `at`.
     """
 
     observed: Observed
     unknowns: Unknowns
     slopes: Floats
     at: Floats
-    correction: Floats | None = None
+    correction: Floats
 
     def __post_init__(self) -> None:
         self._projections: dict[frozenset[str], tuple[Unknowns, Projection]] = {}
@@ -163,34 +172,41 @@ class Fitter:
     @classmethod
     def nominal(cls, observed: Observed, unknowns: Unknowns) -> Fitter:
         """About the nominal model."""
-        return cls(
-            observed, unknowns, observed.slopes(unknowns.arm, unknowns.keys), np.zeros(len(unknowns.each))
-        )
+        arm = unknowns.arm
+        slopes = observed.slopes(arm, unknowns.keys)
+        return cls(observed, unknowns, slopes, np.zeros(len(unknowns.each)), observed.correction(arm))
 
-    def about(self, fit: Fit) -> Fitter:
-        """The same about a fitted model, where derivatives are those of the model with its effects."""
+    def about(self, fit: Fit, within: float = inf) -> Fitter:
+        """The same about a fitted model, where derivatives are those of the model with its effects.
+
+        Unknowns are taken where they fit best, `within` so many sigmas of their priors.
+        """
         at = self.at.copy()
         best = dict(zip(fit.unknowns.keys, fit.projection.best(fit.residual), strict=True))
         for k, unknown in enumerate(self.unknowns.each):
-            at[k] = best.get(unknown.key, 0.0)
-        there = Fitter(self.observed, self.unknowns, self.slopes, at)
+            reach = within * unknown.sigma
+            at[k] = min(max(best.get(unknown.key, 0.0), -reach), reach)
+        there = replace(self, at=at)
         arm = there.with_effects(fit.members)
         keys = fit.unknowns.keys
         slopes = self.slopes.copy()
         slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
-        return Fitter(self.observed, self.unknowns, slopes, at)
+        return replace(there, slopes=slopes, correction=self.observed.correction(arm))
 
-    def coarser(self, observed: Observed, members: Sequence[Candidate] = ()) -> Fitter:
-        """The same with longer steps, right at the model with these effects: for trials about it."""
-        arm = self.with_effects(members)
-        missing = self.observed.residual(arm) - observed.residual(arm)
-        return Fitter(observed, self.unknowns, self.slopes, self.at, missing)
+    def centred(self) -> Fitter:
+        """The same about nominal values that fit better, for those that act otherwise than in proportion."""
+        there, fit = self, self.fit(())
+        for _ in range(CENTRED):
+            about = there.about(fit, LIKELY)
+            better = about.fit(())
+            if better.cost > LESS * fit.cost:
+                break
+            there, fit = about, better
+        return there
 
     def residual(self, members: Sequence[Candidate]) -> Floats:
         """Of the model with effects, to first order at the centres of the unknowns' priors."""
-        raw = self.observed.residual(self.with_effects(members))
-        if self.correction is not None:
-            raw = raw + self.correction
+        raw = self.observed.residual(self.with_effects(members)) + self.correction
         taken = self.taken(members)
         at = np.array(
             [0.0 if u.key in taken else x for u, x in zip(self.unknowns.each, self.at, strict=True)]
@@ -262,7 +278,7 @@ class Fitter:
             gtol=1e-12,
         )
         z = found.x
-        residual, slopes = problem.raw(z), problem.slopes_at(z)
+        residual, slopes = problem.raw(z), problem.differences(z)
         fitted = problem.members_at(z)
         return Fit(
             fitted,
@@ -304,11 +320,11 @@ class _Problem:
         self.coordinates, self.projection = coordinates, projection
         self._raw: dict[bytes, Floats] = {}
         self._slopes: dict[bytes, Floats] = {}
+        self._differences: dict[bytes, Floats] = {}
+        self._last: Floats | None = None
 
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
         """The effects with these parameters."""
-        from dataclasses import replace
-
         found = list(self.members)
         for k, member in enumerate(found):
             values = {
@@ -341,17 +357,37 @@ class _Problem:
         return np.concatenate([rest, self._weight() * z])
 
     def slopes_at(self, z: Floats) -> Floats:
-        """Derivatives of the residuals by z, forward or backward where there is room."""
+        """Derivatives of the residuals by z, eq. (2) where that is enough."""
         key = z.tobytes()
         if key not in self._slopes:
+            self._slopes[key] = found if (found := self._updated(z)) is not None else self.differences(z)
+        self._last = z.copy()
+        return self._slopes[key]
+
+    def _updated(self, z: Floats) -> Floats | None:
+        """Eq. (2) from the last derivatives; None if there are none or they foretold too little.
+
+        A single difference costs as little.
+        """
+        if self._last is None or len(z) == 1:
+            return None
+        slopes, dz = self._slopes[self._last.tobytes()], z - self._last
+        step = self.raw(z) - self.raw(self._last)
+        missed = step - slopes @ dz
+        if float(missed @ missed) > FORETOLD**2 * float(step @ step):
+            return None
+        updated: Floats = slopes + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
+        return updated
+
+    def differences(self, z: Floats) -> Floats:
+        """Derivatives from finite steps, forward or backward where there is room."""
+        key = z.tobytes()
+        if key not in self._differences:
             here = self.raw(z)
-            columns = []
             ahead = [z + STEP * row for row in np.eye(len(z))]
             self.fitter.observed.prepare(arm for there in ahead if (arm := self._arm(there)) is not None)
-            for k in range(len(z)):
-                columns.append(self._column(z, k, here))
-            self._slopes[key] = np.stack(columns, axis=1)
-        return self._slopes[key]
+            self._differences[key] = np.stack([self._column(z, k, here) for k in range(len(z))], axis=1)
+        return self._differences[key]
 
     def _column(self, z: Floats, k: int, here: Floats) -> Floats:
         for step in (STEP, -STEP):

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from flexarm.arm import Arm
 from flexarm.diagnosis.additions import Addition, menu, with_points
 from flexarm.diagnosis.candidates import Candidate
-from flexarm.diagnosis.choose import COARSE, REACH, Choice, Rival
+from flexarm.diagnosis.choose import REACH, Choice, Rival
 from flexarm.diagnosis.experiment import Experiment, from_record
 from flexarm.diagnosis.fit import STEP, Fit
 from flexarm.diagnosis.observed import Observed
@@ -141,7 +141,7 @@ def _gains(
     """E ln B of every pair with every addition."""
     arm = choice.fitter.with_effects(choice.best.members)
     noise = {row.signal: row.sigma for row in observed.rows if row.record == name}
-    step = COARSE * observed.step
+    step = observed.step
     try:
         run = from_record(name, record, arm, noise)
         additions = menu(observed.arm, [run], run.run(arm, step, observed.alpha))
@@ -196,7 +196,7 @@ class _Next:
         pairs: Sequence[tuple[int, Rival]],
     ) -> _Next | None:
         """Of a run; None if it cannot be simulated."""
-        step = COARSE * observed.step
+        step = observed.step
         try:
             record = run.record(arm, step, observed.alpha)
             there = Observed(arm, {run.name: record}, step=step, alpha=observed.alpha, jobs=observed.jobs)

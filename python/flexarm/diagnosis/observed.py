@@ -123,10 +123,21 @@ class Observed:
             reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
             raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
 
-    def coarser(self, times: float) -> Observed:
-        """The same rows against simulations with longer steps."""
+    def correction(self, arm: Arm) -> Floats:
+        """What (1) misses of its value for vanishing time steps h, shape (len(self),).
+
+        r(h/4) + (r(h/4) - r(h/2))/3 - r(h): Richardson's extrapolation, as the method is of order two.
+        """
+        if all(record.kind == "static" for record in self.records.values()):
+            return np.zeros(len(self))
+        half, quarter = (self._with_step(self.step / n).residual(arm) for n in (2, 4))
+        found: Floats = quarter + (quarter - half) / 3 - self.residual(arm)
+        return found
+
+    def _with_step(self, step: float) -> Observed:
+        """The same rows against other simulations."""
         found = copy(self)
-        found.step = times * self.step
+        found.step = step
         found._runs, found._residuals = OrderedDict(), OrderedDict()
         return found
 

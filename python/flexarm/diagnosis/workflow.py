@@ -22,7 +22,7 @@ from flexarm.comparison.comparison import Comparison
 from flexarm.configuration import version
 from flexarm.diagnosis.candidates import SPRINGS, candidates
 from flexarm.diagnosis.check import check, named_records
-from flexarm.diagnosis.choose import COARSE, REACH, Choice, choose, leaves_gap, probabilities
+from flexarm.diagnosis.choose import REACH, Choice, choose, leaves_gap, probabilities
 from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import Estimates, estimates
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], object] | None
 
+COARSE = 2.0
+"""Steps of fits over those of the diagnosis; what they miss is corrected about the model at hand."""
 CAP = 0.98
 """Greatest probability of a name: some mechanism may be in no vocabulary."""
 CONFIDENT = 0.5
@@ -128,11 +130,11 @@ def diagnose(
         named = {name: fitted for name, (fitted, _) in parts.items()}
         held = {f"{name}, held-back blocks": back for name, (_, back) in parts.items()}
     tell(0.1, "simulating")
-    observed = Observed(arm, named, step=step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
-    fitter = Fitter.nominal(observed, unknowns(observed))
+    observed = Observed(arm, named, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
+    fitter = Fitter.nominal(observed, unknowns(observed)).centred()
     rhythm = rhythms(fitter.fit(()).rest, observed)
     probed = probe(
-        fitter.coarser(observed.coarser(COARSE)),
+        fitter,
         candidates(observed, fitter.unknowns.arm, rhythm),
         lambda done: tell(0.15 + 0.25 * done, "screening"),
     )

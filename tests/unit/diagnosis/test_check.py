@@ -18,6 +18,7 @@ from virtual_lab import Lab, Nuisances, record
 
 import flexarm
 from flexarm.diagnosis.check import check
+from flexarm.diagnosis.checks.plateaus import _cut
 from flexarm.effects import SignError
 
 LAB = Lab()
@@ -118,6 +119,24 @@ def test_a_faulty_sensor_is_named(nominal, faultless, what):
     for key, (value, relative) in parameters.items():
         assert estimates[key] == pytest.approx(value, rel=relative, abs=1e-12)
     assert fault.effect().at == signal
+
+
+def test_a_noisy_range_end_piles_readings_up_and_a_turning_point_does_not():
+    """Cut at 0.8 before the noise is added: a range ends. A slow turn at the top with as many rows: not."""
+    rng, time = np.random.default_rng(4), np.arange(0, 40, 0.05)
+    motion, noise = np.sin(0.6 * time), 0.01
+    cut = np.minimum(motion, 0.8) + noise * rng.standard_normal(len(time))
+    turning = 0.8 * motion + noise * rng.standard_normal(len(time))
+    assert _cut(cut, motion, noise, noise) is not None
+    assert _cut(turning, motion, noise, noise) is None
+
+
+def test_an_arm_that_friction_holds_at_its_least_is_no_range_end():
+    """It rests 20 sigma short of where the model goes, 2 % of the motion."""
+    rng, time = np.random.default_rng(5), np.arange(0, 40, 0.05)
+    motion, noise = np.where(time < 20, np.cos(np.pi * time / 20), -1.0), 1e-3
+    held = np.maximum(motion, -0.98) + noise * rng.standard_normal(len(time))
+    assert _cut(-held, -motion, noise, noise) is None
 
 
 def test_data_in_order_are_left_as_they_are(nominal, faultless):

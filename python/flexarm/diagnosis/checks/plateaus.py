@@ -8,6 +8,9 @@ A sensor at the end of its range shows p cut off at a level, so that
 
     the plateaus lie at one level, the greatest (or least) reading, and p is beyond it there          (2)
 
+With noise, they also outnumber the readings just below, and p goes on by a good part of its motion: an arm
+that friction holds at the end of a move looks alike, but the model leaves it by little.
+
 A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
 or turns round too. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
 noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by `FAR` of
@@ -118,8 +121,11 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
     fewest = max(FEWEST, CROWDED * len(y)) if width else FEWEST
     if at.sum() < fewest or at.sum() > 0.9 * len(y):
         return None
+    if width and not _piled_up(y, level, noise):
+        return None
     shift, left = _about(y[inner] - p[inner], floor)
-    enough = max(10 * noise if width else 5 * noise, 3 * left, 0.02 * float(np.std(p)))
+    least = max(10 * noise, MOVES * float(np.std(p))) if width else max(5 * noise, 0.02 * float(np.std(p)))
+    enough = max(least, 3 * left)
     goes_on = np.ptp(p[at]) >= enough and np.quantile(p[at] + shift - level, 0.8) >= enough / 2
     within = np.mean(p[~at] + shift <= level + max(3 * left, 5 * noise)) > 0.95
     return (at, level) if goes_on and within else None
@@ -133,6 +139,13 @@ def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
         return exact, top, 0.0
     at = y >= top - 6 * noise
     return at, float(np.median(y[at])), 6 * noise
+
+
+def _piled_up(y: Floats, level: float, noise: float) -> bool:
+    """Whether more readings lie about a level than below it: a range that ends piles them up there."""
+    about = np.abs(y - level) <= noise
+    below = np.abs(y - (level - 5 * noise)) <= noise
+    return bool(about.sum() > 2 * below.sum())
 
 
 def _about(gap: Floats, floor: float) -> tuple[float, float]:
