@@ -136,8 +136,8 @@ def make_case(
     truth, true_values = with_nuisances(truth, bench, names, at, rng)
     for name, where in zip(names, at, strict=True):
         hide, own = (HIDDEN[name].hide if name in HIDDEN else OUTSIDE[name]), int(rng.integers(2**31))
-        least = HIDDEN[name].least if name in HIDDEN else 0.0
-        p, reached = sized(Ruler(bare, bench), hide, where, size, own, least)
+        bounds = (HIDDEN[name].least, HIDDEN[name].most) if name in HIDDEN else ()
+        p, reached = sized(Ruler(bare, bench), hide, where, size, own, *bounds)
         truth, parameters = hide(truth, where, p, np.random.default_rng(own))
         bare = hide(bare, where, p, np.random.default_rng(own))[0]
         same = other_places(name, where, bench.points) if name in HIDDEN else [where]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 from chain import Base, Vibration
@@ -228,13 +229,15 @@ def sensor_offset(truth, at, p, rng):
 class Hidden:
     """An effect that can be hidden: how, at what kind of place, and whether poor data can show it.
 
-    From the `least` p on it is beyond four sigma of the nominal value or nuisance that would excuse it.
+    From the `least` p on it is beyond four sigma of the nominal value or nuisance that would excuse it; above
+    the `most` it is no machine's.
     """
 
     hide: Hide
     place: str
     poor: bool = True
     least: float = 0.0
+    most: float = inf
 
 
 _KINDS = {
@@ -251,8 +254,11 @@ _KINDS = {
 }
 _LEAST = {"link_stiffness": 1.0, "link_length": 0.8, "payload_mass": 0.5, "reflector_offset": 0.8}
 _LEAST |= {"time_delay": 1.2, "frame_registration": 1.0}
+_MOST = {"link_damping": 10.0}
 HIDDEN = {
-    hide.__name__: Hidden(hide, place, least=_LEAST.get(hide.__name__, 0.0))
+    hide.__name__: Hidden(
+        hide, place, least=_LEAST.get(hide.__name__, 0.0), most=_MOST.get(hide.__name__, inf)
+    )
     for place, hides in _KINDS.items()
     for hide in hides
 }

@@ -9,6 +9,7 @@ tracker, the places of reflectors, moduli and the load, with what the record and
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 from bench import FIRST, TORQUE_RATE, TRACKER_RATE, Bench, ran, rows_at
@@ -144,9 +145,9 @@ def off_nominal(truth: Truth, moduli: dict[str, float], mass: float = 0.0) -> Tr
 
 
 def sized(
-    ruler: Ruler, hide: Hide, at: str, target: float, seed: int, least: float = 0.0
+    ruler: Ruler, hide: Hide, at: str, target: float, seed: int, least: float = 0.0, most: float = inf
 ) -> tuple[float, float]:
-    """p for which an effect has a size within 10 %, or the nearest tried, not below the least; and that size.
+    """p of a size within 10 %, or the nearest tried from `least` to `most`; and that size.
 
     Secants in logarithms, for gaps that grow as a power of p.
     """
@@ -154,14 +155,17 @@ def sized(
     def size(p: float) -> float:
         return ruler.size(hide(ruler.truth, at, p, np.random.default_rng(seed))[0])
 
-    tried, slope = [(max(1.0, least), size(max(1.0, least)))], 1.0
+    first = min(max(1.0, least), most)
+    tried, slope = [(first, size(first))], 1.0
     for _ in range(5):
         p, reached = tried[-1]
-        if abs(reached / target - 1) < 0.1 or (p == least and reached > target):
+        bound = (p == least and reached > target) or (p == most and reached < target)
+        if abs(reached / target - 1) < 0.1 or bound:
             break
         if len(tried) > 1:
             old_p, old = tried[-2]
             slope = float(np.clip(np.log(reached / old) / np.log(p / old_p), 0.3, 3.0))
-        following = max(least, float(np.clip(p * (target / reached) ** (1 / slope), p / 10, 10 * p)))
+        following = float(np.clip(p * (target / reached) ** (1 / slope), p / 10, 10 * p))
+        following = min(max(following, least), most)
         tried.append((following, size(following)))
     return min(tried, key=lambda one: abs(np.log(one[1] / target)))

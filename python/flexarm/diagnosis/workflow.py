@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import log10
 from typing import TYPE_CHECKING, Any
 
@@ -151,8 +152,9 @@ def diagnose(
     further = next_experiment(choice, observed, open_gap)
     tell(0.85, "verifying")
     everything = {**named, **held}
-    before = {name: compare(arm, record) for name, record in everything.items()}
-    after = {name: compare(updated, record) for name, record in everything.items()}
+    compared = partial(compare, step=step, alpha=alpha)
+    before = {name: compared(arm, record) for name, record in everything.items()}
+    after = {name: compared(updated, record) for name, record in everything.items()}
     main = main_signal(named, before)
     pairs_before = {name: beside(arm, record, step=step) for name, record in named.items()}
     pairs_after = {name: beside(updated, record, step=step) for name, record in named.items()}
@@ -174,7 +176,7 @@ def diagnose(
         held_out=tuple(held),
         hold_out_kind=kind,
         main_signal=main,
-        stages=_stages(arm, updated, choice, everything, main, before, after),
+        stages=_stages(compared, arm, updated, choice, everything, main, before, after),
         constancy=tuple(drifts),
         remainder=str(left) if left is not None else "",
         remarks=remarks,
@@ -313,6 +315,7 @@ def _rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
 
 
 def _stages(
+    compared: Callable[[Arm, Record], Comparison],
     arm: Arm,
     updated: Arm,
     choice: Choice,
@@ -333,7 +336,7 @@ def _stages(
         model = arm
         for member in choice.best.members:
             model = model.with_effect(member.effect)
-            found = {name: compare(model, record) for name, record in records.items()}
+            found = {name: compared(model, record) for name, record in records.items()}
             stages.append(Stage(f"{member.name} at {member.at}", rms(found)))
     if updated != arm:
         stages.append(Stage("nominal values refined", rms(after)))
