@@ -37,6 +37,7 @@ from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.remainder import describe_remainder
 from flexarm.diagnosis.result import Alternative, Diagnosis, NamedEffect, Refined, Rejected, Stage
 from flexarm.diagnosis.rhythm import rhythms
+from flexarm.diagnosis.ring_down import describe_ring_downs, ring_downs
 from flexarm.diagnosis.screen import probe
 from flexarm.diagnosis.unknowns import unknowns
 from flexarm.diagnosis.wording import place_words
@@ -161,6 +162,7 @@ def diagnose(
     located, located_after = _located(pairs_before), _located(pairs_after)
     remarks = (*remarks, *floor(pairs_after, step=step, alpha=alpha).notes)
     left = describe_remainder(located_after) if open_gap and located_after else None
+    swings = describe_ring_downs(ring_downs(pairs_before)) if open_gap else ""
     return Diagnosis(
         verdict,  # type: ignore[arg-type]
         arm,
@@ -178,7 +180,7 @@ def diagnose(
         main_signal=main,
         stages=_stages(compared, arm, updated, choice, everything, main, before, after),
         constancy=tuple(drifts),
-        remainder=str(left) if left is not None else "",
+        remainder=" ".join(said for said in (str(left or ""), swings) if said),
         remarks=remarks,
         next_experiment=further.sentence,
         provenance={**provenance, "seconds": time.monotonic() - begun},
