@@ -43,6 +43,8 @@ GROWTH = (60.0, 600.0)
 """Time constants of a growing bow that are probed [s]."""
 WIDTHS = (1.0, 4.0)
 """Widths of a hysteresis loop that are probed, times its typical one."""
+SOFTER = (1.0, 30.0, 300.0)
+"""How much softer than typical a spring is probed: once it moves a mode by itself, it is no small step."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,9 @@ class Candidate:
         return self.effect.with_parameters({k: v for k, v in values.items() if k in self.free})
 
 
-def candidates(observed: Observed, arm: Arm, rhythm: Sequence[float] = ()) -> list[Candidate]:
+def candidates(
+    observed: Observed, arm: Arm, rhythm: Sequence[float] = (), softer: Sequence[float] = (1.0,)
+) -> list[Candidate]:
     """All that can act on these records in a model, variants of one effect one after the other.
 
     Parameters
@@ -145,17 +149,21 @@ def candidates(observed: Observed, arm: Arm, rhythm: Sequence[float] = ()) -> li
         The model.
     rhythm : sequence of float
         Frequencies at which the gap swings [Hz]: an external vibration may have them.
+    softer : sequence of float
+        How much softer than typical springs are probed, such as `SOFTER`.
     """
     found: list[Candidate] = []
     for name in KNOWN_EFFECTS:
         if name in LEFT_OUT:
             continue
         for at in _places(name, observed, arm):
-            found += _at_place(name, at, arm, rhythm)
+            found += _at_place(name, at, arm, rhythm, softer)
     return found
 
 
-def _at_place(name: str, at: str, arm: Arm, rhythm: Sequence[float]) -> Iterator[Candidate]:
+def _at_place(
+    name: str, at: str, arm: Arm, rhythm: Sequence[float], softer: Sequence[float]
+) -> Iterator[Candidate]:
     """Variants of an effect at a place; none where the model refuses it."""
     without = arm.effect(name, at)
     needs: Effect | None = None
@@ -169,9 +177,9 @@ def _at_place(name: str, at: str, arm: Arm, rhythm: Sequence[float]) -> Iterator
             needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=2e-3 * TYPICAL_STIFFNESS)
     there = arm if needs is None else arm.with_effect(needs)
     typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
-    for fixed in _variants(name, typical, rhythm):
+    for fixed in _variants(name, typical, rhythm, softer if without is None else ()):
         effect = typical.with_parameters(fixed)
-        held = {*fixed} - {"width", "frequency"}
+        held = {*fixed} - {"width", "frequency", "stiffness"}
         free = tuple(key for key in effect.priors(there) if key not in held and _has(effect, key))
         null = nulls(effect, without, arm)
         probes = tuple(_probes(name, effect, without, free, null, there))
@@ -184,9 +192,13 @@ def _at_place(name: str, at: str, arm: Arm, rhythm: Sequence[float]) -> Iterator
             yield Candidate(effect, free, probes, null, without, needs)
 
 
-def _variants(name: str, effect: Effect, rhythm: Sequence[float]) -> Iterator[dict[str, float]]:
-    """What is not fitted but tried."""
-    if name == "transmission_error":
+def _variants(
+    name: str, effect: Effect, rhythm: Sequence[float], softer: Sequence[float]
+) -> Iterator[dict[str, float]]:
+    """What is not fitted but tried, or where a fit starts."""
+    if name in SPRINGS and softer:
+        yield from ({"stiffness": TYPICAL_STIFFNESS / times} for times in softer)
+    elif name == "transmission_error":
         yield from ({"multiple": m} for m in MULTIPLES)
     elif name == "external_vibration":
         yield from ({"frequency": f} for f in rhythm)
@@ -212,7 +224,7 @@ def _probes(
     priors = effect.priors(arm)
     if name in SPRINGS:
         stiffness = value_of(without, "stiffness") if without is not None else float("inf")
-        there = TYPICAL_STIFFNESS if isinf(stiffness) else stiffness / 1.2
+        there = value_of(effect, "stiffness") if isinf(stiffness) else stiffness / 1.2
         damping = 2e-3 * there if isinf(stiffness) or without is None else value_of(without, "damping")
         yield effect.with_parameters({"stiffness": there, "damping": damping})
     elif name in WAVES:

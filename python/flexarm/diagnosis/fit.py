@@ -185,7 +185,7 @@ class Fitter:
         best = dict(zip(fit.unknowns.keys, fit.projection.best(fit.residual), strict=True))
         for k, unknown in enumerate(self.unknowns.each):
             reach = within * unknown.sigma
-            at[k] = min(max(best.get(unknown.key, 0.0), -reach), reach)
+            at[k] = unknown.kept(min(max(best.get(unknown.key, 0.0), -reach), reach))
         there = replace(self, at=at)
         arm = there.with_effects(fit.members)
         keys = fit.unknowns.keys

@@ -13,6 +13,7 @@ negative are not.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -100,10 +101,14 @@ def screen(fitter: Fitter, probed: Sequence[Probed], fit: Fit, together: int = 0
 
 def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
     """Shares taken anew with each set at the size found, since laws bend between a probe and that size."""
-    sets = [(*fit.members, *share.members) for share in shares]
-    fitter.observed.prepare(fitter.with_effects(members) for members in sets)
+    models = []
+    for share in shares:
+        members = (*fit.members, *share.members)
+        with suppress(InvalidParameter):  # a ripple that would turn the output back
+            models.append((share, members, fitter.with_effects(members)))
+    fitter.observed.prepare(arm for _, _, arm in models)
     found = []
-    for share, members in zip(shares, sets, strict=True):
+    for share, members, _ in models:
         try:
             move = fitter.residual(members) - fit.residual
         except (InvalidParameter, NotConverged):

@@ -25,6 +25,8 @@ UNKNOWN_DELAY = 1.0
 """1 sigma of a clock of which nothing is known, about the first guess [s]."""
 UNKNOWN_POSE = {"translation": 0.1, "rotation": 0.1}
 """1 sigma of a frame of which nothing is known, about the first guess [m], [rad]."""
+KEPT = 0.8
+"""Greatest part that a nominal value may lose."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,16 @@ class Unknown:
         """Effect and place of a clock's or frame's."""
         _, name, at, *_ = self.key.split(".")
         return name, at
+
+    def kept(self, step: float) -> float:
+        """A step from the centre, shortened where a nominal value would all but lose its sign.
+
+        Steps are linear, and far from the optimum they can be far too long: a stiffness that is known to less
+        than itself stays above a fifth of it.
+        """
+        if self.kind != "nominal" or not self.sigma < abs(self.centre):
+            return step
+        return max(step, -KEPT * self.centre) if self.centre > 0 else min(step, -KEPT * self.centre)
 
 
 @dataclass(frozen=True)

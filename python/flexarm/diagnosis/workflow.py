@@ -21,12 +21,13 @@ from flexarm.comparison.beside import Beside, beside
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.configuration import version
-from flexarm.diagnosis.candidates import SPRINGS, candidates
+from flexarm.diagnosis.candidates import SOFTER, SPRINGS, candidates
 from flexarm.diagnosis.check import check, named_records
 from flexarm.diagnosis.choose import REACH, Choice, choose, leaves_gap, probabilities
 from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import Estimates, estimates
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
+from flexarm.diagnosis.evidence import log_bayes_factor
+from flexarm.diagnosis.evidence_sentence import evidence_sentence
 from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.further import next_experiment
@@ -40,7 +41,6 @@ from flexarm.diagnosis.rhythm import rhythms
 from flexarm.diagnosis.ring_down import describe_ring_downs, ring_downs
 from flexarm.diagnosis.screen import probe
 from flexarm.diagnosis.unknowns import unknowns
-from flexarm.diagnosis.wording import place_words
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -137,7 +137,7 @@ def diagnose(
     rhythm = rhythms(fitter.fit(()).rest, observed)
     probed = probe(
         fitter,
-        candidates(observed, fitter.unknowns.arm, rhythm),
+        candidates(observed, fitter.unknowns.arm, rhythm, SOFTER),
         lambda done: tell(0.15 + 0.25 * done, "screening"),
     )
     choice = choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
@@ -259,38 +259,10 @@ def _named(
                 first,
                 sizes.effects[k],
                 alternatives,
-                _evidence(choice, k, moving, open_gap, observed),
+                evidence_sentence(choice, k, moving, open_gap, observed),
             )
         )
     return tuple(sorted(found, key=lambda effect: -effect.probability))
-
-
-def _evidence(
-    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
-) -> str:
-    """One sentence for a person."""
-    best, member = choice.best, choice.best.members[k]
-    before = max(above_noise(choice.null.rest, observed).values())
-    after = max(above_noise(best.rest, observed).values())
-    rivals = choice.rivals[k]
-    what = place_words(member.name, member.at)
-    text = (
-        f"with {what} the largest gap above the noise falls from {before:.2g} to "
-        f"{after:.2g} times the noise (ln Bayes factor {choice.gain:.0f} over the nominal model)"
-    )
-    if rivals:
-        rival = rivals[0]
-        text += f"; next is {place_words(*rival.candidate.place)}, ln {rival.behind:.1f} behind"
-    if open_gap:
-        text += (
-            f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
-            f"{missed(choice.null, observed):.2g} without"
-        )
-    for each in moving:
-        text += (
-            f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
-        )
-    return text + "."
 
 
 def _closes(best: Fit, null: Fit, observed: Observed) -> bool:

@@ -1,0 +1,57 @@
+"""Why an effect is named, in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from flexarm.diagnosis.choose import Choice
+from flexarm.diagnosis.evidence import above_noise
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.left_out import missed
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.wording import place_words, with_unit
+
+UNUSUAL = 3.0
+"""Sigmas of its prior from which a parameter is said to be unlike those of other machines."""
+
+
+def evidence_sentence(
+    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
+) -> str:
+    """What speaks for effect k of a choice, and what does not; one sentence for a person."""
+    best, member = choice.best, choice.best.members[k]
+    before = max(above_noise(choice.null.rest, observed).values())
+    after = max(above_noise(best.rest, observed).values())
+    rivals = choice.rivals[k]
+    what = place_words(member.name, member.at)
+    text = (
+        f"with {what} the largest gap above the noise falls from {before:.2g} to "
+        f"{after:.2g} times the noise (ln Bayes factor {choice.gain:.0f} over the nominal model)"
+    )
+    if rivals:
+        rival = rivals[0]
+        text += f"; next is {place_words(*rival.candidate.place)}, ln {rival.behind:.1f} behind"
+    if open_gap:
+        text += (
+            f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
+            f"{missed(choice.null, observed):.2g} without"
+        )
+    text += "".join(f"; {said}" for said in _unusual(best, k))
+    for each in moving:
+        text += (
+            f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
+        )
+    return text + "."
+
+
+def _unusual(fit: Fit, k: int) -> Iterator[str]:
+    """Parameters of an effect that are far from those of other machines."""
+    for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
+        if coordinate.candidate == k and abs(z) > UNUSUAL and coordinate.prior.scale != "uniform":
+            prior, value = coordinate.prior, coordinate.value(float(z))
+            low, high = (with_unit(end, prior.unit) for end in (prior.low, prior.high))
+            yield (
+                f"its {coordinate.name} of {with_unit(value, prior.unit)} is unusual, 95 % of machines have "
+                f"{low} to {high}"
+            )

@@ -1,0 +1,39 @@
+"""Where fits start, and that a start far off stops nothing."""
+
+import pytest
+from planted import run_of
+
+from flexarm.diagnosis.candidates import SOFTER, candidates, value_of
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.unknowns import Unknown, unknowns
+
+
+@pytest.mark.parametrize(
+    ("centre", "sigma", "step", "kept"),
+    [
+        (2.0, 0.5, -1.0, -1.0),
+        (2.0, 0.5, -3.0, -1.6),
+        (-2.0, 0.5, 3.0, 1.6),
+        (2.0, 0.5, 9.0, 9.0),
+        (0.0, 0.5, -3.0, -3.0),
+        (0.1, 0.5, -3.0, -3.0),
+    ],
+)
+def test_a_value_known_to_less_than_itself_keeps_its_sign(centre, sigma, step, kept):
+    """Down to a fifth of it; a place that may lie on either side of zero goes where it wants."""
+    assert Unknown("links.rod.density", centre, sigma, "kg/m3", "nominal").kept(step) == pytest.approx(kept)
+
+
+def test_a_clock_goes_where_it_wants():
+    assert Unknown("effects.time_delay.clock.delay", 1e-3, 1e-4, "s", "clock").kept(-1.0) == -1.0
+
+
+def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
+    arm = run_of("one joint").simulation.arm
+    arm = arm.replace(effects=tuple(e for e in arm.effects if e.name != "joint_compliance"))
+    observed = Observed(arm, {"run": run_of("one joint").showing({}, 1).record})
+    found = candidates(observed, unknowns(observed).arm, softer=SOFTER)
+    springs = [c for c in found if c.name == "joint_compliance"]
+    stiffness = [value_of(c.probes[0], "stiffness") for c in springs]
+    assert [stiffness[0] / k for k in stiffness] == pytest.approx(SOFTER)
+    assert all("stiffness" in c.free for c in springs)
