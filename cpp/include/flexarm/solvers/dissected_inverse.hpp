@@ -20,6 +20,8 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "flexarm/solvers/packed_matrix.hpp"
+
 namespace flexarm::solvers {
 
 class DissectedInverse {
@@ -35,11 +37,12 @@ class DissectedInverse {
   using VectorXd = Eigen::VectorXd;
 
   struct Part {
-    Eigen::Index first;         // of its unknowns in the new order
-    std::vector<int> boundary;  // unknowns of the separator that it touches
-    MatrixXd inverse;           // A_pp⁻¹, and below it A_sp A_pp⁻¹
-    MatrixXd from_boundary;     // A_pp⁻¹ A_ps
-    VectorXd product, beyond;   // scratch: of `inverse`; x_s on the boundary
+    Eigen::Index first, size;    // of its unknowns in the new order
+    std::vector<int> boundary;   // unknowns of the separator that it touches
+    PackedMatrix inverse;        // A_pp⁻¹, and below it A_sp A_pp⁻¹
+    PackedMatrix from_boundary;  // A_pp⁻¹ A_ps
+    VectorXd product;            // of `inverse`
+    VectorXd beyond, from_it;    // x_s on the boundary, and its product with `from_boundary`
   };
 
   void reorder(const Eigen::SparseMatrix<double>& A);
@@ -47,8 +50,9 @@ class DissectedInverse {
 
   std::vector<int> order_;  // parts one after the other, then the separator
   std::vector<Part> parts_;
-  MatrixXd separator_;  // S⁻¹
-  VectorXd b_, x_s_;    // scratch
+  Eigen::Index n_separated_ = 0;
+  PackedMatrix separator_;  // S⁻¹
+  VectorXd b_, x_s_;        // scratch
 };
 
 }  // namespace flexarm::solvers
