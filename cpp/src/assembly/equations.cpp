@@ -26,6 +26,26 @@ template <int D>
   }
 }
 
+/// Forces of the joints, and how far they are apart.
+template <int D>
+[[gnu::flatten]] void add_joints(const SystemIn<D>& system, const StateIn<D>& state, VectorXd& r,
+                                 VectorXd& phi) {
+  constexpr int n = freedoms<D>;
+  static const FrameIn<D> base;
+  int row = 0;
+  for (const auto& joint : system.constraints()) {
+    const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
+    Twist<D> lambda = Twist<D>::Zero();
+    lambda.head(m) = state.multipliers.segment(row, m);
+    const auto now =
+        joint.respond(a < 0 ? base : state.frames[a], state.frames[b], q < 0 ? 0.0 : state.s[q], lambda);
+    r.template segment<n>(n * b) += now.forces.b;
+    if (a >= 0) r.template segment<n>(n * a) += now.forces.a;
+    phi.segment(row, m) = now.violation.head(m);
+    row += m;
+  }
+}
+
 }  // namespace
 
 template <int D>
@@ -97,9 +117,9 @@ void SystemIn<D>::remember(StateD& state) const {
   }
 }
 
+/// All of (1) that links, masses and loads contribute.
 template <int D>
-void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool friction, VectorXd& r) const {
-  r.setZero();
+void SystemIn<D>::add_links(const StateD& state, const LoadsD& loads, VectorXd& r) const {
   add_beams(*this, state, r);
   for (const auto& body : bodies_) {
     const int k = n * body.node();
@@ -112,7 +132,18 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
     const auto& at = loaded_point(load.point);
     r.template segment<n>(n * at.node) -= wrench<D>(load, at, state.frames[at.node]);
   }
+  for (const Part& part : superelements_) {
+    part.add_forces(motion(part, state), loads.gravity, r.segment(n * part.node(0), n * part.n_interfaces()),
+                    r.segment(scalar_offset() + part.mode(0), part.n_modes()));
+  }
+}
 
+template <int D>
+void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool friction, VectorXd& r) const {
+  r.setZero();
+  scalar_residual(state, friction, r.tail(n_scalars()));
+  if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
+  add_links(state, loads, r);
   int row = 0;
   for (const Joint& joint : constraints_) {
     const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
@@ -123,13 +154,18 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
     if (a >= 0) r.template segment<n>(n * a) += f.a;
     row += m;
   }
-  scalar_residual(state, friction, r.tail(n_scalars()));
-  if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
+}
 
-  for (const Part& part : superelements_) {
-    part.add_forces(motion(part, state), loads.gravity, r.segment(n * part.node(0), n * part.n_interfaces()),
-                    r.segment(scalar_offset() + part.mode(0), part.n_modes()));
-  }
+template <int D>
+void SystemIn<D>::evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi) const {
+  r.setZero();
+  scalar_residual(state, true, r.tail(n_scalars()));
+  if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
+  add_links(state, loads, r);
+  add_joints(*this, state, r, phi);
+  int row = n_constraints_ - static_cast<int>(gears_.size());
+  for (const joints::GearConstraint& gear : gears_)
+    phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
 }
 
 template <int D>

@@ -76,7 +76,8 @@ struct SuperElementIn<D>::Sized {
     return s;
   }
 
-  void add_internal(const PointD& gravity, Eigen::Ref<VectorXd> r, Eigen::Ref<VectorXd> r_modes) const {
+  [[gnu::flatten]] void add_internal(const PointD& gravity, Eigen::Ref<VectorXd> r,
+                                     Eigen::Ref<VectorXd> r_modes) const {
     const PointD gamma = at.frames[0].R.transpose() * gravity;
     const Strain e = deformation();
     Strain sigma = -(Gamma_b() * gamma);
@@ -95,7 +96,7 @@ struct SuperElementIn<D>::Sized {
     r_modes.noalias() -= Gamma_m() * gamma;
   }
 
-  void add_inertia(Eigen::Ref<VectorXd> r, Eigen::Ref<VectorXd> r_modes) const {
+  [[gnu::flatten]] void add_inertia(Eigen::Ref<VectorXd> r, Eigen::Ref<VectorXd> r_modes) const {
     Ends p = Ends::Zero(n_ends), f = Ends::Zero(n_ends);  // M V and M V' of the interfaces
     for (Eigen::Index k = 0; k < n_ends; ++k) {
       const auto column = M_bb().col(k);

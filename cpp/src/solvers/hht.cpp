@@ -174,7 +174,7 @@ void HhtStepperIn<D>::correct(StateIn<D>& state, double h) {
 
 /// Nodes and free scalar coordinates of state 1 from the exponent, eq. (3).
 template <int D>
-void HhtStepperIn<D>::place(StateIn<D>& state) const {
+[[gnu::flatten]] void HhtStepperIn<D>::place(StateIn<D>& state) const {
   constexpr int n = geometry::freedoms<D>;
   for (int k = 0; k < system_.n_nodes(); ++k) {
     state.frames[k] = before_.frames[k] * geometry::exponential<D>(exponent_.template segment<n>(n * k));
@@ -191,8 +191,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   bool fresh = false;
   double previous = 0;
   for (int k = 0; k < options_.max_iterations; ++k) {
-    system_.residual(state, loads_, true, r_);
-    system_.violation(state, phi_);
+    system_.evaluate(state, loads_, r_, phi_);
     solve(state, h);  // eq. (5)
     ++statistics_.iterations;
     if (!dx_.allFinite()) return false;

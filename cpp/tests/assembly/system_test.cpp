@@ -149,6 +149,20 @@ TEST_CASE("Nothing changes in local axes when arm, base and gravity turn togethe
   CHECK(relative_error(S_turned, S) < 1e-12);
 }
 
+TEST_CASE("One pass gives the residual and the violation that two give") {
+  unsigned seed = 50;
+  for (const System& system : systems()) {
+    const State state = random_state(system, seed++, 0.15);
+    const Loads loads = some_loads(system);
+    VectorXd r(system.n_velocities()), phi(system.n_constraints()), r_alone = r, phi_alone = phi;
+    system.evaluate(state, loads, r, phi);
+    system.residual(state, loads, true, r_alone);
+    system.violation(state, phi_alone);
+    CHECK(relative_error(r, r_alone) < 1e-14);
+    CHECK(relative_error(phi, phi_alone) < 1e-14);
+  }
+}
+
 TEST_CASE("A rigid state stands on its constraints, unstrained, at the joint values asked for") {
   for (const System& system : systems()) {
     const std::vector<double> values = {0.4, 0.4 / -1.7, 0.4 / -1.7, 0.4};  // suits the gear too

@@ -13,8 +13,8 @@ using namespace flexarm::tests;
 namespace {
 
 /// On both sides of every switch between series and closed forms.
-const std::vector<double> angles = {0.0,    1e-9,   1e-4,   0.0316, 0.0317, 0.09999,
-                                    0.1002, 0.2001, 0.4999, 0.5001, 1.0,    2.9};
+const std::vector<double> angles = {0.0,    1e-9,    1e-4,   0.003162, 0.003163, 0.00999, 0.01001, 0.0316,
+                                    0.0317, 0.09999, 0.1002, 0.2001,   0.4999,   0.5001,  1.0,     2.9};
 
 struct Case {
   PlaneAxes axes;

@@ -13,10 +13,11 @@ using std::numbers::pi;
 
 namespace {
 
-/// Angles on both sides of every switch between series and closed forms: φ² = 0.04 (exp, V⁻¹), sin φ = 0.1
-/// (log), φ² = 0.25 (T⁻¹).
-const std::vector<double> angles = {0.0,    1e-12,  1e-8, 1e-4, 0.09999, 0.1002, 0.19999,  0.20001,
-                                    0.4999, 0.5001, 1.0,  2.0,  3.0,     3.14,   pi - 1e-6};
+/// Angles on both sides of every switch between series and closed forms: φ² = 1e-5, 0.04 (exp), 1e-4, 0.04
+/// (V⁻¹), sin φ = 0.01, 0.1 (log), φ² = 0.25 (T⁻¹).
+const std::vector<double> angles = {0.0,     1e-12,   1e-8,   1e-4,    0.003162, 0.003163, 0.00999,
+                                    0.01001, 0.09999, 0.1002, 0.19999, 0.20001,  0.4999,   0.5001,
+                                    1.0,     2.0,     3.0,    3.14,    pi - 1e-6};
 
 Vector6d twist_of_angle(double angle, Random& random) {
   Vector6d h;

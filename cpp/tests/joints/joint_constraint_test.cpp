@@ -52,6 +52,25 @@ TEST_CASE("A closed joint is not violated, and its freedom does not violate it")
   }
 }
 
+TEST_CASE("Response in one pass: the forces and the violation, of an open joint too") {
+  for (JointType type : all_types) {
+    for (bool on_ground : {false, true}) {
+      const Closed c = closed(type, on_ground, 6);
+      Random random(7);
+      Vector6d lambda = random.twist(5, 5);
+      lambda.tail(6 - c.joint.rows()).setZero();
+      const Frame H_b = c.H_b * exp6(random.twist(0.2, 0.3));
+      const auto both = c.joint.respond(c.H_a, H_b, c.theta, lambda);
+      const auto f = c.joint.forces(c.H_a, H_b, c.theta, lambda);
+      CAPTURE(static_cast<int>(type));
+      CHECK(largest(both.violation) > 0.01);
+      CHECK(error(both.violation, c.joint.violation(c.H_a, H_b, c.theta)) < 1e-14);
+      CHECK(error(both.forces.a, f.a) < 1e-13);
+      CHECK(error(both.forces.b, f.b) < 1e-13);
+    }
+  }
+}
+
 TEST_CASE("The twist is a unit turn or slide about the axis") {
   using flexarm::joints::motion_twist;
   const Vector3d axis(0, 3, 4);

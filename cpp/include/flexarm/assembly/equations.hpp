@@ -140,6 +140,9 @@ class SystemIn {
   /// Equation (2).
   void violation(const StateD& state, VectorXd& phi) const;
 
+  /// Both in one pass, with friction, as time stepping asks for them.
+  void evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi) const;
+
   /// Tangent of (1), (2) with respect to the unknowns, as triplets in an order that never changes:
   /// add(row, column, value). `law_tangents` are the stiffnesses to use for the laws.
   template <class Add>
@@ -175,6 +178,7 @@ class SystemIn {
 
  protected:
   int row(const Part& part, int k) const;  // of its k-th velocity
+  void add_links(const StateD& state, const LoadsD& loads, VectorXd& r) const;
   /// @throws InvalidParameter if there is no such point, or it has no node of its own to be loaded at.
   const AttachmentIn<D>& loaded_point(int point) const;
   const FrameD& frame(const StateD& state, int node) const {

@@ -58,8 +58,9 @@ TwistMatrix<D> adjoint(const FrameIn<D>& H) {
 
 namespace series {
 
-// Below the limits the series are exact to the last digit with the terms kept.
-constexpr double tiny = 1e-3, small = 0.04;
+// Below the limits the series are exact to the last digit with the terms kept. Nodes turn by less than the
+// first in a step, the ends of an element against each other hardly ever by more than the second.
+constexpr double least = 1e-5, slight = 1e-4, tiny = 1e-3, small = 0.04;
 
 /// a, b, c of (1) as functions of φ².
 struct Exponential {
@@ -68,6 +69,10 @@ struct Exponential {
 Exponential exponential_beyond(double phi_squared);  // closed forms
 
 inline Exponential exponential(double x) {
+  if (x < least) {
+    return {1 + x * (-1.0 / 6 + x * (1.0 / 120)), 0.5 + x * (-1.0 / 24 + x * (1.0 / 720)),
+            1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040))};
+  }
   if (x < tiny) {
     return {1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880)))),
             0.5 + x * (-1.0 / 24 + x * (1.0 / 720 + x * (-1.0 / 40320))),
@@ -80,6 +85,7 @@ inline Exponential exponential(double x) {
 double inverse_v_beyond(double phi_squared);
 
 inline double inverse_v(double x) {
+  if (x < slight) return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240));
   if (x < tiny) return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240 + x * (1.0 / 1209600)));
   return inverse_v_beyond(x);
 }
@@ -87,6 +93,7 @@ inline double inverse_v(double x) {
 /// Rotation vector from the axial vector s = sin φ n of a rotation by less than 0.1: φ/sin φ as a function of
 /// s².
 inline double arcsine_ratio(double y) {
+  if (y < slight) return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112)));
   return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112 +
                                                  y * (35.0 / 1152 + y * (63.0 / 2816 + y * 231.0 / 13312)))));
 }
@@ -125,10 +132,13 @@ FrameIn<D> exponential(const Twist<D>& h) {
     const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
     const double x = omega.squaredNorm();
     const auto [a, b, c] = series::exponential(x);
-    H.R = b * omega * omega.transpose() + a * skew(omega);
-    H.R.diagonal().array() += 1 - b * x;
-    const Vector3d once = omega.cross(rho);
-    H.x = rho + b * once + c * omega.cross(once);
+    const Vector3d once = omega.cross(rho), s = a * omega, v = b * omega;
+    const double cosine = 1 - b * x;  // a ω~ + b ω ωᵀ + (1 − b φ²) I, written out
+    const double xy = v[0] * omega[1], xz = v[0] * omega[2], yz = v[1] * omega[2];
+    H.R << cosine + v[0] * omega[0], xy - s[2], xz + s[1],  //
+        xy + s[2], cosine + v[1] * omega[1], yz - s[0],     //
+        xz - s[1], yz + s[0], cosine + v[2] * omega[2];
+    H.x = rho + omega.cross(Vector3d(b * rho + c * once));
   }
   return H;
 }

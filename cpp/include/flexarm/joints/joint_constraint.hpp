@@ -80,6 +80,13 @@ class JointConstraintIn {
   };
   Forces forces(const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const;
 
+  /// Both, with exp(−ξ θ) made once.
+  struct Response {
+    Forces forces;
+    TwistD violation;
+  };
+  Response respond(const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const;
+
   /// Derivatives of Φ_aᵀ λ at fixed λ: with respect to θ (revolute, prismatic) and to the increments of the
   /// nodes.
   struct GeometricStiffness {
@@ -103,5 +110,23 @@ class JointConstraintIn {
 };
 
 using JointConstraint = JointConstraintIn<3>;
+
+template <int D>
+typename JointConstraintIn<D>::Response JointConstraintIn<D>::respond(const FrameD& H_a, const FrameD& H_b,
+                                                                      double theta,
+                                                                      const TwistD& multipliers) const {
+  if (type_ == JointType::spherical) {
+    return {forces(H_a, H_b, theta, multipliers), violation(H_a, H_b, theta)};
+  }
+  FrameD apart = X_a_inverse_ * geometry::relative<D>(H_a, H_b) * X_b_;
+  TwistD on_parent = multipliers;
+  if (coordinate_ >= 0) {
+    const FrameD turned = back(theta);
+    apart = turned * apart;
+    on_parent = geometry::adjoint<D>(turned).transpose() * multipliers;
+  }
+  return {{-Ad_a_.transpose() * on_parent, Ad_b_.transpose() * multipliers},
+          geometry::logarithm<D>(apart)};  // eq. (1), (2)
+}
 
 }  // namespace flexarm::joints
