@@ -1,9 +1,9 @@
 #include "flexarm/elements/superelement.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "flexarm/dense.hpp"
 #include "flexarm/errors.hpp"
 
 namespace flexarm::elements {
@@ -137,8 +137,8 @@ void SuperElementIn<D>::set_damping_ratio(double zeta)
   G.bottomRightCorner(n_modes_, n_modes_).setIdentity();  // M counts the amplitudes in η already
   const MatrixXd half = factor.matrixL().solve(G.transpose() * M_ * G);
   const MatrixXd A = factor.matrixL().solve(half.transpose());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(0.5 * (A + A.transpose()), Eigen::EigenvaluesOnly);
-  C_ = 2 * zeta * std::sqrt(modes.eigenvalues().maxCoeff()) * K_;
+  const VectorXd omega_squared = dense::eigenvalues(0.5 * (A + A.transpose()));
+  C_ = 2 * zeta * std::sqrt(omega_squared.maxCoeff()) * K_;
   find_structure();
 }
 

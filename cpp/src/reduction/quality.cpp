@@ -1,10 +1,11 @@
 #include "flexarm/reduction/quality.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "flexarm/dense.hpp"
 
 namespace flexarm::reduction {
 namespace {
@@ -93,19 +94,19 @@ void estimate_errors(const LowerTriangle& K, const LowerTriangle& M, const Fixed
                      double left_out_lambda, Quality& quality) {
   quality.left_out_frequency_hz = std::sqrt(left_out_lambda) / (2 * pi);
   quality.trusted_frequency_hz = quality.left_out_frequency_hz / safety;
-  if (Eigen::LLT<MatrixXd>(mass).info() != Eigen::Success) return;  // interfaces without mass: no free modes
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> free(stiffness, mass);
+  if (!dense::is_positive_definite(mass)) return;  // interfaces without mass: no free modes
+  const dense::Eigenpairs free = dense::eigenpairs(stiffness, mass);
   // Of modes near the first left out S bounds nothing, and their rows of (3) would spoil the whole spectrum.
   const double highest = left_out_lambda / (safety * safety);
-  const Index last = (free.eigenvalues().array() < highest).count(), n = std::max<Index>(last - 6, 0);
+  const Index last = (free.values.array() < highest).count(), n = std::max<Index>(last - 6, 0);
   if (n == 0) return;
-  const VectorXd lambda = free.eigenvalues().segment(6, n);
-  const MatrixXd U = T * free.eigenvectors().middleCols(6, n);
+  const VectorXd lambda = free.values.segment(6, n);
+  const MatrixXd U = T * free.vectors.middleCols(6, n);
   const MatrixXd r = solvers::multiply(K, U) - solvers::multiply(M, U) * lambda.asDiagonal();
   const VectorXd S = (1 - lambda.array() / left_out_lambda).rsqrt();
   const MatrixXd E = S.asDiagonal() * (r.transpose() * part.solve(r)) * S.asDiagonal();
   const MatrixXd condensed = MatrixXd(lambda.asDiagonal()) - 0.5 * (E + E.transpose());  // eq. (3)
-  const VectorXd better = Eigen::SelfAdjointEigenSolver<MatrixXd>(condensed).eigenvalues().cwiseMax(0.0);
+  const VectorXd better = dense::eigenpairs(condensed).values.cwiseMax(0.0);
   quality.free_frequency_hz = lambda.cwiseSqrt() / (2 * pi);
   quality.free_frequency_error = 1 - better.cwiseQuotient(lambda).cwiseSqrt().array().min(1.0);
   for (Index k = 0; k < n; ++k) {

@@ -1,11 +1,9 @@
 #include "flexarm/simulation/modal_derivative.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 #include <numbers>
 
+#include "flexarm/dense.hpp"
 #include "flexarm/solvers/eigenmodes.hpp"
 
 namespace flexarm::simulation {
@@ -28,8 +26,7 @@ Matrices matrices(const assembly::SystemIn<3>& system, const State& state, const
 MatrixXd mode_multipliers(const Matrices& at, const solvers::Eigenmodes& modes) {
   if (at.J.rows() == 0) return MatrixXd::Zero(0, modes.shapes.cols());
   const MatrixXd unbalanced = at.K * modes.shapes - at.M * modes.shapes * modes.omega_squared.asDiagonal();
-  const MatrixXd J = at.J;
-  return J.transpose().colPivHouseholderQr().solve(-unbalanced);
+  return dense::least_squares(MatrixXd(at.J.transpose()), -unbalanced);
 }
 
 }  // namespace
@@ -63,9 +60,7 @@ MatrixXd frequency_derivatives(const System& system, const Equilibrium& equilibr
       const Eigen::Index n = last - first;
       MatrixXd A = dK.block(first, first, n, n) - omega_squared * dM.block(first, first, n, n) +
                    dJ.block(first, first, n, n) + dJ.block(first, first, n, n).transpose();  // eq. (1)
-      const Eigen::VectorXd d_omega_squared =
-          Eigen::SelfAdjointEigenSolver<MatrixXd>(0.5 * (A + A.transpose()), Eigen::EigenvaluesOnly)
-              .eigenvalues();
+      const Eigen::VectorXd d_omega_squared = dense::eigenvalues(0.5 * (A + A.transpose()));
       const double omega = std::sqrt(std::max(omega_squared, 0.0));
       derivatives.col(p).segment(first, n) = d_omega_squared / (4 * std::numbers::pi * omega);
     }

@@ -1,12 +1,12 @@
 #include "flexarm/solvers/block_lanczos.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "flexarm/dense.hpp"
 #include "flexarm/errors.hpp"
 
 namespace flexarm::solvers {
@@ -172,11 +172,9 @@ class Search {
   }
 
   Ritz solve(Index k, const MatrixXd& B) const {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (H_ + H_.transpose()));
-    const VectorXd& rising = eigen.eigenvalues();
+    const auto [rising, vectors] = dense::eigenpairs(0.5 * (H_ + H_.transpose()));
     const Index n = (rising.array() > nothing * rising[k - 1]).count();
-    Ritz ritz{rising.tail(n).reverse(), VectorXd::Zero(n),
-              eigen.eigenvectors().rightCols(n).rowwise().reverse()};
+    Ritz ritz{rising.tail(n).reverse(), VectorXd::Zero(n), vectors.rightCols(n).rowwise().reverse()};
     if (B.rows() > 0) ritz.residual = (B * ritz.S.bottomRows(B.cols())).colwise().norm();  // eq. (3)
     return ritz;
   }

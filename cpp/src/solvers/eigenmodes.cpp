@@ -1,12 +1,10 @@
 #include "flexarm/solvers/eigenmodes.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "flexarm/dense.hpp"
 #include "flexarm/errors.hpp"
 #include "flexarm/solvers/damped_modes.hpp"
 #include "flexarm/solvers/saddle_point.hpp"
@@ -45,25 +43,21 @@ struct Solutions {
 };
 
 /// Eigenvectors of (A, B) in a basis. @throws NotConverged unless B is positive definite
-Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(const MatrixXd& A, const MatrixXd& B) {
-  if (Eigen::LLT<MatrixXd>(B).info() != Eigen::Success) {
+dense::Eigenpairs ritz(const MatrixXd& A, const MatrixXd& B) {
+  if (!dense::is_positive_definite(B)) {
     throw NotConverged("modes: the equilibrium is unstable: its stiffness is negative", 0, 0, 0);
   }
-  return {A, B};
+  return dense::eigenpairs(A, B);
 }
 
 /// All of them at once, in a basis of the null space of J.
 Solutions solve_dense(const SparseMatrix& K, const SparseMatrix& M, const SparseMatrix& J) {
   const Eigen::Index n = K.rows();
-  MatrixXd Z = MatrixXd::Identity(n, n);
-  if (J.rows() > 0) {
-    const Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(J.transpose()));
-    Z = MatrixXd(qr.householderQ()).rightCols(n - qr.rank());
-  }
+  const MatrixXd Z = J.rows() > 0 ? dense::null_space(MatrixXd(J)) : MatrixXd(MatrixXd::Identity(n, n));
   const auto solver = ritz(Z.transpose() * (M * Z), Z.transpose() * (K * Z));
-  const VectorXd nu = solver.eigenvalues().reverse();
+  const VectorXd nu = solver.values.reverse();
   const Eigen::Index n_massive = (nu.array() > massless * nu[0]).count();
-  return {nu.head(n_massive), (Z * solver.eigenvectors().rowwise().reverse()).leftCols(n_massive)};
+  return {nu.head(n_massive), (Z * solver.vectors.rowwise().reverse()).leftCols(n_massive)};
 }
 
 /// The first `wanted` of them, and some more to speed it up, by subspace iteration.
@@ -82,10 +76,10 @@ Solutions solve_by_subspace(const SparseMatrix& K, const SparseMatrix& M, const 
     Y.topRows(n) = M * found.X;
     Y.bottomRows(J.rows()).setZero();
     factor.solve(Y);
-    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(Y.topRows(n)).householderQ() * MatrixXd::Identity(n, p);
+    const MatrixXd Q = dense::orthonormal(Y.topRows(n));
     const auto solver = ritz(Q.transpose() * (M * Q), Q.transpose() * (K * Q));
-    const VectorXd next = solver.eigenvalues().reverse();
-    found.X = Q * solver.eigenvectors().rowwise().reverse();
+    const VectorXd next = solver.values.reverse();
+    found.X = Q * solver.vectors.rowwise().reverse();
     const double change =
         ((next - found.nu).head(wanted).array() / next.head(wanted).array()).abs().maxCoeff();
     found.nu = next;

@@ -1,0 +1,50 @@
+/// @file
+/// Decompositions of dense matrices, compiled once: each takes a compiler as long as a whole file of
+/// mechanics.
+///
+///     A = V diag(λ) Vᵀ,   A V = B V diag(λ) with Vᵀ B V = I,   A = U diag(σ) Vᵀ                       (1)
+///
+/// Eigenvalues rise, singular values fall.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace flexarm::dense {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Eigenpairs {
+  VectorXd values;
+  MatrixXd vectors;
+};
+
+/// Equation (1) of a symmetric matrix, whose lower triangle is read.
+Eigenpairs eigenpairs(const MatrixXd& A);
+VectorXd eigenvalues(const MatrixXd& A);
+
+/// Equation (1) of a symmetric matrix beside a positive definite one.
+Eigenpairs eigenpairs(const MatrixXd& A, const MatrixXd& B);
+
+bool is_positive_definite(const MatrixXd& A);
+
+/// σ and all of V in (1).
+struct RightSingular {
+  VectorXd values;
+  MatrixXd vectors;
+};
+RightSingular right_singular(const MatrixXd& A);
+
+/// A⁻¹, by elimination with row pivots.
+MatrixXd inverse(const MatrixXd& A);
+
+/// An X of the least |A X − B|.
+MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B);
+
+/// Orthonormal columns that span those of A.
+MatrixXd orthonormal(const MatrixXd& A);
+
+/// Orthonormal columns z with A z = 0.
+MatrixXd null_space(const MatrixXd& A);
+
+}  // namespace flexarm::dense
