@@ -6,6 +6,7 @@ dots, stars and `^` do not matter: "N m", "N*m" and "Nm" are one unit, as are "m
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import pi
 
 from flexarm.errors import InvalidParameter
@@ -41,6 +42,7 @@ def _normal(unit: str) -> str:
     return unit.translate(str.maketrans("", "", " ·.*^"))
 
 
+@lru_cache(maxsize=1024)
 def factor_to(si: str, unit: str) -> float | None:
     """Factor from `unit` to the SI unit `si`, or None if it is not a unit of that kind.
 

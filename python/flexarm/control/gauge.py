@@ -19,6 +19,7 @@ References
 
 from __future__ import annotations
 
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -26,11 +27,26 @@ from numpy.typing import NDArray
 
 from flexarm.arm.names import link_of
 from flexarm.measurement.deformation import gauged
-from flexarm.measurement.frames import rotation_matrix
 from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
 Floats = NDArray[np.float64]
+IDENTITY = np.eye(3)
+
+
+class _Line:
+    """The line on which a joint's axis lies at q = 0."""
+
+    def __init__(self, axis: Floats, origin: Floats) -> None:
+        self.axis, self.origin = axis, origin
+        x, y, z = axis
+        self._cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        self._twice = self._cross @ self._cross
+
+    def turn(self, angle: float) -> Floats:
+        """Rotation about the axis, by Rodrigues' formula 1 + sin q K + (1 - cos q) K^2."""
+        found: Floats = IDENTITY + sin(angle) * self._cross + (1.0 - cos(angle)) * self._twice
+        return found
 
 
 class DeflectionGauge:
@@ -58,20 +74,22 @@ class DeflectionGauge:
         self._R, self._x = link.R[0], link.x[0]
         self._r = self._R.T @ (rigid[0] - self._x)
         names = [joint.name for joint in arm.joints]
-        self._lines: list[tuple[int, bool, Floats, Floats]] = []
+        self._lines: list[tuple[int, bool, _Line]] = []
         for joint in chain_to(arm, point.link):
             if joint.type != "fixed":
                 frame = joint_frame(arm, joint, link_pose(arm, joint.parent, {}, base))
                 axis = frame.R[0] @ np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-                self._lines.append((names.index(joint.name), joint.type == "prismatic", axis, frame.x[0]))
+                self._lines.append(
+                    (names.index(joint.name), joint.type == "prismatic", _Line(axis, frame.x[0]))
+                )
 
     def read(self, position: Floats, angles: Floats) -> float:
         """Deflection [m] of the point at `position` [m], joints at `angles` [rad, m]."""
         R, x = self._R, self._x
-        for joint, slides, axis, origin in reversed(self._lines):  # eq. (1)
+        for joint, slides, line in reversed(self._lines):  # eq. (1)
             if slides:
-                x = x + angles[joint] * axis
+                x = x + angles[joint] * line.axis
             else:
-                turn = rotation_matrix(angles[joint] * axis)
-                R, x = turn @ R, origin + turn @ (x - origin)
+                turn = line.turn(float(angles[joint]))
+                R, x = turn @ R, line.origin + turn @ (x - line.origin)
         return float((R.T @ (position - x) - self._r)[self._axis])  # eq. (2)

@@ -44,6 +44,7 @@ class Sensing:
         self._gauge = DeflectionGauge(arm, self._deflection) if self._deflection is not None else None
         sensors = (self._angle, self._rate, self._deflection)
         self._effects = {sensor.name: effects_of(arm, sensor) for sensor in sensors if sensor is not None}
+        self._steps = {sensor.name: sensor.step * sensor.si[1] for sensor in sensors if sensor is not None}
         self._period = controller.sample_time
         self._last: tuple[float, float] | None = None
 
@@ -68,7 +69,9 @@ class Sensing:
         """What a sensor shows of a true value."""
         if sensor is None:
             return true
-        seen, step = self._effects[sensor.name], sensor.step * sensor.si[1]
+        seen, step = self._effects[sensor.name], self._steps[sensor.name]
+        if not (seen.before or seen.after or step > 0):
+            return true
         return float(seen.written(quantised(seen.sensed(np.array([[true]])), step))[0, 0])
 
     def _of_joint(self, run: _core.SampledRun, sensor: Sensor | None, rate: bool) -> float:
