@@ -20,7 +20,9 @@ How the columns become signals (SI; the ruler lies along x of its link, the hub 
 
 The tip's rate is left out: no sensor measured it, it is the derivative of its neighbour. Time starts at zero.
 The files hold milliradians and millimetres, so angle and deflection are known to step/sqrt(12). The other
-columns are computed by the board and have no stated noise.
+columns are computed by the board; nobody states how well. What the columns say of each other is taken for
+their noise: the rate is off the slope of its angle by 0.025 rad/s rms, the filter of the board, and the
+voltage off the controller's formula by 0.10 V, see 3 below.
 
 **Positive direction of the deflection.** It is not documented. Three things in the data say that d counts
 *against* the hub's positive angle:
@@ -71,6 +73,8 @@ HEADINGS = {
 """Columns in their order, and how their headings begin (after a `%` in the first one)."""
 RESOLUTION = 1e-3
 """Of hub angle [rad] and deflection [m]."""
+RATE_NOISE, VOLTAGE_NOISE = 0.025, 0.10
+"""Of hub rate [rad/s] and voltage [V]: by how much the columns contradict each other."""
 LATENCY_SIGMA = 0.1
 """What is known of the deflection sensor's latency, 1 sigma [s]."""
 
@@ -177,13 +181,13 @@ def record(columns: Columns, name: str, K: dict[str, float], drive: str) -> Reco
         Signal(name="hub", quantity="joint_angle", joint="hub", side="output", noise_std=noise,
                values=columns["hub"], time=time, file=file, clock=board),
         Signal(name="hub_rate", quantity="joint_rate", joint="hub", side="output",
-               values=columns["hub_rate"], time=time, file=file, clock=board),
+               noise_std=RATE_NOISE, values=columns["hub_rate"], time=time, file=file, clock=board),
         Signal(name="tip", quantity="deflection", point="tip", axes=("y",), noise_std=noise,
                values=-columns["tip"], time=time, file=file, clock="tip_sensor"),
         Signal(name="reference", quantity="joint_command", joint="hub",
                values=columns["reference"], time=time, file=file, clock=board),
         Signal(name="voltage", quantity="motor_voltage", joint="hub",
-               values=columns["voltage"], time=time, file=file, clock=board),
+               noise_std=VOLTAGE_NOISE, values=columns["voltage"], time=time, file=file, clock=board),
     ]  # fmt: skip
     stated = ", ".join(f"{key} = {value:g}" for key, value in K.items())
     return Record(

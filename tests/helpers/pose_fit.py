@@ -85,7 +85,7 @@ _PLACED: dict[int, Placement] = {}
 def _placement(arm: Arm, record: Record) -> Placement:
     """Frames as stated, unknown ones where the model without effects puts them."""
     if id(record) not in _PLACED:
-        plain = arm.replace(effects=())
+        plain = arm.replace(effects=(), uncertainty={})
         pair = subject(solve_poses(record.applied_to(plain), record), record, pose_numbers(record), arm=plain)
         _PLACED[id(record)] = first_guess(pair, stated(record))
     return _PLACED[id(record)]

@@ -66,7 +66,7 @@ def test_columns_become_signals_in_si_with_time_from_zero(tmp_path):
         assert signal.time == pytest.approx([0, 1e-3, 2e-3], abs=1e-15)
     noise = {name: signal.noise_std for name, signal in record.signals.items()}
     rounding = pytest.approx(1e-3 / np.sqrt(12))
-    assert noise == {"hub": rounding, "hub_rate": None, "tip": rounding, "reference": None, "voltage": None}
+    assert noise == {"hub": rounding, "hub_rate": 0.025, "tip": rounding, "reference": None, "voltage": 0.1}
     assert record.signals["hub"].side == "output"
     assert record.initial == "moving"
 

@@ -13,7 +13,7 @@ turn apart); `Candidate.sized` turns the alphas into parameters that start a fit
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, exp, hypot, isinf, log, pi
 from typing import Any
 
@@ -23,6 +23,7 @@ from flexarm.arm.link import Beam
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.companions import driven_joints
 from flexarm.diagnosis.observed import Observed, weighed
 from flexarm.effects.joint_compliance import TYPICAL_STIFFNESS, JointCompliance
 from flexarm.errors import InvalidParameter
@@ -33,6 +34,17 @@ LEFT_OUT = (*FAULTS, "lugre_friction", "encoder_quantisation")
 """`lugre_friction` is no name of the shared vocabulary; steps of an encoder are noise."""
 ON_SPRING = ("joint_stiffening", "joint_hysteresis", "backlash")
 """Laws of the reducer's deflection, which need a joint_compliance."""
+REDUCER = ("transmission_error", "gear_ratio")
+"""Errors of a reducer; at a joint that nothing turns they are constant angles, and no errors."""
+IN_MOTION = (
+    "joint_hysteresis",
+    "coulomb_friction",
+    "viscous_friction",
+    "payload_inertia",
+    "link_damping",
+    "frame_drift",
+)
+"""Laws of motion and time, which are zero in poses that are each an equilibrium of their own."""
 WAVES = ("transmission_error", "encoder_eccentricity", "external_vibration")
 SPRINGS = ("joint_compliance", "base_compliance")
 POSITIVE = ("torque", "gap", "coefficient", "coulomb", "viscous", "cubic_stiffness", "damping_ratio")
@@ -153,12 +165,18 @@ def candidates(
         How much softer than typical springs are probed, such as `SOFTER`.
     """
     found: list[Candidate] = []
+    poses = all(record.kind == "static" for record in observed.records.values())
     for name in KNOWN_EFFECTS:
-        if name in LEFT_OUT:
+        if name in LEFT_OUT or (poses and name in IN_MOTION):
             continue
         for at in _places(name, observed, arm):
             found += _at_place(name, at, arm, rhythm, softer)
-    return found
+    return [_of_poses(candidate) for candidate in found] if poses else found
+
+
+def _of_poses(candidate: Candidate) -> Candidate:
+    """Without what poses cannot show: the damping of a spring."""
+    return replace(candidate, free=tuple(key for key in candidate.free if key != "damping"))
 
 
 def _at_place(
@@ -283,7 +301,8 @@ def _places(name: str, observed: Observed, arm: Arm) -> list[str]:
         if name == "motor_friction":
             torque = {s.joint for s in signals if s.quantity == "motor_torque"}
             return [joint for joint in joints if joint in torque]
-        return joints
+        turned = driven_joints(arm, records)
+        return [joint for joint in joints if name not in REDUCER or joint in turned]
     if place == "payload":
         key = "payload_mass" if name == "payload_mass" else ""
         return [

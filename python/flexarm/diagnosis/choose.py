@@ -3,9 +3,11 @@
 An effect is taken if the evidence for it is strong and what it explains matters: it takes away more than half
 of the noise of some channel and more than a twentieth of the gap there, or brings clocks, frames and nominal
 values back from where their stated uncertainty forbids them. If it leaves a gap all the same, it must also
-foretell data that are left out better than the smaller model does. After each step derivatives are taken anew
-about the better model. An effect that the others have made needless is dropped. Every rival of every effect
-that is left is fitted in its place; those within `REACH` of the best are within reach of the data.
+foretell data that are left out better than the smaller model does, and what foretells them better by a fifth
+needs no other evidence, which rests on the size and correlation of a remainder that nobody knows. Rivals
+beside such a gap are out of reach where they foretell as much less. After each step derivatives are taken
+anew about the better model. An effect that the others have made needless is dropped. Every rival of every
+effect that is left is fitted in its place; those within `REACH` of the best are within reach of the data.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from math import exp, log
 import numpy as np
 
 from flexarm.diagnosis.candidates import SPRINGS, Candidate, value_of
+from flexarm.diagnosis.companions import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.evidence import (
     Channel,
     above_noise,
@@ -28,7 +31,7 @@ from flexarm.diagnosis.evidence import (
 from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.observed import Observed
-from flexarm.diagnosis.screen import Probed, Share, screen, sharpened
+from flexarm.diagnosis.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.errors import InvalidParameter, NotConverged
 
 STRONG = 6.0
@@ -37,6 +40,8 @@ MATTERS, SHARE = 0.5, 0.05
 """Least part explained in some channel: of the noise, and of what the nominal model leaves there."""
 STRAINED, FORBIDDEN = 1.0, 2.0
 """Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
+FORETOLD = 0.2
+"""Part of what is missed in data left out of a fit that counts as strong evidence where a gap is left."""
 LEFT = 1.0
 """What may be left above the noise of a model that explains a record, over the noise."""
 LEFT_SHARE = 0.07
@@ -52,7 +57,9 @@ FAR = 0.3
 ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
 TRIED, PAIRS = 6, 3
-"""Candidates that are fitted at each step, and pairs where no single one explains all."""
+"""Candidates that are fitted at each step, and sets of two or three where no smaller one explains all."""
+AHEAD = 0.9
+"""What a set of three may leave of what the best one leaves that only adds to a smaller set."""
 
 Note = Callable[[str, float], object]
 
@@ -69,17 +76,21 @@ class Rival:
         ln Z less than the chosen model's.
     fits_behind : float
         The same of the fit alone, whatever is plausible.
+    foretells : bool
+        Whether it says as much of data that are left out, where a gap is left.
     """
 
     candidate: Candidate
     fit: Fit
     behind: float
     fits_behind: float
+    foretells: bool = True
 
     @property
     def within_reach(self) -> bool:
         """Whether the data cannot tell it from the chosen effect; what is implausible may still be true."""
-        return self.behind < REACH or (self.fits_behind < REACH and self.behind < 2 * REACH)
+        close = self.behind < REACH or (self.fits_behind < REACH and self.behind < 2 * REACH)
+        return close and self.foretells
 
 
 @dataclass(eq=False)
@@ -123,19 +134,23 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     null = fitter.fit(())
     best, about, path = null, fitter, [null]
     tried: list[Fit] = []
-    while len(best.members) < MOST and not explained(best, null, observed):
+    places = cardan_joints(observed.arm, driven_joints(observed.arm, observed.records.values()))
+    while causes(best.members, places) < MOST and not explained(best, null, observed):
         if note is not None:
-            note(f"looking for effect {len(best.members) + 1}", len(best.members) / (MOST + 1))
-        found = _step(about, probed, best, null)
+            count = causes(best.members, places)
+            note(f"looking for effect {count + 1}", count / (MOST + 1))
+        found = _step(about, probed, best, null, places=places)
         tried += found
         if not found:
             break
-        better, there = _refined(about, found)
-        if not best.members and not explained(better, null, observed):
-            both = _step(about, probed, best, null, pairs=True)
-            tried += both
-            if both and accepted((two := _refined(about, both))[0], better, null, observed):
-                better, there = two
+        better, there = _refined(about, found, best, null)
+        for size in (2, 3):
+            if best.members or explained(better, null, observed):
+                break
+            sets = _step(about, probed, best, null, size, beside=better)
+            tried += sets
+            if sets and accepted((more := _refined(about, sets, best, null))[0], better, null, observed):
+                better, there = more
         if not accepted(better, best, null, observed):
             break
         best, about = better, there
@@ -144,12 +159,12 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     value = worth(best.rest, observed)
     if note is not None:
         note("weighing rivals", MOST / (MOST + 1))
-    rivals = [_rivals(about, probed, best, k, tried, value) for k in range(len(best.members))]
+    rivals = [_rivals(about, probed, best, null, k, tried, value) for k in range(len(best.members))]
     ahead = min((r for each in rivals for r in each), key=lambda rival: rival.behind, default=None)
-    if ahead is not None and ahead.behind < 0:
+    if ahead is not None and ahead.behind < 0 and ahead.foretells:
         best = ahead.fit
         about, value = about.about(best), worth(best.rest, observed)
-        rivals = [_rivals(about, probed, best, k, tried, value) for k in range(len(best.members))]
+        rivals = [_rivals(about, probed, best, null, k, tried, value) for k in range(len(best.members))]
     gains = [(f, log_bayes_factor(f, null, observed, value)) for f in tried]
     return Choice(null, best, about, value, rivals, gains, path)
 
@@ -177,11 +192,13 @@ def strain(fit: Fit) -> float:
 
 def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     """Whether evidence for a larger model is strong and what it explains matters."""
-    gain = log_bayes_factor(new, old, observed, worth(new.rest, observed))
-    seen = matters(new, old, null, observed) or strain(old) - strain(new) > STRAINED
-    if gain <= STRONG or not seen:
+    if not (matters(new, old, null, observed) or strain(old) - strain(new) > STRAINED):
         return False
-    return not leaves_gap(new, null, observed) or missed(new, observed) < missed(old, observed)
+    strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > STRONG
+    if not leaves_gap(new, null, observed):
+        return strong
+    told = missed(new, observed) / missed(old, observed)
+    return told < (1.0 if strong else 1.0 - FORETOLD)
 
 
 def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
@@ -195,13 +212,23 @@ def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     return False
 
 
-def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit, pairs: bool = False) -> list[Fit]:
-    """Fits of the most promising candidates, or pairs of them, beside the effects that are there."""
-    shares = screen(fitter, probed, best, together=4 * PAIRS if pairs else 0)
-    size = 2 if pairs else 1
-    wanted = _one_variant([s for s in shares if len(s.members) == size], PAIRS if pairs else 2 * TRIED)
-    if not pairs:
-        wanted = sharpened(fitter, wanted, best)[:TRIED]
+def _step(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    best: Fit,
+    null: Fit,
+    size: int = 1,
+    places: Mapping[str, str] = NONE,
+    beside: Fit | None = None,
+) -> list[Fit]:
+    """Fits of the most promising candidates, or sets of them, beside the effects that are there."""
+    if size == 1:
+        shares = _one_variant(screen(fitter, probed, best, places), 2 * TRIED)
+        wanted = sharpened(fitter, shares, best)[:TRIED]
+    else:
+        shares = together(fitter, probed, best, size)
+        ahead = size == 2 or beside is None or _leads(shares, beside)
+        wanted = _one_variant(shares, PAIRS) if ahead else []
     found: list[Fit] = []
     for share in wanted:
         done = any(explained(f, null, fitter.observed) for f in found)
@@ -212,6 +239,14 @@ def _step(fitter: Fitter, probed: Sequence[Probed], best: Fit, null: Fit, pairs:
         except (InvalidParameter, NotConverged, ValueError):
             continue
     return found
+
+
+def _leads(shares: Sequence[Share], beside: Fit) -> bool:
+    """Whether the best set goes where adding to a smaller one does not lead."""
+    reached = max(
+        (s.share for s in shares if set(beside.places) <= {m.place for m in s.members}), default=0.0
+    )
+    return bool(shares) and 1.0 - shares[0].share < AHEAD * (1.0 - reached)
 
 
 def relaxed(member: Candidate) -> Candidate:
@@ -231,19 +266,34 @@ def _one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     return list(found.values())[:most]
 
 
-def _refined(fitter: Fitter, fits: Sequence[Fit]) -> tuple[Fit, Fitter]:
-    """The best fit by evidence, with derivatives taken anew about those that come close."""
+def _refined(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[Fit, Fitter]:
+    """The best fit, with derivatives taken anew about those that come close."""
     observed = fitter.observed
+    first, *others = _ranked(fits, old, null, observed)
+    close = [f for f in others[:2] if _close(f, first, observed)]
+    there = {}
+    for fit in (first, *close):
+        about = fitter.about(fit)
+        there[about.fit(fit.members)] = about
+    best = _ranked(list(there), old, null, observed)[0]
+    return polished(best, there[best])
+
+
+def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> list[Fit]:
+    """By evidence; where gaps are left and evidence for none is strong, by what is foretold."""
     value = worth(min(fits, key=lambda f: f.cost).rest, observed)
     ranked = sorted(fits, key=lambda f: -log_evidence(f, observed, value))
-    first = log_evidence(ranked[0], observed, value)
-    close = [f for f in ranked[:3] if first - log_evidence(f, observed, value) < 0.1 * abs(first) + 50]
-    there = []
-    for fit in close:
-        about = fitter.about(fit)
-        there.append((about.fit(fit.members), about))
-    value = worth(min((f for f, _ in there), key=lambda f: f.cost).rest, observed)
-    return polished(*max(there, key=lambda pair: log_evidence(pair[0], observed, value)))
+    strong = log_bayes_factor(ranked[0], old, observed, value) > STRONG
+    if strong or not all(leaves_gap(f, null, observed) for f in fits):
+        return ranked
+    return sorted(fits, key=lambda f: missed(f, observed))
+
+
+def _close(fit: Fit, first: Fit, observed: Observed) -> bool:
+    """Whether a fit may be as good as the first with derivatives of its own."""
+    value = worth(min((fit, first), key=lambda f: f.cost).rest, observed)
+    ahead = log_evidence(first, observed, value)
+    return ahead - log_evidence(fit, observed, value) < 0.1 * abs(ahead) + 50
 
 
 def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
@@ -282,12 +332,18 @@ def _rivals(
     fitter: Fitter,
     probed: Sequence[Probed],
     best: Fit,
+    null: Fit,
     k: int,
     tried: Sequence[Fit],
     value: Mapping[Channel, float],
 ) -> list[Rival]:
-    """What could stand in the place of one effect, with ln Z behind the chosen model's."""
+    """What could stand in the place of one effect, with ln Z behind the chosen model's.
+
+    Beside a gap that the chosen model leaves open no name is certain: rivals are fewer and not polished
+    there, and none is ahead that foretells less.
+    """
     observed = fitter.observed
+    open_gap = leaves_gap(best, null, observed)
     others = tuple(m for i, m in enumerate(best.members) if i != k)
     mine = best.members[k].place
     rest = {m.place for m in others}
@@ -299,7 +355,8 @@ def _rivals(
     without = fitter.fit(others)
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
-    for share in sharpened(fitter, _one_variant(shares, 2 * TRIED), without)[:TRIED]:
+    most = PAIRS if open_gap else TRIED
+    for share in sharpened(fitter, _one_variant(shares, 2 * most), without)[:most]:
         place = share.members[0].place
         about = fitter
         try:
@@ -309,13 +366,16 @@ def _rivals(
                 about = fitter.about(fit)
                 fit = about.fit(fit.members)
                 behind = log_bayes_factor(best, fit, observed, value)
-            if behind < WITHIN_SIGHT:
+            if behind < WITHIN_SIGHT and not open_gap:
                 fit, _ = polished(fit, about)
                 behind = log_bayes_factor(best, fit, observed, value)
         except (InvalidParameter, NotConverged, ValueError):
             continue
         member = next(m for m in fit.members if m.place == place)
-        found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value)))
+        told = not open_gap or missed(fit, observed) * (1.0 - FORETOLD) < missed(best, observed)
+        if open_gap and missed(fit, observed) > missed(best, observed):
+            behind = max(behind, 0.0)
+        found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told))
     return sorted(found, key=lambda rival: rival.behind)
 
 

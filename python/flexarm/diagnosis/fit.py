@@ -39,6 +39,8 @@ LIKELY = 2.0
 """Sigmas within which nominal values are taken where nothing but them is fitted."""
 CENTRED, LESS = 3, 0.9
 """Rounds of that, and the part of the gap below which one was worth while."""
+CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
+"""Laws with corners."""
 REACH = 8.0
 """Bounds of a parameter in sigmas of its prior."""
 
@@ -217,12 +219,15 @@ class Fitter:
         """Unknowns that are effects of a set."""
         fitted = {(member.name, member.at) for member in members}
         return frozenset(
-            u.key for u in self.unknowns.each if u.kind in ("clock", "frame") and u.place in fitted
+            u.key for u in self.unknowns.each if u.key.startswith("effects.") and u.place in fitted
         )
 
     def eliminated(self, members: Sequence[Candidate]) -> tuple[Unknowns, Projection]:
-        """Unknowns that a set of effects leaves: a clock whose delay is an effect is none of them."""
-        taken = self.taken(members)
+        """Unknowns that a set of effects leaves: a clock or a zero that is an effect is none of them."""
+        return self.without(self.taken(members))
+
+    def without(self, taken: frozenset[str]) -> tuple[Unknowns, Projection]:
+        """All unknowns but some, and what eliminates them."""
         if taken not in self._projections:
             left = self.unknowns.without(set(taken))
             keep = [k for k, u in enumerate(self.unknowns.each) if u.key not in taken]
@@ -383,11 +388,26 @@ class _Problem:
         """Derivatives from finite steps, forward or backward where there is room."""
         key = z.tobytes()
         if key not in self._differences:
+            exact = self._exact(z)
+            if exact is not None:
+                self._differences[key] = exact
+                return exact
             here = self.raw(z)
             ahead = [z + STEP * row for row in np.eye(len(z))]
             self.fitter.observed.prepare(arm for there in ahead if (arm := self._arm(there)) is not None)
             self._differences[key] = np.stack([self._column(z, k, here) for k in range(len(z))], axis=1)
         return self._differences[key]
+
+    def _exact(self, z: Floats) -> Floats | None:
+        """The same of laws without corners in poses, which have derivatives of their own."""
+        names = [(self.members[c.candidate], c.name) for c in self.coordinates]
+        arm = self._arm(z)
+        if arm is None or any(member.name in CORNERS for member, _ in names):
+            return None
+        keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
+        found = self.fitter.observed.pose_slopes(arm, keys)
+        slope = [c.slope(float(x)) for c, x in zip(self.coordinates, z, strict=True)]
+        return None if found is None else found * slope
 
     def _column(self, z: Floats, k: int, here: Floats) -> Floats:
         for step in (STEP, -STEP):

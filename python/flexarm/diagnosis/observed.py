@@ -33,6 +33,7 @@ from flexarm.comparison.subject import Placement, Subject, subject
 from flexarm.comparison.unknowns import stated
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.measurement.slopes import predict_slopes
 from flexarm.record import Record, Signal
 
 Floats = NDArray[np.float64]
@@ -176,6 +177,9 @@ class Observed:
 
         A point that moves in its link moves with the link's section, dp/do = R; all else by differences.
         """
+        exact = self.pose_slopes(arm, keys)
+        if exact is not None:
+            return exact
         found = np.zeros((len(self), len(keys)))
         wanted = parameters(arm, keys)
         pairs = [neighbours(arm, parameter) for parameter in wanted]
@@ -186,6 +190,27 @@ class Observed:
                 found[:, k] = self._point_slope(arm, parameter.key)
             else:
                 found[:, k] = (self.residual(above) - self.residual(below)) / (up - down)
+        return found
+
+    def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
+        """The same of poses, from the derivatives of their equilibria: one run for all parameters.
+
+        None where records are motions, orientations are measured, or a law has no derivative.
+        """
+        signals = {(each.record, each.signal) for each in self.rows}
+        if any(
+            self.records[record].kind != "static"
+            or self.records[record].signals[signal].quantity == "orientation"
+            for record, signal in signals
+        ):
+            return None
+        found = np.empty((len(self), len(keys)))
+        try:
+            for name, record in self.records.items():
+                run = solve_poses(record.applied_to(arm), record, sensitivities=keys)
+                self._fill_slopes(found, name, run)
+        except InvalidParameter:
+            return None
         return found
 
     def channels(self) -> Iterator[tuple[Rows, slice]]:
@@ -305,6 +330,21 @@ class Observed:
                 signal = pair.record.signals[each.signal]
                 residuals[each.signal] = pair.residual(signal, self.placement[name], hold=True)
             found[each.where] = residuals[each.signal][each.kept, each.channel] / each.sigma  # eq. (1)
+
+    def _fill_slopes(self, found: Floats, name: str, run: Any) -> None:
+        record = self.records[name]
+        stamps = pose_numbers(record)
+        slopes: dict[str, Floats] = {}
+        for each in self.rows:
+            if each.record != name:
+                continue
+            if each.signal not in slopes:
+                signal = record.signals[each.signal]
+                frame = self.placement[name].frame(signal)
+                slopes[each.signal] = predict_slopes(
+                    run, signal, registration=frame, stamps=stamps[each.signal]
+                )
+            found[each.where] = -slopes[each.signal][each.kept, each.channel] / each.sigma
 
 
 def weighed(record: Record, key: str) -> bool:

@@ -12,9 +12,11 @@ negative are not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +27,15 @@ from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.simulation import Progress, reported
 
 Floats = NDArray[np.float64]
+Ranked = tuple[float, tuple[int, ...]]
+"""Share that a set explains, and which candidates are in it."""
 
 RIDGE = 0.1
+AMONG = 16
+"""Places that are tried in sets of three."""
+KEPT = 100
+"""Sets of which a size is worked out."""
+NONE: Mapping[str, str] = MappingProxyType({})
 ONE_SIGNED = ("joint_hysteresis", "backlash", "coulomb_friction", "viscous_friction", "motor_friction")
 
 
@@ -76,7 +85,9 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
     return probed
 
 
-def screen(fitter: Fitter, probed: Sequence[Probed], fit: Fit, together: int = 0) -> list[Share]:
+def screen(
+    fitter: Fitter, probed: Sequence[Probed], fit: Fit, pairs: Mapping[str, str] = NONE
+) -> list[Share]:
     """Candidates that could explain what a fit leaves, the best first.
 
     Parameters
@@ -87,16 +98,31 @@ def screen(fitter: Fitter, probed: Sequence[Probed], fit: Fit, together: int = 0
         What the probes do.
     fit : Fit
         Its effects may change along, to first order.
-    together : int
-        How many of the best are also tried in pairs, where a single one explains little.
+    pairs : dict of str to str
+        Joints that are one place, `companions.cardan_joints`: a law at both is tried as one candidate.
     """
-    taken = set(fit.places)
-    free = [p for p in probed if p.candidate.place not in taken]
-    singles = [found for p in free if (found := _share(fitter, [p], fit)) is not None]
-    singles.sort(key=lambda s: -s.share)
-    if not together:
-        return singles
-    return singles + pairs(fitter, free, fit, together)
+    linear = Linear(fitter, probed, fit)
+    sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
+    return linear.shares(linear.ranked(sets))
+
+
+def together(fitter: Fitter, probed: Sequence[Probed], fit: Fit, size: int) -> list[Share]:
+    """Sets of two or three candidates that explain most together, the best first.
+
+    All pairs are looked at; of triples all among the `AMONG` places that explain most alone, half as many
+    more that do so in a pair: what explains nothing by itself may be needed beside another.
+    """
+    linear = Linear(fitter, probed, fit)
+    two = linear.ranked(linear.sets(linear.free, 2))
+    if size == 2:
+        return linear.shares(two, KEPT)
+    alone = linear.ranked((k,) for k in linear.free)
+    few: dict[tuple[str, str], int] = {}
+    for ranked, most in ((alone, AMONG), (two, AMONG + AMONG // 2)):
+        for k in (k for _, chosen in ranked for k in chosen):
+            if len(few) < most:
+                few.setdefault(probed[k].candidate.place, k)
+    return linear.shares(linear.ranked(linear.sets(list(few.values()), size)), KEPT)
 
 
 def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
@@ -122,41 +148,85 @@ def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
     return sorted(found, key=lambda s: -s.share)
 
 
-def pairs(fitter: Fitter, free: Sequence[Probed], fit: Fit, most: int) -> list[Share]:
-    """The best pairs of candidates."""
-    found = []
-    for i, one in enumerate(free):
-        for other in free[i + 1 :]:
-            if one.candidate.place != other.candidate.place:
-                share = _share(fitter, [one, other], fit)
-                if share is not None:
-                    found.append(share)
-    found.sort(key=lambda s: -s.share)
-    return found[:most]
+class Linear:
+    """Eq. (1) for any set of candidates about a fit, from one Gram matrix of all moves.
 
+    With D the moves of all candidates and the derivatives of the fit by its own effects, less what unknowns
+    explain, G = D^T D and b = D^T q hold everything: a set takes its rows and columns,
 
-def _share(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> Share | None:
-    """Eq. (1) for one set, of what the fit leaves; None where a law would have to be negative."""
-    members = [p.candidate for p in probed]
-    _, projection = fitter.eliminated([*fit.members, *members])
-    moves = np.concatenate([p.moves for p in probed], axis=1)
-    rest = projection.rest(np.column_stack([fit.residual, moves, fit.slopes]))
-    q, d, own = rest[:, 0], rest[:, 1:], moves.shape[1]
-    gram = d.T @ d + np.diag([RIDGE**2] * own + [1.0] * (d.shape[1] - own))
-    alphas: Floats = np.asarray(np.linalg.solve(gram, -d.T @ q), dtype=float)
-    k = 0
-    sized = []
-    for each in probed:
-        mine = alphas[k : k + each.moves.shape[1]]
-        k += len(mine)
-        if not _possible(each.candidate, mine):
-            return None
-        try:
-            sized.append(replace(each.candidate, effect=each.candidate.sized(mine.tolist())))
-        except (InvalidParameter, ValueError):
-            return None
-    left = q + d @ alphas
-    return Share(tuple(sized), 1.0 - float(left @ left) / fit.cost)
+        alpha = -(G + ridge)^-1 b,   |q + D alpha|^2 = |q|^2 + 2 alpha b + alpha G alpha               (2)
+
+    Sets that take different unknowns into their effects have matrices of their own.
+    """
+
+    def __init__(self, fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> None:
+        self.fitter, self.probed, self.fit = fitter, probed, fit
+        taken = set(fit.places)
+        self.free = [k for k, p in enumerate(probed) if p.candidate.place not in taken]
+        ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
+        self._columns = [np.arange(ends[k], ends[k + 1]) for k in range(len(probed))]
+        self._own = np.arange(ends[-1], ends[-1] + fit.slopes.shape[1])
+        self._moves = np.concatenate([*(p.moves for p in probed), fit.slopes], axis=1)
+        self._takes = [fitter.taken([p.candidate]) for p in probed]
+        self._fitted = fitter.taken(fit.members)
+        self._grams: dict[frozenset[str], tuple[Floats, Floats, float]] = {}
+
+    def sets(self, among: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
+        """All sets of different places."""
+        for found in combinations(among, size):
+            if len({self.probed[k].candidate.place for k in found}) == size:
+                yield found
+
+    def companions(self, pairs: Mapping[str, str]) -> Iterator[tuple[int, ...]]:
+        """The same variant of a law at both axes of a place."""
+        for i in self.free:
+            one = self.probed[i].candidate
+            for j in self.free:
+                other = self.probed[j].candidate
+                if pairs.get(one.at) == other.at and other.effect == one.effect.replace(at=other.at):
+                    yield i, j
+
+    def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
+        """Share and members of those in which no law would have to be negative, the best first."""
+        found = [(self._solved(each)[0], each) for each in sets]
+        return sorted(((share, each) for share, each in found if share > 0), key=lambda pair: -pair[0])
+
+    def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
+        """The first of them at the sizes of eq. (2)."""
+        found = []
+        for share, chosen in ranked[:most]:
+            _, alphas = self._solved(chosen)
+            members = []
+            try:
+                for index, mine in zip(chosen, alphas, strict=True):
+                    candidate = self.probed[index].candidate
+                    members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
+            except (InvalidParameter, ValueError):
+                continue
+            found.append(Share(tuple(members), share))
+        return found
+
+    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats]]:
+        """Eq. (2) for one set; a share of -1 where a law would have to be negative."""
+        gram, b, square = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
+        parts = [self._columns[k] for k in chosen]
+        columns = np.concatenate([*parts, self._own])
+        own = len(columns) - len(self._own)
+        G, b = gram[np.ix_(columns, columns)], b[columns]
+        ridge = np.diag([RIDGE**2] * own + [1.0] * len(self._own))
+        alphas = np.asarray(np.linalg.solve(G + ridge, -b), dtype=float)  # eq. (2)
+        mine = np.split(alphas[:own], np.cumsum([len(part) for part in parts])[:-1])
+        if not all(_possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
+            return -1.0, mine
+        left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
+        return 1.0 - left / self.fit.cost, mine
+
+    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float]:
+        if taken not in self._grams:
+            rest = self.fitter.without(taken)[1].rest(np.column_stack([self.fit.residual, self._moves]))
+            q, d = rest[:, 0], rest[:, 1:]
+            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q))
+        return self._grams[taken]
 
 
 def _possible(candidate: Candidate, alphas: Floats) -> bool:

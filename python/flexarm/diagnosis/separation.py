@@ -98,7 +98,7 @@ def left(bench: Bench, gaps: Floats, rival: Probed | None) -> Floats:
 
 def taken_by(candidate: Candidate, unknowns: Unknowns) -> set[str]:
     """Unknowns that are a candidate themselves: a clock's delay as an effect has no prior of a clock."""
-    return {u.key for u in unknowns.each if u.kind in ("clock", "frame") and u.place == candidate.place}
+    return {u.key for u in unknowns.each if u.key.startswith("effects.") and u.place == candidate.place}
 
 
 def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:

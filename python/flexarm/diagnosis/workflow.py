@@ -40,6 +40,7 @@ from flexarm.diagnosis.result import Alternative, Diagnosis, NamedEffect, Refine
 from flexarm.diagnosis.rhythm import rhythms
 from flexarm.diagnosis.ring_down import describe_ring_downs, ring_downs
 from flexarm.diagnosis.screen import probe
+from flexarm.diagnosis.transfer import carried
 from flexarm.diagnosis.unknowns import unknowns
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ CONFIDENT = 0.5
 """Greatest probability of a name whose parameter moves, or beside a gap that nothing explains."""
 WORTH_KEEPING = 0.5
 """Least part of the gap in data left out that effects close, to be kept where they do not explain all."""
+CARRIED = 0.2
+"""The same of what the model as stated misses in each part of the training, were it left out of the fit."""
 
 
 def diagnose(
@@ -147,7 +150,7 @@ def diagnose(
     drifts = constancy(choice.best, observed, choice.value)
     effects = _named(choice, sizes, drifts, open_gap, observed)
     verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
-    keep = not open_gap or _closes(choice.best, choice.null, observed)
+    keep = not open_gap or _worth_keeping(choice, observed)
     updated = repaired(arm, choice.best, sizes, keep) if keep or not open_gap else arm
     tell(0.83, "next experiment")
     further = next_experiment(choice, observed, open_gap)
@@ -270,6 +273,14 @@ def _closes(best: Fit, null: Fit, observed: Observed) -> bool:
     return missed(best, observed) < (1 - WORTH_KEEPING) * missed(null, observed)
 
 
+def _worth_keeping(choice: Choice, observed: Observed) -> bool:
+    """Whether a fit that does not explain all is better than none: it closes half, or it predicts."""
+    if not choice.best.members:
+        return False
+    best, null = choice.best, choice.null
+    return _closes(best, null, observed) or carried(best, null, observed) > CARRIED
+
+
 def _rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
     """Rivals out of reach, and what was tried on the way."""
     found: dict[tuple[str, str], Rejected] = {}
@@ -308,7 +319,9 @@ def _stages(
     stages = [Stage("nominal", rms(before))]
     if updated.effects != arm.effects:
         model = arm
-        for member in choice.best.members:
+        for member in sorted(choice.best.members, key=lambda each: each.name not in SPRINGS):
+            if member.needs is not None and model.effect(member.needs.name, member.needs.at) is None:
+                model = model.with_effect(member.needs)
             model = model.with_effect(member.effect)
             found = {name: compared(model, record) for name, record in records.items()}
             stages.append(Stage(f"{member.name} at {member.at}", rms(found)))

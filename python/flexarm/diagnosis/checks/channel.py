@@ -234,7 +234,8 @@ def _other_axes(subject: Subject, signal: Signal, placement: Placement, k: int) 
     if signal.quantity not in ("position", "acceleration", "angular_rate"):
         return []
     whole = signal.replace(axes=("x", "y", "z"), channels=(), values=np.zeros((len(signal), 3)))
-    clean = replace(subject, arm=subject.arm.replace(effects=()))  # axes that were not measured have none
+    bare = subject.arm.replace(effects=(), uncertainty={})  # axes that were not measured have none
+    clean = replace(subject, arm=bare)
     values = values_at(clean, whole, placement)
     return [np.nan_to_num(values[:, j]) for j, axis in enumerate("xyz") if axis != signal.axes[k]]
 

@@ -1,0 +1,63 @@
+"""Residuals of poses: derivatives of their equilibria against differences of whole records."""
+
+import numpy as np
+import pytest
+from tests.helpers.arms import beam, hinge, point
+
+from flexarm import Arm, Record, Signal
+from flexarm.diagnosis.observed import Observed
+from flexarm.record import Frame
+
+TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
+KEYS = [
+    "links.rod.material.youngs_modulus",
+    "points.tip.position.x",
+    "effects.joint_compliance.hinge.stiffness",
+    "effects.encoder_offset.q.offset",
+    "effects.frame_registration.tracker.rotation.y",
+]
+
+
+def observed(quantity: str = "position") -> tuple[Arm, Observed]:
+    """Three poses of a rod on a soft hinge, seen in a frame that is not the base's."""
+    arm = Arm.from_dict(
+        {
+            "joints": [hinge("hinge", "rod")],
+            "links": [beam("rod", [0, 0, 3.0], TUBE)],
+            "payloads": [{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
+            "points": [point("tip", "rod", [0.05, 0, 3.0])],
+            "effects": [
+                {"name": "joint_compliance", "at": "hinge", "stiffness": 5e4},
+                {"name": "encoder_offset", "at": "q", "offset": 2e-3},
+                {"name": "frame_registration", "at": "tracker", "rotation": [0, 1e-3, 0]},
+            ],
+        }
+    )
+    rows = np.array(["a", "b", "c"])
+    angles = np.array([[-0.4], [0.3], [0.9]])
+    size = {"position": 3, "orientation": 4}[quantity]
+    seen = np.full((3, size), 0.5)
+    signals = [
+        Signal(name="q", quantity="joint_angle", joint="hinge", values=angles, pose=rows),
+        Signal(name="tip", quantity=quantity, point="tip", values=seen, pose=rows, frame="tracker",
+               noise_std=1e-4),
+    ]  # fmt: skip
+    frames = {"tracker": Frame(rpy=(0.0, 0.0, 0.4), xyz=(1.0, 0.0, 0.0))}
+    return arm, Observed(arm, {"r": Record(kind="static", drive=("q",), signals=signals, frames=frames)})
+
+
+@pytest.mark.parametrize("k", range(len(KEYS)), ids=KEYS)
+def test_derivatives_of_equilibria_are_differences_of_residuals(k):
+    """Differences have an error near 1e-7 of themselves."""
+    arm, poses = observed()
+    exact = poses.pose_slopes(arm, KEYS)
+    poses.pose_slopes = lambda *_: None
+    differences = poses.slopes(arm, [KEYS[k]])[:, 0]
+    assert np.abs(differences).max() > 0
+    assert exact[:, k] == pytest.approx(differences, abs=1e-6 * np.abs(differences).max())
+
+
+def test_orientations_are_left_to_differences():
+    """Their residual is a rotation vector, no difference of readings."""
+    arm, poses = observed("orientation")
+    assert poses.pose_slopes(arm, KEYS[:1]) is None
