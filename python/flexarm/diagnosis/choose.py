@@ -56,6 +56,8 @@ FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
+OVERTAKEN = 3
+"""Times that a rival may take the place of what was chosen."""
 TRIED, PAIRS = 6, 3
 """Candidates that are fitted at each step, and sets of two or three where no smaller one explains all."""
 AHEAD = 0.9
@@ -160,10 +162,13 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     if note is not None:
         note("weighing rivals", MOST / (MOST + 1))
     rivals = [_rivals(about, probed, best, null, k, tried, value) for k in range(len(best.members))]
-    ahead = min((r for each in rivals for r in each), key=lambda rival: rival.behind, default=None)
-    if ahead is not None and ahead.behind < 0 and ahead.foretells:
-        best = ahead.fit
-        about, value = about.about(best), worth(best.rest, observed)
+    for _ in range(OVERTAKEN):
+        ahead = min((r for each in rivals for r in each), key=lambda rival: rival.behind, default=None)
+        if ahead is None or ahead.behind >= 0 or not ahead.foretells:
+            break
+        best, about = polished(ahead.fit, about.about(ahead.fit))
+        value = worth(best.rest, observed)
+        path = [*path[:-1], best]
         rivals = [_rivals(about, probed, best, null, k, tried, value) for k in range(len(best.members))]
     gains = [(f, log_bayes_factor(f, null, observed, value)) for f in tried]
     return Choice(null, best, about, value, rivals, gains, path)
