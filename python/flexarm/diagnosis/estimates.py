@@ -4,16 +4,23 @@ Residuals of a fit are not independent: what the model lacks lasts, and poses of
 groups of rows (`flexarm.diagnosis.left_out`), blocks of time or static records, all channels together, are
 drawn with replacement, and the fit is repeated to first order [Kuensch1989]:
 
-.. math:: p_b = p - H^{-1} \Bigl( \sum_j (w_{jb} - 1) g_j - \xi_b / \sigma + J^T e_b \Bigr), \quad
+.. math:: p_b = p - H^{-1} \Bigl( \sum_j (w_{jb} - 1) g_j - \xi_b / \sigma \Bigr), \quad
    H = J^T J + \Lambda, \quad g_j = \sum_{i \in j} J_i^T r_i                                           (1)
 
 w_jb is how often group j was drawn; static records are few and each pulls the fit towards itself, so r_i is
 there what is missed if the record is left out. J are the derivatives by effects' parameters and unknowns
 together, Lambda their priors' weights. What a prior contributes is uncertain by the prior's own sigma,
-xi ~ N(0, 1), so that what the data leave open keeps the width of its prior. No simulation is exact, and a fit
-hides from its own residual what the simulation errs in the direction of its parameters: e_b is an error of
-`DISCREPANCY` of the noise in every channel, slow as the motion, of random waves with one to ten periods a
-record. Intervals are quantiles of p_b, mapped to the parameters' own scales.
+xi ~ N(0, 1), so that what the data leave open keeps the width of its prior.
+
+No simulation is exact, and a fit hides from its own residual what the simulation errs in the direction of its
+parameters. An error moves like what it is an error of, but out of phase with it: a surrogate [Theiler1992] of
+the parameter's own column of J has the same spectrum with random phases, here as large as `DISCREPANCY` of
+the noise where it is largest. With a = J H^-1 u_p, by which a parameter depends on residuals, and transforms
+A and S of a and of that surrogate in a channel of n samples, it adds the variance
+
+.. math:: \sum_\text{channels} \frac{1}{n^2} \sum_f |A_f|^2 |S_f|^2                                   (2)
+
+Intervals are quantiles of p_b, mapped to the parameters' own scales.
 """
 
 from __future__ import annotations
@@ -31,7 +38,7 @@ from flexarm.diagnosis.result import Estimate, Nuisance, Refined
 
 Floats = NDArray[np.float64]
 
-DRAWS, WAVES = 600, 10
+DRAWS = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,20 +80,22 @@ def draws(fit: Fit, observed: Observed, rng: np.random.Generator, discrepancy: f
     inverse = np.linalg.pinv(hessian, hermitian=True)
     weights = rng.multinomial(len(g), np.full(len(g), 1.0 / len(g)), size=DRAWS) - 1.0
     xi = rng.standard_normal((DRAWS, count))
-    waves = slow_waves(observed, slopes) * scale
-    errors = discrepancy / np.sqrt(WAVES) * rng.standard_normal((DRAWS, len(waves))) @ waves
-    moved: Floats = -(weights @ g - xi * np.sqrt(prior) * scale + errors) @ inverse * scale  # eq. (1)
-    return moved
+    moved: Floats = -(weights @ g - xi * np.sqrt(prior) * scale) @ inverse * scale  # eq. (1)
+    errors = discrepancy * surrogates(observed, slopes, scale[:, None] * inverse * scale)
+    return moved + errors * rng.standard_normal((DRAWS, count))
 
 
-def slow_waves(observed: Observed, slopes: Floats) -> Floats:
-    """J^T of sine and cosine of 1 to `WAVES` periods a record in each channel, shape (waves, k + m)."""
-    found = []
-    for each, where in observed.channels():
-        turn = 2 * np.pi * (each.time - each.time[0]) / max(float(np.ptp(each.time)), 1e-12)
-        for k in range(1, WAVES + 1):
-            found += [np.sin(k * turn) @ slopes[where], np.cos(k * turn) @ slopes[where]]
-    return np.array(found)
+def surrogates(observed: Observed, slopes: Floats, inverse: Floats) -> Floats:
+    """Root of (2) for an error as large as the noise, shape (k + m,); inverse: H^-1."""
+    channels = [where for _, where in observed.channels()]
+    largest = np.max([np.mean(slopes[where] ** 2, axis=0) for where in channels], axis=0)
+    shapes = slopes / np.sqrt(np.maximum(largest, 1e-300))
+    depends = slopes @ inverse
+    variance = np.zeros(slopes.shape[1])
+    for where in channels:
+        a, s = (np.abs(np.fft.fft(x[where], axis=0)) for x in (depends, shapes))
+        variance += np.sum((a * s) ** 2, axis=0) / len(a) ** 2  # eq. (2)
+    return np.sqrt(variance)
 
 
 def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.estimates import draws, estimates
+from flexarm.diagnosis.estimates import draws, estimates, surrogates
 from flexarm.diagnosis.fit import Coordinate, Fit
 from flexarm.diagnosis.left_out import blocks
 from flexarm.diagnosis.projection import Projection
@@ -54,10 +54,23 @@ def test_spread_is_that_of_least_squares_in_white_noise():
 
 
 def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
-    """A wave of the record's third harmonic in the slope: e has amplitude d/sqrt(10) along it."""
-    slope = np.sin(3 * 2 * np.pi * (TIME - TIME[0]) / np.ptp(TIME))
+    """A slope of one line: d sqrt(2) sin(wt + phase) along sin(wt) is d sqrt(2) cos(phase), d rms."""
+    slope = np.sin(3 * 2 * np.pi * np.arange(N) / N)
     fit = fitted(1e-9 * RNG.normal(size=N), slope)  # no noise: the discrepancy alone
-    assert draws(fit, observed(), RNG, 0.2)[:, 0].std() == pytest.approx(0.2 / np.sqrt(10), rel=0.1)
+    assert draws(fit, observed(), RNG, 0.2)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+
+
+def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
+    """(2) beside 2000 surrogates of a burst of vibration."""
+    slope = np.exp(-(((TIME - 15.0) / 4.0) ** 2)) * np.sin(14.0 * TIME)
+    lines = np.abs(np.fft.rfft(slope / np.sqrt(np.mean(slope**2))))
+    phases = np.exp(2j * np.pi * RNG.random((2000, len(lines))))
+    errors = np.fft.irfft(lines * phases, N, axis=1)
+    expected = (errors @ slope / (slope @ slope)).std()
+    assert surrogates(observed(), slope[:, None], np.array([[1 / (slope @ slope)]])) == pytest.approx(
+        expected, rel=0.05
+    )
+    assert expected < 0.4 / np.sqrt(np.mean(slope**2))
 
 
 def test_nine_of_ten_intervals_hold_the_truth_in_correlated_noise():
@@ -66,8 +79,9 @@ def test_nine_of_ten_intervals_hold_the_truth_in_correlated_noise():
     for seed in range(150):
         white = np.random.default_rng(seed).normal(size=N + 8)
         noise = np.convolve(white, np.full(8, 8**-0.5), mode="valid")[:N]  # means of eight: 0.8 s
-        (effect,) = estimates(fitted(noise, slope), observed(), seed).effects
-        inside += effect[0].low90 <= 14.0 <= effect[0].high90
+        fit = fitted(noise, slope)
+        low, high = np.quantile(draws(fit, observed(), np.random.default_rng(seed), 0.0)[:, 0], [0.05, 0.95])
+        inside += low <= -fit.z[0] <= high  # the truth is z = 0
     assert 0.82 <= inside / 150 <= 0.97
 
 
