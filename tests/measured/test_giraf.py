@@ -1,6 +1,6 @@
-"""The GIRAF boom: its reader, and what its pulls at eight lengths say of stiffness, tilt and compliance.
+"""The GIRAF boom: its readers, and what pulls at eight lengths and ring-downs at three say of it.
 
-The boom's bending stiffness is not known, so it is fitted along everywhere, as an effect would be.
+The boom's bending stiffness is not known, so it is fitted along to all pulls, as an effect would be.
 """
 
 import importlib.util
@@ -11,9 +11,12 @@ import numpy as np
 import pytest
 from tests.helpers.pose_fit import fitted, gap, rms
 
+import flexarm
 from flexarm import Arm, InvalidFile, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
+from flexarm.comparison.beside import beside
+from flexarm.diagnosis.ring_down import describe_ring_downs, ring_downs
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples/giraf_boom"
 HEADER = "Boom Extension (mm),Applied Force (N),Endpoint Height (mm),Deflection (mm)\n"
@@ -21,14 +24,15 @@ STIFFNESS = "links.boom.material.youngs_modulus"
 READING = 1e-3 / np.sqrt(12)
 
 
-def load_script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("giraf_records", FOLDER / "make_records.py")
+def load_script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"giraf_{name}", FOLDER / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-SCRIPT = load_script()
+SCRIPT = load_script("make_records")
+RING_DOWNS = load_script("ring_downs")
 
 
 # ------------------------------------------------------------------------------------------------- the reader
@@ -66,15 +70,58 @@ def test_wrong_files_are_named_with_the_place_of_the_fault(tmp_path, text, messa
     assert not (tmp_path / "out").exists()
 
 
+def ring_down_file(folder, name="ringdown_10p5in_trial1.csv"):
+    """A sensor upside down, 0.1 rad askew, with a gain of 0.9; the boom rests, then stands upright."""
+    rows = ["t,accel_x,accel_y,accel_z,pitch_pos"]
+    for k in range(1200):
+        pitch = 0.2 if k < 100 else np.pi / 2
+        along, across = 0.9 * 9.81 * np.sin(pitch - 0.1), 0.9 * 9.81 * np.cos(pitch - 0.1)
+        rows.append(f"{k / 458:.9f},{-across:.12f},0.0,{-along:.12f},{pitch:.12f}")
+    (folder / name).write_text("\n".join(rows) + "\n")
+    return folder / name
+
+
+def test_a_reading_at_rest_says_how_the_accelerometer_sits(tmp_path):
+    """Gain and skew drop out: specific force is g along the boom once it stands upright."""
+    record = RING_DOWNS.ring_down_record(ring_down_file(tmp_path))
+    assert record.links["boom"].length == pytest.approx(10.5 * 0.0254 + 0.265)
+    force = record.signals["imu"].values
+    assert force[0] == pytest.approx([9.81 * np.sin(0.2), 9.81 * np.cos(0.2)])
+    assert force[-1] == pytest.approx([9.81, 0.0], abs=1e-9)
+    assert record.signals["pitch"].values[-1, 0] == pytest.approx(np.pi / 2)
+    assert record.check_against(Arm.from_toml(FOLDER / "ringdown.toml")) == []
+
+
+def test_wrong_ring_downs_are_named_with_the_place_of_the_fault(tmp_path):
+    with pytest.raises(InvalidFile, match=r"ringdown_long\.csv: name: must be ringdown_INCHES"):
+        RING_DOWNS.length_of(tmp_path / "ringdown_long.csv")
+    path = ring_down_file(tmp_path)
+    lines = path.read_text().splitlines()
+    for text, message in (
+        ("t,x\n", "line 1: must be 't,accel_x"),
+        ("\n".join([lines[0], "1,2,3"]), "line 2: must be 5 numbers"),
+        ("\n".join(lines[:90]), "pitch_pos: must rest for 50 samples and then move"),
+    ):
+        path.write_text(text)
+        with pytest.raises(InvalidFile, match=message):
+            RING_DOWNS.ring_down_record(path)
+
+
 # --------------------------------------------------------------------------------------------------- the data
 
 
 @pytest.fixture(scope="module")
-def boom(shared_dir, tmp_path_factory):
-    """Model, and a record for each length."""
+def folders(shared_dir, tmp_path_factory):
+    """Records of all lengths, by name."""
     out = tmp_path_factory.mktemp("giraf") / "records"
-    folders = SCRIPT.make_records(shared_dir / "data/giraf_boom", out)
-    return Arm.from_toml(out / "boom.toml"), [Record.load(folder) for folder in folders]
+    return {folder.name: folder for folder in SCRIPT.make_records(shared_dir / "data/giraf_boom", out)}
+
+
+@pytest.fixture(scope="module")
+def boom(folders):
+    """Model, and a record for each length."""
+    records = [Record.load(folder) for name, folder in folders.items() if name.startswith("static")]
+    return Arm.from_toml(FOLDER / "boom.toml"), records
 
 
 TILT = ({"name": "base_tilt", "at": "base"}, "effects.base_tilt.base.angle.y")
@@ -120,3 +167,46 @@ def test_a_tilted_base_explains_half_of_what_a_soft_joint_leaves():
     assert left["base tilt"] < 0.55 * left["joint compliance"]
     assert left["base tilt and mass"] < 3.1e-3
     assert left["base tilt and mass"] > 10 * READING
+
+
+def test_a_diagnosis_names_the_tilt_and_not_the_soft_joint(folders):
+    """As a user would: seven lengths, the longest held out. What is left is far above the reading."""
+    records = {name: Record.load(folder) for name, folder in folders.items() if name.startswith("static")}
+    held = records.pop("static_2013")
+    found = flexarm.diagnose(Arm.from_toml(FOLDER / "boom.toml"), records, hold_out=held, jobs=1)
+    assert found.verdict == "unexplained"
+    (tilt,) = found.effects
+    assert (tilt.name, tilt.at) == ("base_tilt", "base")
+    assert tilt.probability <= 0.5
+    assert "joint_compliance" not in {other.name for other in tilt.alternatives}
+    angle = next(p for p in tilt.parameters if p.name == "angle.y")
+    assert angle.value == pytest.approx(9.2e-3, abs=0.3e-3)
+    assert angle.low90 < 9.5e-3 < angle.high90
+    assert found.updated.effect("base_tilt", "base") is not None
+    gap = found.gap(found.held_out)
+    assert gap.after_rms < 0.3 * gap.before_rms
+    assert gap.after_rms > 10 * READING
+
+
+# The greatest swing and the mean of those below half of it: amplitude [m/s2], frequency [Hz], damping ratio.
+ENDS = {
+    "ringdown_0551": ((2.94, 3.34, 0.056), (0.54, 3.81, 0.026)),
+    "ringdown_1065": ((1.60, 1.90, 0.055), (0.45, 2.19, 0.027)),
+    "ringdown_1639": ((5.83, 1.12, 0.068), (1.32, 1.26, 0.047)),
+}
+
+
+def test_ring_downs_are_slower_and_more_damped_the_larger_they_are(folders):
+    """At every length, by far more than the errors of it; no linear law does that."""
+    arm = Arm.from_toml(FOLDER / "ringdown.toml")
+    pairs = {name: beside(arm, Record.load(folders[name])) for name in ENDS}
+    found = ring_downs(pairs)
+    assert [each.record for each in found] == list(ENDS)
+    for each in found:
+        for piece, (amplitude, frequency, damping) in zip(each.ends, ENDS[each.record], strict=True):
+            assert piece.amplitude == pytest.approx(amplitude, rel=0.1)
+            assert piece.frequency_hz == pytest.approx(frequency, rel=0.02)
+            assert piece.damping_ratio == pytest.approx(damping, abs=0.005)
+        assert each.frequency_moves
+        assert each.damping_moves
+    assert "frequency and damping move with the amplitude" in describe_ring_downs(found)

@@ -83,7 +83,7 @@ class RingDown:
 
     @property
     def frequency_moves(self) -> bool:
-        """Whether the frequency at the greatest and the least amplitude differ beyond their errors."""
+        """Whether the frequency of `ends` differs beyond its errors."""
         high, low = self.ends
         apart = abs(high.frequency_hz - low.frequency_hz)
         return apart > SURE * float(np.hypot(high.frequency_std, low.frequency_std)) and (
@@ -101,9 +101,10 @@ class RingDown:
 
     @property
     def ends(self) -> tuple[Piece, Piece]:
-        """Pieces of the greatest and the least amplitude."""
+        """The piece of the greatest amplitude, and the mean of those below half of it or of the least."""
         ranked = sorted(self.pieces, key=lambda piece: -piece.amplitude)
-        return ranked[0], ranked[-1]
+        small = [piece for piece in ranked[1:] if piece.amplitude < ranked[0].amplitude / 2]
+        return ranked[0], mean(small or ranked[-1:])
 
     def __str__(self) -> str:
         high, low = self.ends
@@ -113,6 +114,17 @@ class RingDown:
             f"{number(low.frequency_hz)} Hz and {number(100 * low.damping_ratio)} % at "
             f"{with_unit(low.amplitude, self.unit)}"
         )
+
+
+def mean(pieces: Sequence[Piece]) -> Piece:
+    """Of several pieces, by what each knows; time and amplitude by what it knows of the damping."""
+    by_frequency = np.array([piece.frequency_std**-2 for piece in pieces])
+    by_damping = np.array([piece.damping_std**-2 for piece in pieces])
+    damping = np.array([(piece.time, piece.amplitude, piece.damping_ratio) for piece in pieces])
+    time, amplitude, ratio = (float(x) for x in by_damping @ damping / by_damping.sum())
+    frequency = by_frequency @ [piece.frequency_hz for piece in pieces] / by_frequency.sum()
+    errors = (float(weights.sum() ** -0.5) for weights in (by_frequency, by_damping))
+    return Piece(time, amplitude, float(frequency), ratio, *errors)
 
 
 def ring_downs(pairs: Mapping[str, Beside]) -> list[RingDown]:
@@ -192,7 +204,8 @@ def fitted_piece(time: Floats, values: Floats, frequency: float) -> tuple[Piece 
         return None, 0.0
     std = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
     amplitude = float(np.hypot(cosine, sine))
-    piece = Piece(middle, amplitude, w / (2 * np.pi), rate / w, std[0] / (2 * np.pi), std[1] / w)
+    errors = max(float(std[0]), 1e-12 * w), max(float(std[1]), 1e-12 * w)  # data may be exact
+    piece = Piece(middle, amplitude, w / (2 * np.pi), rate / w, errors[0] / (2 * np.pi), errors[1] / w)
     return piece, float(np.sqrt(2 * variance / len(t)))
 
 

@@ -7,7 +7,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
-from flexarm.diagnosis.ring_down import PERIODS, decay, describe_ring_downs, fitted_piece, ring_downs
+from flexarm.diagnosis.ring_down import (
+    PERIODS,
+    Piece,
+    decay,
+    describe_ring_downs,
+    fitted_piece,
+    mean,
+    ring_downs,
+)
 
 RNG = np.random.default_rng(31)
 OMEGA = 2 * np.pi * 2.2
@@ -84,6 +92,14 @@ def test_noise_alone_has_no_pieces():
     time = stamps(20.0)
     assert len(list(decay(time, RNG.normal(size=len(time))))) == 0
     assert list(decay(time, np.zeros(len(time)))) == []
+
+
+def test_pieces_are_averaged_by_what_they_know():
+    """Weights 1/sigma^2: 4 to 1 for the damping, 1 to 4 for the frequency; sigma of the mean 1/sqrt(sum)."""
+    found = mean([Piece(0.0, 1.0, 2.0, 0.01, 0.2, 0.001), Piece(5.0, 0.5, 2.5, 0.02, 0.1, 0.002)])
+    assert (found.time, found.amplitude) == pytest.approx((1.0, 0.9))
+    assert (found.frequency_hz, found.damping_ratio) == pytest.approx((2.4, 0.012))
+    assert (found.frequency_std, found.damping_std) == pytest.approx((0.04**0.5 / 5**0.5, 0.002 / 5**0.5))
 
 
 # ------------------------------------------------------------------------------------------------- records
