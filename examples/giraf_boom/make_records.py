@@ -2,12 +2,13 @@
 
     python make_records.py DATA_DIR OUT_DIR
 
-reads `static.csv` of DATA_DIR and writes
+reads `static.csv` and, where they are, `ringdown_*.csv` of DATA_DIR, and writes
 
-    OUT_DIR/boom.toml           boom.toml of this folder
-    OUT_DIR/static_MMMM         poses at one length, MMMM millimetres, one for each pull at the tip
+    OUT_DIR/boom.toml, ringdown.toml    of this folder
+    OUT_DIR/static_MMMM                 poses at one length, MMMM millimetres, one for each pull at the tip
+    OUT_DIR/ringdown_MMMM               a step of the pitch at one length: see ring_downs.py
 
-How the columns become signals (SI; the boom lies along x, z is up):
+How the columns of static.csv become signals (SI; the boom lies along x, z is up):
 
     extension           length of the boom in the record's [links]: from the outlet to the tip
     applied force       force at `tip`, downward: -z of the base
@@ -32,6 +33,9 @@ from numpy.typing import NDArray
 from flexarm import InvalidFile, InvalidParameter, Record, Signal
 from flexarm.output import output_directory
 from flexarm.record import DrawnLink, Frame
+
+sys.path.insert(0, str(Path(__file__).parent))
+from ring_downs import length_of, ring_down_record
 
 Rows = NDArray[np.float64]
 
@@ -111,10 +115,15 @@ def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
     rows = read_static(data / "static.csv")
     found = []
     with output_directory(out, force) as directory:
-        shutil.copy(Path(__file__).with_name("boom.toml"), directory / "boom.toml")
+        for model in ("boom.toml", "ringdown.toml"):
+            shutil.copy(Path(__file__).with_name(model), directory / model)
         for length in np.unique(rows[:, 0]):
             name = f"static_{1e3 * length:04.0f}"
             static_record(rows, float(length)).save(directory / name)
+            found.append(out / name)
+        for path in sorted(data.glob("ringdown_*.csv"), key=length_of):
+            name = f"ringdown_{1e3 * length_of(path):04.0f}"
+            ring_down_record(path).save(directory / name)
             found.append(out / name)
     return found
 

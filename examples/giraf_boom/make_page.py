@@ -1,0 +1,131 @@
+"""Diagnoses of the GIRAF boom, with their pages, beside its data.
+
+    python make_page.py DATA_DIR OUT_DIR [--jobs N]
+
+makes the records of `make_records.py` in OUT_DIR/records and then, as `flexarm diagnose` does,
+
+    OUT_DIR/static      seven lengths, 2013 mm held out
+    OUT_DIR/ringdown    551 and 1065 mm, 1639 mm held out
+
+each with report.html, report.json, updated.toml and figures, and `ringdown.png`: frequency and damping of the
+tip against its amplitude. With --leave-one-out every length is held out once: OUT_DIR/static_MMMM, and a
+table. Nothing of it may be committed: the data states no licence.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+import flexarm
+from flexarm import Arm, InvalidParameter, Record
+from flexarm.comparison.beside import beside
+from flexarm.diagnosis.result import Diagnosis
+from flexarm.diagnosis.ring_down import RingDown, ring_downs
+from flexarm.output import output_directory
+
+sys.path.insert(0, str(Path(__file__).parent))
+from make_records import make_records
+
+
+def diagnosed(model: Path, folders: Sequence[Path], held: Path, jobs: int | None, out: Path) -> Diagnosis:
+    """The diagnosis with one record held out, saved."""
+    training = {folder.name: Record.load(folder) for folder in folders if folder != held}
+    found = flexarm.diagnose(Arm.from_toml(model), training, hold_out=Record.load(held), jobs=jobs)
+    found.save(out)
+    print(f"\n{out}\n{found}\n")
+    return found
+
+
+def left_out_table(found: Mapping[str, Diagnosis]) -> str:
+    """What each length missed while it was held out, and what it was foretold by."""
+    lines = ["held out        before      after [mm]   verdict, effects"]
+    gaps = []
+    for name, each in found.items():
+        gap = each.gap(each.held_out)
+        gaps.append(gap.after_rms)
+        effects = ", ".join(
+            f"{effect.name} "
+            + " ".join(
+                f"{p.name} = {p.value:.3g} {p.unit}" for p in effect.parameters if abs(p.value) > p.std
+            )
+            for effect in each.effects
+        )
+        lines.append(
+            f"{name:<14}{1e3 * gap.before_rms:8.2f}{1e3 * gap.after_rms:12.2f}      {each.verdict}, {effects}"
+        )
+    rms = 1e3 * np.array(gaps)
+    square = np.sqrt(np.mean(rms**2))
+    lines.append(f"mean of the lengths {rms.mean():.2f} mm, root of their mean square {square:.2f} mm")
+    return "\n".join(lines)
+
+
+def ring_down_figure(found: Sequence[RingDown], path: Path) -> None:
+    """Frequency and damping ratio against amplitude, a line for each record."""
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    for each in found:
+        amplitude = [piece.amplitude for piece in each.pieces]
+        frequency = np.array([piece.frequency_hz for piece in each.pieces])
+        damping = [100 * piece.damping_ratio for piece in each.pieces]
+        axes[0].semilogx(
+            amplitude, frequency / frequency[-1], "o-", label=f"{each.record}: {frequency[-1]:.3g} Hz"
+        )
+        axes[1].errorbar(
+            amplitude, damping, [100 * piece.damping_std for piece in each.pieces], fmt="o-", capsize=2
+        )
+    axes[1].set_xscale("log")
+    axes[0].set(xlabel="amplitude [m/s²]", ylabel="frequency over that of the last piece [-]")
+    axes[1].set(xlabel="amplitude [m/s²]", ylabel="damping ratio [%]")
+    axes[0].legend()
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+
+
+def make_page(data: Path, out: Path, jobs: int | None, every: bool, force: bool) -> None:
+    """All of it."""
+    with output_directory(out, force) as directory:
+        folders = make_records(data, directory / "records")
+        records = directory / "records"
+        static = [records / folder.name for folder in folders if folder.name.startswith("static")]
+        swings = [records / folder.name for folder in folders if folder.name.startswith("ringdown")]
+        found = {
+            static[-1].name: diagnosed(records / "boom.toml", static, static[-1], jobs, directory / "static")
+        }
+        for held in static[:-1] if every else ():
+            found[held.name] = diagnosed(records / "boom.toml", static, held, jobs, directory / held.name)
+        print(left_out_table(found))
+        if swings:
+            diagnosed(records / "ringdown.toml", swings, swings[-1], jobs, directory / "ringdown")
+            arm = Arm.from_toml(records / "ringdown.toml")
+            rings = ring_downs({folder.name: beside(arm, Record.load(folder)) for folder in swings})
+            ring_down_figure(rings, directory / "ringdown" / "ringdown.png")
+            print("\n".join(map(str, rings)))
+
+
+def main() -> int:
+    """Command line; 0 if done, 2 if the input is at fault."""
+    parser = argparse.ArgumentParser(description="Pages of the GIRAF boom.")
+    parser.add_argument("data", type=Path, metavar="DATA_DIR", help="holds static.csv and ringdown_*.csv")
+    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
+    parser.add_argument("--jobs", type=int, help="simulations at once; default one a core")
+    parser.add_argument(
+        "--leave-one-out", action="store_true", help="hold every length out once: eight times as long"
+    )
+    parser.add_argument("--force", action="store_true", help="write into a directory that holds files")
+    given = parser.parse_args()
+    try:
+        make_page(given.data, given.out, given.jobs, given.leave_one_out, given.force)
+    except InvalidParameter as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
