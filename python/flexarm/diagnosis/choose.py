@@ -3,9 +3,9 @@
 An effect is taken if the evidence for it is strong and what it explains matters: it takes away more than half
 of the noise of some channel and more than a twentieth of the gap there, or brings clocks, frames and nominal
 values back from where their stated uncertainty forbids them. If it leaves a gap all the same, it must also
-foretell data that are left out better than the smaller model does, and what foretells them better by a fifth
+foretell data that are left out better than the smaller model does, and what foretells them clearly better
 needs no other evidence, which rests on the size and correlation of a remainder that nobody knows. Rivals
-beside such a gap are out of reach where they foretell as much less. After each step derivatives are taken
+beside such a gap are out of reach where they foretell clearly less. After each step derivatives are taken
 anew about the better model. An effect that the others have made needless is dropped. Every rival of every
 effect that is left is fitted in its place; those within `REACH` of the best are within reach of the data.
 """
@@ -29,7 +29,7 @@ from flexarm.diagnosis.evidence import (
     worth,
 )
 from flexarm.diagnosis.fit import Fit, Fitter
-from flexarm.diagnosis.left_out import missed
+from flexarm.diagnosis.left_out import foretells_better, missed
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.errors import InvalidParameter, NotConverged
@@ -40,8 +40,6 @@ MATTERS, SHARE = 0.5, 0.05
 """Least part explained in some channel: of the noise, and of what the nominal model leaves there."""
 STRAINED, FORBIDDEN = 1.0, 2.0
 """Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
-FORETOLD = 0.2
-"""Part of what is missed in data left out of a fit that counts as strong evidence where a gap is left."""
 LEFT = 1.0
 """What may be left above the noise of a model that explains a record, over the noise."""
 LEFT_SHARE = 0.07
@@ -202,8 +200,9 @@ def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > STRONG
     if not leaves_gap(new, null, observed):
         return strong
-    told = missed(new, observed) / missed(old, observed)
-    return told < (1.0 if strong else 1.0 - FORETOLD)
+    if strong:
+        return missed(new, observed) < missed(old, observed)
+    return foretells_better(new, old, observed)
 
 
 def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
@@ -377,7 +376,7 @@ def _rivals(
         except (InvalidParameter, NotConverged, ValueError):
             continue
         member = next(m for m in fit.members if m.place == place)
-        told = not open_gap or missed(fit, observed) * (1.0 - FORETOLD) < missed(best, observed)
+        told = not open_gap or not foretells_better(best, fit, observed)
         if open_gap and missed(fit, observed) > missed(best, observed):
             behind = max(behind, 0.0)
         found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told))

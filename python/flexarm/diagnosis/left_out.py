@@ -7,11 +7,18 @@ moves by (H - J_g^T J_g)^{-1} J_g^T r_g, and what it misses there is, to first o
 
 .. math:: e_g = r_g + J_g \, (H - J_g^T J_g)^{-1} J_g^T r_g                                           (1)
 
+Groups do not share their errors. If those of G of them are alike in size, whatever that is, the odds of one
+model over another that foretells them are
+
+.. math:: \ln B = G \ln (|e'|/|e|)                                                                    (2)
+
 No group is fitted again. A group is what shares its errors: a static record, as poses of one day, one length
 or one payload do; where there is but one, and in a motion, a block of it.
 """
 
 from __future__ import annotations
+
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +30,8 @@ Floats = NDArray[np.float64]
 
 BLOCKS = 24
 """Blocks a record."""
+FORETOLD, ODDS = 0.2, log(200.0)
+"""What is clearly better: part of what is missed, and least ln B of (2); for 24 blocks the same."""
 HELD = 1.0 / 9.0
 """Weight of an effect's prior, as in `fit`."""
 
@@ -44,6 +53,13 @@ def left_out(fit: Fit, observed: Observed) -> Floats:
 def missed(fit: Fit, observed: Observed) -> float:
     """Rms of e of (1), over the noise."""
     return float(np.sqrt(np.mean(left_out(fit, observed) ** 2)))
+
+
+def foretells_better(one: Fit, other: Fit, observed: Observed) -> bool:
+    """Whether a model foretells what is left out clearly better than another one."""
+    ratio = missed(other, observed) / max(missed(one, observed), 1e-300)
+    odds = len(groups(observed)) * log(max(ratio, 1e-300))  # eq. (2)
+    return ratio * (1.0 - FORETOLD) > 1.0 and odds > ODDS
 
 
 def groups(observed: Observed) -> list[NDArray[np.int_]]:

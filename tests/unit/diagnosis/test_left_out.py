@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.left_out import groups, left_out, missed
+from flexarm.diagnosis.left_out import foretells_better, groups, left_out, missed
 from flexarm.diagnosis.projection import Projection
 
 RNG = np.random.default_rng(23)
@@ -67,3 +67,15 @@ def test_a_static_record_is_one_group_and_a_motion_falls_into_blocks():
     assert [rows.tolist() for rows in groups(observed(2))] == [list(range(6)), list(range(6, 12))]
     assert len(groups(observed(1))) == EACH
     assert len(groups(observed(2, "motion"))) == 2 * EACH
+
+
+@pytest.mark.parametrize(
+    ("records", "left", "clear"), [(7, 0.7, False), (7, 0.4, True), (24, 0.7, True), (96, 0.85, False)]
+)
+def test_odds_grow_with_the_groups_that_are_foretold(records, left, clear):
+    """G ln(|e'|/|e|): 7 ln(1/0.7) = 2.5, 7 ln(1/0.4) = 6.4, 24 ln(1/0.7) = 8.6; and a fifth at least."""
+    y = RNG.normal(size=EACH * records)
+    empty = np.empty((len(y), 0)), np.empty(0)
+    one, other = (fit_of(empty[0], size * y, empty[1]) for size in (left, 1.0))
+    assert foretells_better(one, other, observed(records)) == clear
+    assert not foretells_better(other, one, observed(records))
