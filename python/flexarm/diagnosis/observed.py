@@ -131,11 +131,11 @@ class Observed:
         """
         if all(record.kind == "static" for record in self.records.values()):
             return np.zeros(len(self))
-        half, quarter = (self._with_step(self.step / n).residual(arm) for n in (2, 4))
+        half, quarter = (self.with_step(self.step / n).residual(arm) for n in (2, 4))
         found: Floats = quarter + (quarter - half) / 3 - self.residual(arm)
         return found
 
-    def _with_step(self, step: float) -> Observed:
+    def with_step(self, step: float) -> Observed:
         """The same rows against other simulations."""
         found = copy(self)
         found.step = step

@@ -31,6 +31,8 @@ Ranked = tuple[float, tuple[int, ...]]
 """Share that a set explains, and which candidates are in it."""
 
 RIDGE = 0.1
+LONGER = 2.0
+"""Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
 AMONG = 16
 """Places that are tried in sets of three."""
 KEPT = 100
@@ -68,7 +70,7 @@ class Share:
 
 def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
     """Simulates the probes of all candidates; those that cannot be simulated are left out."""
-    observed, arm = fitter.observed, fitter.start
+    observed, arm = fitter.observed.with_step(LONGER * fitter.observed.step), fitter.start
     probed = []
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
