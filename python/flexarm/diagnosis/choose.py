@@ -344,7 +344,7 @@ def _rivals(
     """What could stand in the place of one effect, with ln Z behind the chosen model's.
 
     Beside a gap that the chosen model leaves open no name is certain: rivals are fewer and not polished
-    there, and none is ahead that foretells less.
+    there, and none is ahead that does not foretell clearly better.
     """
     observed = fitter.observed
     open_gap = leaves_gap(best, null, observed)
@@ -377,7 +377,7 @@ def _rivals(
             continue
         member = next(m for m in fit.members if m.place == place)
         told = not open_gap or not foretells_better(best, fit, observed)
-        if open_gap and missed(fit, observed) > missed(best, observed):
+        if open_gap and not foretells_better(fit, best, observed):
             behind = max(behind, 0.0)
         found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told))
     return sorted(found, key=lambda rival: rival.behind)
