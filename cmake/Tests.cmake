@@ -6,6 +6,8 @@ file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/tests
 add_library(flexarm_test_objects OBJECT ${test_sources})
 target_link_libraries(flexarm_test_objects PRIVATE flexarm_common flexarm_options doctest::doctest)
 target_include_directories(flexarm_test_objects PRIVATE ${PROJECT_SOURCE_DIR}/cpp/tests)
+# A fifth to a third less to compile; the library that they test keeps its own options.
+target_compile_options(flexarm_test_objects PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
 if(FLEXARM_PCH)
   target_precompile_headers(flexarm_test_objects REUSE_FROM flexarm_common)
 endif()
