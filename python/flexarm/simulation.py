@@ -502,11 +502,13 @@ def reported(progress: Progress, name: str) -> Iterator[Callable[[float], object
     if progress is None or progress is False or callable(progress):
         yield progress if callable(progress) else None
         return
+    from shutil import get_terminal_size
+
     from tqdm import tqdm
 
-    with tqdm(
-        total=100, desc=name, unit="%", bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}"
-    ) as bar:
+    columns, rows = get_terminal_size()  # tqdm draws nothing at a terminal that tells no size
+    form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}"
+    with tqdm(total=100, desc=name, bar_format=form, ncols=columns, nrows=rows) as bar:
 
         def show(done: float) -> None:
             bar.update(100 * done - bar.n)

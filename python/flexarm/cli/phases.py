@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from shutil import get_terminal_size
 
 
 @contextmanager
@@ -14,7 +15,9 @@ def phases(shown: bool) -> Iterator[Callable[[str, float], None] | None]:
         return
     from tqdm import tqdm
 
-    with tqdm(total=100, bar_format="{desc:<12}{percentage:3.0f} %|{bar}| {elapsed}", leave=False) as bar:
+    columns, rows = get_terminal_size()  # tqdm draws nothing at a terminal that tells no size
+    form = "{desc:<22}{percentage:3.0f} %|{bar}| {elapsed}"
+    with tqdm(total=100, bar_format=form, leave=False, ncols=columns, nrows=rows) as bar:
 
         def tell(phase: str, done: float) -> None:
             bar.set_description_str(phase, refresh=False)

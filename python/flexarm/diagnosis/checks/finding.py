@@ -65,6 +65,8 @@ class Finding:
 
 def log_bayes(count: int, before: float, after: float) -> float:
     """(1)."""
+    if not before > 0:
+        return PRIOR  # there was nothing to explain
     return independent(count) * float(np.log(before / after)) + PRIOR
 
 

@@ -53,12 +53,12 @@ class Plateau:
     last: int
 
 
-def plateaus(y: Floats, p: Floats, noise: float) -> list[Plateau]:
-    """All runs (1), exact repeats and noisy ones."""
+def plateaus(y: Floats, p: Floats, noise: float, least: float = 0.0) -> list[Plateau]:
+    """All runs (1), exact repeats and noisy ones; a prediction that moves by less than `least` stands."""
     found = runs(y, 0.0)
     if noise > 0:
         found += [run for run in runs(y, 6 * noise) if not any(_overlap(run, exact) for exact in found)]
-    moves = max(10 * noise, MOVES * float(np.std(p)))
+    moves = max(10 * noise, MOVES * float(np.std(p)), least)
     return [run for run in found if np.ptp(p[run.first : run.last]) >= moves]
 
 
@@ -173,7 +173,8 @@ def frozen(channel: Channel) -> tuple[Rows, str] | None:
     noise = channel.signal.noise_std or 0.0
     y, p = channel.measured, channel.predicted
     at = np.zeros(len(y), dtype=bool)
-    for run in plateaus(y, p, noise):
+    rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
+    for run in plateaus(y, p, noise, rounding):
         part = slice(run.first, run.last)
         far = np.ptp(p[part]) >= FAR * float(np.std(p)) and channel.signal.quantity in SLOW
         if far or np.ptp(y[part]) == 0:
