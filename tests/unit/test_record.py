@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pytest import approx
 
+import flexarm
 from flexarm import Arm, Record, Signal
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.record import Clock, Frame
+from flexarm.record.against_arm import _undriven
 
 STATIC = """\
 format = "flexarm-record/1"
@@ -312,3 +314,35 @@ def test_every_record_of_the_cases_is_read_and_fits_its_model(shared_dir: Path) 
         assert [record.signals[name].quantity for name in record.drive] == ["joint_angle"] * len(
             arm.moving_joints
         )
+
+
+def test_a_clock_that_ran_at_another_time_is_said_before_a_run_is_made(
+    record_dir: Path, model_file: Path
+) -> None:
+    """Stamps from 1970 beside seconds from the start: no simulation lasts that long."""
+    record = Record.load(record_dir)
+    late = next(s for s in record.signals.values() if s.name not in record.drive)
+    moved = late.replace(time=late.time + 1.7e9)
+    apart = record.replace(signals=[moved if s is late else s for s in record.signals.values()])
+    assert any("no instant in common" in problem.what for problem in apart.check())
+    with pytest.raises(InvalidParameter, match=rf"signals\.{late.name}.*no instant in common"):
+        flexarm.compare(Arm.from_toml(model_file), apart)
+
+
+def test_a_motor_that_moves_and_does_not_drive_is_a_doubt(record_dir: Path, model_file: Path) -> None:
+    record, arm = Record.load(record_dir), Arm.from_toml(model_file)
+    first = record.signals[record.drive[0]].replace(joint="hinge", side="motor")
+    first = first.replace(values=np.linspace(0, 1, len(first.time))[:, None])
+    other = first.replace(name="other", joint="elbow")
+    doubts = list(_undriven(record.replace(signals=[first, other], drive=("other",)), arm))
+    assert [problem.where for problem in doubts] == [f"signals.{first.name}"]
+    assert "is not in drive" in doubts[0].what
+    still = first.replace(values=0 * first.values)
+    assert not list(_undriven(record.replace(signals=[still, other], drive=("other",)), arm))
+
+
+def test_cells_apart_by_semicolons_are_said(record_dir: Path) -> None:
+    for file in record_dir.glob("*.csv"):
+        file.write_text(file.read_text().replace(",", ";"))
+    with pytest.raises(InvalidFile, match="these look separated by ';'"):
+        Record.load(record_dir)

@@ -64,6 +64,10 @@ def _beam(link: Beam) -> Iterable[Problem]:
         )
 
 
+BEYOND = 2e-3
+"""Part of a beam's length by which a refined place may reach beyond its end."""
+
+
 def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
     """Payloads and points whose projection lies outside their beam."""
     beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
@@ -73,7 +77,7 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
             if beam is None:
                 continue
             along = sum(p * e for p, e in zip(entry.position, beam.end, strict=True)) / beam.length
-            if not -1e-6 * beam.length <= along <= beam.length * (1 + 1e-6):
+            if not -BEYOND * beam.length <= along <= beam.length * (1 + BEYOND):
                 yield Problem(
                     f"{table}.{entry.name}.position",
                     f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to "

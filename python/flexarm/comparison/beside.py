@@ -17,6 +17,7 @@ from flexarm.comparison.unknowns import drive_clock, stated
 from flexarm.drive import Drive, true_time
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.measurement.sampling import columns
+from flexarm.record.doubts import clocks_apart
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -123,7 +124,15 @@ def _run(arm: Arm, record: Record, step: float, alpha: float) -> Any:
 
 
 def last_needed(record: Record, arm: Arm, start: float) -> float:
-    """Last instant that is needed: every stamp less what its clock is late, and three sigma more."""
+    """Last instant that is needed: every stamp less what its clock is late, and three sigma more.
+
+    Raises
+    ------
+    InvalidParameter
+        If a signal has no instant in common with the drive.
+    """
+    for problem in clocks_apart(record):
+        raise InvalidParameter(problem.what, where=problem.where)
     own = record.clocks[drive_clock(record)].offset
     ends = []
     for signal in record.signals.values():

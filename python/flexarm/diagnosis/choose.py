@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cmp_to_key
 from math import exp, log
 
 import numpy as np
@@ -24,7 +25,6 @@ from flexarm.diagnosis.evidence import (
     Channel,
     above_noise,
     log_bayes_factor,
-    log_evidence,
     log_likelihood_ratio,
     worth,
 )
@@ -227,8 +227,10 @@ def _step(
 ) -> list[Fit]:
     """Fits of the most promising candidates, or sets of them, beside the effects that are there."""
     if size == 1:
-        shares = _one_variant(screen(fitter, probed, best, places), 2 * TRIED)
-        wanted = sharpened(fitter, shares, best)[:TRIED]
+        shares = _one_variant(screen(fitter, probed, best, places), len(probed))
+        wanted = sharpened(fitter, shares[: 2 * TRIED], best)[:TRIED]
+        if strain(best) > STRAINED:
+            wanted += _relieving(shares, wanted)
     else:
         shares = together(fitter, probed, best, size)
         ahead = size == 2 or beside is None or _leads(shares, beside)
@@ -243,6 +245,13 @@ def _step(
         except (InvalidParameter, NotConverged, ValueError):
             continue
     return found
+
+
+def _relieving(shares: Sequence[Share], wanted: Sequence[Share]) -> list[Share]:
+    """Those that need nominal values and nuisances least, beside what explains most of the gap."""
+    there = {tuple(m.place for m in share.members) for share in wanted}
+    others = [share for share in shares if tuple(m.place for m in share.members) not in there]
+    return sorted(others, key=lambda share: -share.relief)[: TRIED // 2]
 
 
 def _leads(shares: Sequence[Share], beside: Fit) -> bool:
@@ -284,9 +293,17 @@ def _refined(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[
 
 
 def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> list[Fit]:
-    """By evidence; where gaps are left and evidence for none is strong, by what is foretold."""
+    """By evidence of each over each; where gaps are left and none is strong, by what is foretold.
+
+    Beside the smaller model all of them differ by the whole gap, and the simulation's error would hide what
+    they differ by.
+    """
     value = worth(min(fits, key=lambda f: f.cost).rest, observed)
-    ranked = sorted(fits, key=lambda f: -log_evidence(f, observed, value))
+
+    def behind(one: Fit, other: Fit) -> int:
+        return int(np.sign(log_bayes_factor(other, one, observed, value)))
+
+    ranked = sorted(fits, key=cmp_to_key(behind))
     strong = log_bayes_factor(ranked[0], old, observed, value) > STRONG
     if strong or not all(leaves_gap(f, null, observed) for f in fits):
         return ranked
@@ -296,8 +313,7 @@ def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> lis
 def _close(fit: Fit, first: Fit, observed: Observed) -> bool:
     """Whether a fit may be as good as the first with derivatives of its own."""
     value = worth(min((fit, first), key=lambda f: f.cost).rest, observed)
-    ahead = log_evidence(first, observed, value)
-    return ahead - log_evidence(fit, observed, value) < 0.1 * abs(ahead) + 50
+    return log_bayes_factor(first, fit, observed, value) < CLOSE
 
 
 def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:

@@ -151,19 +151,25 @@ def _weights(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> Fl
 
 
 def occam(fit: Fit, weight: Floats) -> float:
-    """What the parameters cost: all terms of (1) but the first; and what effects need."""
+    """What the parameters cost: all terms of (1) but the first; and what effects need.
+
+    Unknowns that were eliminated cost theirs too: an effect at a clock or frame takes the place of some.
+    """
+    cost = _eliminated(fit, weight)
     k = len(fit.z)
     if k == 0:
-        return 0.0
+        return -cost
     needed = {(n.name, n.at) for m in fit.members if (n := m.needs) is not None}
     slopes = fit.projection.rest(fit.slopes)
     hessian = slopes.T @ (weight[:, None] * slopes) + np.eye(k)
     prior = sum(c.log_density(float(z)) for c, z in zip(fit.coordinates, fit.z, strict=True))
     laplace = k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
-    return prior + laplace - len(needed - set(fit.places)) * log(2)
+    return prior + laplace - len(needed - set(fit.places)) * log(2) - cost
 
 
-def log_evidence(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
-    """ln Z of (1)."""
-    weight = _weights(fit, observed, value)
-    return -float(np.sum(weight * fit.rest**2)) / 2 + occam(fit, weight)  # eq. (1)
+def _eliminated(fit: Fit, weight: Floats) -> float:
+    """ln|H|/2 of (1) for clocks, frames and nominal values, in their sigmas; none without a prior."""
+    known = np.isfinite(fit.projection.sigma)
+    slopes = fit.projection.slopes[:, known] * fit.projection.sigma[known]
+    hessian = slopes.T @ (weight[: len(slopes), None] * slopes) + np.eye(slopes.shape[1])
+    return float(np.linalg.slogdet(hessian)[1]) / 2

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import exp, inf, log, log1p
+from math import exp, log, log1p
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +36,9 @@ STEP = 1e-2
 FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
 LIKELY = 2.0
-"""Sigmas within which nominal values are taken where nothing but them is fitted."""
+"""Sigmas within which nominal values are centred."""
 CENTRED, LESS = 3, 0.9
-"""Rounds of that, and the part of the gap below which one was worth while."""
+"""Rounds in which nominal values are centred, and the part of the gap below which one was worth while."""
 CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
 """Laws with corners."""
 REACH = 8.0
@@ -178,16 +178,16 @@ class Fitter:
         slopes = observed.slopes(arm, unknowns.keys)
         return cls(observed, unknowns, slopes, np.zeros(len(unknowns.each)), observed.correction(arm))
 
-    def about(self, fit: Fit, within: float = inf) -> Fitter:
-        """The same about a fitted model, where derivatives are those of the model with its effects.
-
-        Unknowns are taken where they fit best, `within` so many sigmas of their priors.
-        """
+    def about(self, fit: Fit) -> Fitter:
+        """The same about a fitted model, where derivatives are those of the model with its effects."""
         at = self.at.copy()
         best = dict(zip(fit.unknowns.keys, fit.projection.best(fit.residual), strict=True))
         for k, unknown in enumerate(self.unknowns.each):
-            reach = within * unknown.sigma
-            at[k] = unknown.kept(min(max(best.get(unknown.key, 0.0), -reach), reach))
+            at[k] = unknown.kept(best.get(unknown.key, 0.0))
+        return self._moved(at, fit)
+
+    def _moved(self, at: Floats, fit: Fit) -> Fitter:
+        """The same with unknowns elsewhere."""
         there = replace(self, at=at)
         arm = there.with_effects(fit.members)
         keys = fit.unknowns.keys
@@ -196,10 +196,17 @@ class Fitter:
         return replace(there, slopes=slopes, correction=self.observed.correction(arm))
 
     def centred(self) -> Fitter:
-        """The same about nominal values that fit better, for those that act otherwise than in proportion."""
+        """The same about nominal values that fit better, for those that act otherwise than in proportion.
+
+        Clocks and frames stay: effects may take their places. So do values where they are hardly likely.
+        """
         there, fit = self, self.fit(())
+        nominal = np.array([unknown.kind == "nominal" for unknown in self.unknowns.each])
+        reach = LIKELY * self.unknowns.sigma
         for _ in range(CENTRED):
-            about = there.about(fit, LIKELY)
+            best = np.clip(fit.projection.best(fit.residual), -reach, reach)
+            kept = [u.kept(float(x)) for u, x in zip(self.unknowns.each, best, strict=True)]
+            about = there._moved(np.where(nominal, kept, 0.0), fit)
             better = about.fit(())
             if better.cost > LESS * fit.cost:
                 break

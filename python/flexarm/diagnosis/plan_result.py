@@ -23,6 +23,8 @@ Place = tuple[str, str]
 FORMAT = "flexarm-plan/1"
 MOST_TIES = 12
 """Tied pairs that are printed; the file plan.json has all."""
+SMALL = 0.05
+"""Change of a nominal value that is told as such."""
 FAR = 10.0
 """Sizes beyond so many times the plausible one are not stated: the law need not be linear so far."""
 
@@ -81,7 +83,11 @@ class PlannedEffect:
 
     @property
     def value_words(self) -> str:
-        """The plausible size, for a person."""
+        """The plausible size, for a person; of a small change the change."""
+        change = self.value - self.null
+        if isfinite(self.null) and 0 < abs(change) < SMALL * abs(self.null):
+            sign = "+" if change > 0 else "-"
+            return f"{self.parameter} = {self.null:g} {sign} {with_unit(abs(change), self.unit)}"
         return f"{self.parameter} = {with_unit(self.value, self.unit)}"
 
 
@@ -265,7 +271,7 @@ class Plan:
         lines += ["", "cheapest addition by pair:"]
         lines += [f"  {_tie_words(tie)}" for tie in self.ties[:MOST_TIES]]
         more = len(self.ties) - MOST_TIES
-        return [*lines, f"  and {more} more pairs, see plan.json"] if more > 0 else lines
+        return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `plan.json`; what is infinite becomes null."""

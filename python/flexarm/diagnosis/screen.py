@@ -59,10 +59,13 @@ class Share:
         Of the size that explains most, ready to be fitted.
     share : float
         Of the squared gap, eq. (1).
+    relief : float
+        By how much clocks, frames and nominal values need leave their priors less, in squared sigmas.
     """
 
     members: tuple[Candidate, ...]
     share: float
+    relief: float = 0.0
 
     def __str__(self) -> str:
         return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {m.at}" for m in self.members)
@@ -146,7 +149,7 @@ def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
         q, d = rest[:, 0], rest[:, 1]
         times = max(-float(d @ q) / max(float(d @ d), 1e-300), 0.0)
         left = q + times * d
-        found.append(Share(share.members, 1.0 - float(left @ left) / fit.cost))
+        found.append(replace(share, share=1.0 - float(left @ left) / fit.cost))
     return sorted(found, key=lambda s: -s.share)
 
 
@@ -171,7 +174,7 @@ class Linear:
         self._moves = np.concatenate([*(p.moves for p in probed), fit.slopes], axis=1)
         self._takes = [fitter.taken([p.candidate]) for p in probed]
         self._fitted = fitter.taken(fit.members)
-        self._grams: dict[frozenset[str], tuple[Floats, Floats, float]] = {}
+        self._grams: dict[frozenset[str], tuple[Floats, Floats, float, Floats]] = {}
 
     def sets(self, among: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
         """All sets of different places."""
@@ -197,7 +200,7 @@ class Linear:
         """The first of them at the sizes of eq. (2)."""
         found = []
         for share, chosen in ranked[:most]:
-            _, alphas = self._solved(chosen)
+            _, alphas, relief = self._solved(chosen)
             members = []
             try:
                 for index, mine in zip(chosen, alphas, strict=True):
@@ -205,12 +208,12 @@ class Linear:
                     members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
             except (InvalidParameter, ValueError):
                 continue
-            found.append(Share(tuple(members), share))
+            found.append(Share(tuple(members), share, relief))
         return found
 
-    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats]]:
-        """Eq. (2) for one set; a share of -1 where a law would have to be negative."""
-        gram, b, square = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
+    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats], float]:
+        """Eq. (2) for one set, and its relief; a share of -1 where a law would have to be negative."""
+        gram, b, square, asked = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
         parts = [self._columns[k] for k in chosen]
         columns = np.concatenate([*parts, self._own])
         own = len(columns) - len(self._own)
@@ -219,15 +222,17 @@ class Linear:
         alphas = np.asarray(np.linalg.solve(G + ridge, -b), dtype=float)  # eq. (2)
         mine = np.split(alphas[:own], np.cumsum([len(part) for part in parts])[:-1])
         if not all(_possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
-            return -1.0, mine
+            return -1.0, mine, 0.0
         left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
-        return 1.0 - left / self.fit.cost, mine
+        asks = asked[:, 0] + asked[:, 1 + columns] @ alphas
+        before = self.fit.rest[len(self.fit.residual) :]
+        return 1.0 - left / self.fit.cost, mine, float(before @ before - asks @ asks)
 
-    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float]:
+    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float, Floats]:
         if taken not in self._grams:
             rest = self.fitter.without(taken)[1].rest(np.column_stack([self.fit.residual, self._moves]))
             q, d = rest[:, 0], rest[:, 1:]
-            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q))
+            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q), rest[len(self.fit.residual) :])
         return self._grams[taken]
 
 

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from flexarm.record.signal import Signal
 
 
+MOVED = 1e-3
+"""Angle over which an encoder tells of a motion [rad]."""
+
+
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
     """Joints, points, links and payloads that the model does not have."""
     known = {
@@ -53,7 +57,12 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
 
 def doubts(record: Record, arm: Arm) -> list[Problem]:
     """Values that contradict their unit, seen from the size of the arm; effects that act on nothing here."""
-    return [*_positions(record, arm), *_angles(record, arm), *unplaced_effects(record, arm)]
+    return [
+        *_positions(record, arm),
+        *_angles(record, arm),
+        *_undriven(record, arm),
+        *unplaced_effects(record, arm),
+    ]
 
 
 def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
@@ -146,6 +155,21 @@ def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
             yield Problem(
                 f"signals.{signal.name}",
                 f"moves over {span:.3g} m, a rigid arm would move over {rigid:.3g} m; is the unit right?",
+            )
+
+
+def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
+    """Encoders of motors that move while nothing drives their joint: the model holds it."""
+    if record.kind != "motion" or not record.drive:
+        return
+    driven = {record.signals[name].joint for name in record.drive}
+    driven |= {controller.joint for controller in arm.controllers}
+    for signal in record.of_quantity("joint_angle").values():
+        moves = signal.valid.any() and np.nanmax(signal.values) - np.nanmin(signal.values) > MOVED
+        if signal.side == "motor" and signal.joint not in driven and moves:
+            yield Problem(
+                f"signals.{signal.name}",
+                f"is a motor's angle and moves, but is not in drive: the model holds {signal.joint!r} still",
             )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import pi
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ def doubts(record: Record) -> Iterable[Problem]:
     """All doubts about a record."""
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
+    yield from clocks_apart(record)
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
@@ -36,6 +37,35 @@ def doubts(record: Record) -> Iterable[Problem]:
             yield Problem(
                 f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
             )
+
+
+def clocks_apart(record: Record) -> Iterable[Problem]:
+    """Signals whose clock, as stated, ran when the drive's did not."""
+    drives = [record.signals[name] for name in record.drive]
+    known = [s for s in drives if len(s.time) and not record.clocks[s.clock].unknown]
+    if record.kind != "motion" or not known:
+        return
+    own, first, last = known[0].clock, *_ran(record, known)
+    for signal in record.signals.values():
+        if signal in drives or record.clocks[signal.clock].unknown or not len(signal.time):
+            continue
+        start, end = _ran(record, [signal])
+        margin = 3 * record.clocks[signal.clock].sigma
+        if start - margin > last or end + margin < first:
+            yield Problem(
+                f"signals.{signal.name}",
+                f"runs from {start:.6g} to {end:.6g} s by clock {signal.clock!r}, the drive from {first:.6g} "
+                f"to {last:.6g} s by {own!r}: they have no instant in common; state the offset in "
+                f'clocks.{signal.clock}, or that the clock is "unknown"',
+            )
+
+
+def _ran(record: Record, signals: Sequence[Signal]) -> tuple[float, float]:
+    """First and last instant of signals, their clocks as stated [s]."""
+    late = [record.clocks[signal.clock].offset for signal in signals]
+    first = min(signal.time[0] - by for signal, by in zip(signals, late, strict=True))
+    last = max(signal.time[-1] - by for signal, by in zip(signals, late, strict=True))
+    return float(first), float(last)
 
 
 def _unit(signal: Signal) -> Iterable[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -105,7 +106,12 @@ class _Reader:
         for key, columns in ((stamp, (getattr(table, stamp),)), ("channels", table.channels)):
             for column in columns:
                 if column not in header:
-                    raise self._error(i, table, key, missing("column", column, header) + f" in {table.file}")
+                    raise self._error(
+                        i,
+                        table,
+                        key,
+                        missing("column", column, header) + f" in {table.file}{_separated(header)}",
+                    )
 
     def _error(self, i: int, table: SignalTable, key: str, what: str) -> InvalidFile:
         line = line_in(self.text, ("signals", i, key))
@@ -194,6 +200,12 @@ _SUFFIXES = {
     "us": ("us", "µs"),
     "mrad": ("mrad",),
 }
+
+
+def _separated(header: Sequence[str]) -> str:
+    """A word on the separator, if a header is a single column that looks like several."""
+    found = next((mark for mark in ";\t|" if len(header) == 1 and mark in header[0]), None)
+    return f"; cells are separated by commas, these look separated by {found!r}" if found else ""
 
 
 def _exists(path: Path) -> bool:

@@ -121,3 +121,14 @@ def test_a_law_that_needs_a_spring_that_the_model_lacks_is_half_as_likely():
     plain = occam(fit_of(alone), np.ones(5))
     assert plain - occam(fit_of(gap), np.ones(5)) == pytest.approx(np.log(2))
     assert occam(fit_of(gap, spring), np.ones(5)) == pytest.approx(plain)
+
+
+def test_a_registration_that_is_an_effect_spares_the_frame_its_own_freedom():
+    """An unknown of slope 3 sigmas costs ln sqrt(1 + 5 x 9); without a prior or as an effect, nothing."""
+    slopes, none = np.full((5, 1), 3.0), np.zeros((5, 0))
+    known, unknown = Projection(slopes, np.ones(1)), Projection(slopes, np.array([np.inf]))
+    costs = [
+        occam(SimpleNamespace(z=np.zeros(0), projection=p, members=()), np.ones(5))
+        for p in (known, unknown, Projection(none, np.zeros(0)))
+    ]
+    assert costs == pytest.approx([-0.5 * np.log(46.0), 0.0, 0.0])

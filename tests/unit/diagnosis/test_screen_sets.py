@@ -25,7 +25,12 @@ def problem(gap: np.ndarray, moves: dict[str, np.ndarray]) -> tuple:
         taken=lambda members: frozenset(), without=lambda taken: (None, projection), observed=None
     )
     fit = SimpleNamespace(
-        places=(), members=(), residual=gap, slopes=np.empty((ROWS, 0)), cost=float(gap @ gap)
+        places=(),
+        members=(),
+        residual=gap,
+        rest=projection.rest(gap),
+        slopes=np.empty((ROWS, 0)),
+        cost=float(gap @ gap),
     )
     return fitter, [Probed(candidate(name), move[:, None]) for name, move in moves.items()], fit
 
