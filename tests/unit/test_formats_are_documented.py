@@ -26,12 +26,13 @@ from flexarm.arm import (
 )
 from flexarm.diagnosis import report_file
 from flexarm.quantities import QUANTITIES
-from flexarm.record import CarriedPayload, Clock, Frame
+from flexarm.record import CarriedPayload, Clock, Frame, Record
 from flexarm.record.table import RecordTable, SignalTable
 from flexarm.tables import Table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
-WORDS = {word for code in re.findall(r"`([^`]+)`", TEXT) for word in re.findall(r"\w+", code)}
+PROSE = re.sub(r"```.*?```", "", TEXT, flags=re.S)
+WORDS = {word for code in re.findall(r"`([^`]+)`", PROSE) for word in re.findall(r"\w+", code)}
 MODEL = [Arm, Joint, Gear, Beam, RigidLink, Material, Origin, Payload, Point, Sensor, Motor, Cascade]
 TABLES = [
     *MODEL,
@@ -62,3 +63,19 @@ def test_every_key_of_a_report_is_documented() -> None:
     keys = {name for each in entries for name in each.model_fields}
     assert len(keys) > 40
     assert sorted(keys - WORDS) == []
+
+
+def test_the_record_that_is_shown_is_one(tmp_path):
+    """The block of the page, with the two CSV files that stand side by side below it."""
+    blocks = [block.removeprefix("toml").lstrip() for block in TEXT.split("```")[1::2]]
+    (shown,) = [block for block in blocks if "flexarm-record/1" in block]
+    (tables,) = [block for block in blocks if block.startswith("t_ms")]
+    (tmp_path / "record.toml").write_text(shown)
+    for name, column in (("encoder.csv", 0), ("tracker.csv", 1)):
+        cells = [line.split()[column] for line in tables.strip().splitlines()]
+        (tmp_path / name).write_text("\n".join(cells) + "\n")
+    record = Record.load(tmp_path)
+    assert record.drive == ("hinge",)
+    assert record.signals["tip"].values[0] == pytest.approx([-5.2041, 1.2037, 2.498])
+    assert not record.signals["tip"].valid[1]  # a cell is empty
+    assert record.signals["hinge"].time == pytest.approx([0.0, 0.004])
