@@ -54,6 +54,8 @@ FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
+ALIKE = 2
+"""Rounds in which the model without effects is fitted about itself."""
 OVERTAKEN = 3
 """Times that a rival may take the place of what was chosen."""
 TRIED, PAIRS = 6, 3
@@ -131,7 +133,8 @@ class Choice:
 def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Forward, backward, and rivals."""
     observed = fitter.observed
-    null = fitter.fit(())
+    start = fitter.fit(())
+    null = _best_without(start, fitter)
     best, about, path = null, fitter, [null]
     tried: list[Fit] = []
     places = cardan_joints(observed.arm, driven_joints(observed.arm, observed.records.values()))
@@ -139,7 +142,8 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
         if note is not None:
             count = causes(best.members, places)
             note(f"looking for effect {count + 1}", count / (MOST + 1))
-        found = _step(about, probed, best, null, places=places)
+        here = best if best.members else start
+        found = _step(about, probed, here, null, places=places)
         tried += found
         if not found:
             break
@@ -147,7 +151,7 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
         for size in (2, 3):
             if best.members or explained(better, null, observed):
                 break
-            sets = _step(about, probed, best, null, size, beside=better)
+            sets = _step(about, probed, here, null, size, beside=better)
             tried += sets
             if sets and accepted((more := _refined(about, sets, best, null))[0], better, null, observed):
                 better, there = more
@@ -170,6 +174,21 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
         rivals = [_rivals(about, probed, best, null, k, tried, value) for k in range(len(best.members))]
     gains = [(f, log_bayes_factor(f, null, observed, value)) for f in tried]
     return Choice(null, best, about, value, rivals, gains, path)
+
+
+def _best_without(start: Fit, fitter: Fitter) -> Fit:
+    """The nominal model about its own optimum, as fits with effects are; otherwise any effect seems better.
+
+    The search itself starts where clocks and frames are nominal, since effects may take their places.
+    """
+    best, there = start, fitter
+    for _ in range(ALIKE):
+        there = there.about(best)
+        fit = there.fit(())
+        if fit.cost > BETTER * best.cost:
+            return min(fit, best, key=lambda f: f.cost)
+        best = fit
+    return best
 
 
 def explained(fit: Fit, null: Fit, observed: Observed) -> bool:

@@ -37,7 +37,7 @@ FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
 LIKELY = 2.0
 """Sigmas within which nominal values are centred."""
-CENTRED, LESS = 3, 0.9
+CENTRED, LESS = 3, 0.98
 """Rounds in which nominal values are centred, and the part of the gap below which one was worth while."""
 CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
 """Laws with corners."""
