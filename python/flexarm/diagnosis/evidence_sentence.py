@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.fit import Fit
@@ -29,6 +31,7 @@ def evidence_sentence(
         f"with {what} the largest gap above the noise falls from {before:.2g} to "
         f"{after:.2g} times the noise (ln Bayes factor {choice.gain:.0f} over the nominal model)"
     )
+    text += "".join(f"; {said}" for said in _strained(choice.null))
     if rivals:
         rival = rivals[0]
         text += f"; next is {place_words(*rival.candidate.place)}, ln {rival.behind:.1f} behind"
@@ -43,6 +46,23 @@ def evidence_sentence(
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
         )
     return text + "."
+
+
+def _strained(null: Fit) -> Iterator[str]:
+    """What the model without effects must assume of a clock, a frame or a nominal value."""
+    if not len(null.unknowns.each):
+        return
+    pulls = np.abs(null.projection.best(null.residual)) / null.unknowns.sigma
+    worst = int(np.argmax(pulls))
+    unknown = null.unknowns.each[worst]
+    if pulls[worst] > UNUSUAL:
+        _, _, at, *rest = unknown.key.split(".")
+        what = (
+            f"value {unknown.key}"
+            if unknown.kind == "nominal"
+            else f"{'.'.join(rest)} of {unknown.kind} {at}"
+        )
+        yield f"without it the {what} would be off by {pulls[worst]:.2g} times its stated sigma"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:
