@@ -293,8 +293,7 @@ def _one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     """The best variant of each, the best of those."""
     found: dict[tuple[tuple[str, str], ...], Share] = {}
     for share in shares:
-        if share.share > 0:
-            found.setdefault(tuple(sorted(m.place for m in share.members)), share)
+        found.setdefault(tuple(sorted(m.place for m in share.members)), share)
     return list(found.values())[:most]
 
 

@@ -33,6 +33,8 @@ Ranked = tuple[float, tuple[int, ...]]
 RIDGE = 0.1
 LONGER = 2.0
 """Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
+RELIEF = 1.0
+"""Squared sigmas that a set without a share must spare."""
 AMONG = 16
 """Places that are tried in sets of three."""
 KEPT = 100
@@ -192,9 +194,14 @@ class Linear:
                     yield i, j
 
     def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
-        """Share and members of those in which no law would have to be negative, the best first."""
-        found = [(self._solved(each)[0], each) for each in sets]
-        return sorted(((share, each) for share, each in found if share > 0), key=lambda pair: -pair[0])
+        """Share and members of those in which no law would have to be negative, the best first.
+
+        Not those that explain nothing, unless they spare clocks, frames and nominal values a strain: a late
+        clock is linear for its own derivative, and less so for a finite step.
+        """
+        found = [(*self._solved(each)[::2], each) for each in sets]
+        kept = [(share, each) for share, relief, each in found if share > 0 or relief > RELIEF]
+        return sorted(kept, key=lambda pair: -pair[0])
 
     def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
         """The first of them at the sizes of eq. (2)."""
