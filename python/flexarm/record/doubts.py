@@ -47,7 +47,7 @@ def clocks_apart(record: Record) -> Iterable[Problem]:
         return
     own, first, last = known[0].clock, *_ran(record, known)
     for signal in record.signals.values():
-        if signal in drives or record.clocks[signal.clock].unknown or not len(signal.time):
+        if signal.clock == own or record.clocks[signal.clock].unknown or not len(signal.time):
             continue
         start, end = _ran(record, [signal])
         margin = 3 * record.clocks[signal.clock].sigma
