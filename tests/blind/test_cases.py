@@ -47,7 +47,7 @@ def over_noise(arm: flexarm.Arm, record: flexarm.Record) -> dict[str, float]:
         ("hinged", "external_vibration", "base"),
         ("planar", "joint_compliance", "elbow"),
         ("planar", "encoder_eccentricity", "shoulder"),
-        ("spatial", "payload_offset", "load"),
+        ("spatial", "payload_mass", "load"),
     ],
 )
 def test_with_the_answer_in_the_model_the_noise_is_left(kind, effect, at):
