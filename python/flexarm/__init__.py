@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from flexarm.record import Record, Signal
     from flexarm.reduction import InterfaceSet, reduce_mesh
     from flexarm.sensitivity import Sensitivities
-    from flexarm.simulation import Simulation, simulate
+    from flexarm.simulation.simulate import simulate
+    from flexarm.simulation.simulation import Simulation
     from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics import Statics, static
     from flexarm.stepping import State, Stepper

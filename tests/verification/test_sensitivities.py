@@ -14,7 +14,8 @@ from tests.helpers.arms import G, beam, hinge, point
 import flexarm
 from flexarm.arm.parameter import parameters, with_value
 from flexarm.arm.prior import Prior
-from flexarm.simulation import _plain, _prepared
+from flexarm.simulation.prepared import prepared
+from flexarm.simulation.solve import solved
 
 TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 
@@ -72,9 +73,9 @@ def smooth_drive() -> flexarm.Drive:
 
 def converged(arm: flexarm.Arm, drive: flexarm.Drive) -> flexarm.Simulation:
     """A run whose Newton iterations end at rounding."""
-    run = _prepared(arm, drive, STEP, -0.05, None, True, True)
+    run = prepared(arm, drive, STEP, -0.05, None, True, True)
     run.options.tolerance = 1e-14
-    return _plain(run, None)
+    return solved(run, None)
 
 
 def difference(of: Callable[[float], NDArray], value: float, step: float) -> tuple[NDArray, float]:
@@ -328,9 +329,9 @@ def test_laws_of_a_drive_train_have_the_derivatives_of_differences(key: str) -> 
     value = found.parameters[0].value
 
     def at(p: float, name: str) -> NDArray:
-        run = _prepared(with_value(arm, key, p), drive, 1e-3, -0.05, None, False, False)
+        run = prepared(with_value(arm, key, p), drive, 1e-3, -0.05, None, False, False)
         run.options.tolerance = 1e-14
-        return np.asarray(getattr(_plain(run, None), name))
+        return np.asarray(getattr(solved(run, None), name))
 
     for name in ("position", "joint_angle", "motor_torque"):
         expected, doubt = difference(lambda p, name=name: at(p, name), value, 1e-3 * value)

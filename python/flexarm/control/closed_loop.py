@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import ceil, isclose, isnan
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +23,10 @@ from flexarm.control.laws import CascadeLaw, feedback_voltage
 from flexarm.control.sensing import Sensing
 from flexarm.drive import Drive, JointDrive
 from flexarm.effects import MotorFriction
-from flexarm.energies import Energies
 from flexarm.errors import InvalidParameter
-
-if TYPE_CHECKING:
-    from flexarm.simulation import Progress, Simulation
+from flexarm.simulation import Progress, Simulation, reported
+from flexarm.simulation.energies import Energies
+from flexarm.simulation.from_core import simulation_of
 
 Floats = NDArray[np.float64]
 Schedule = Mapping[str, Callable[[float], Controller]]
@@ -112,8 +110,6 @@ def simulate_closed_loop(
     >>> command = Drive.from_samples([0, 1, 2], {"hinge": [0, 0.1, 0.1]}, side="command")  # doctest: +SKIP
     >>> run = simulate_closed_loop(arm, command)  # doctest: +SKIP
     """
-    from flexarm.simulation import _simulation, reported
-
     if not step > 0:
         raise InvalidParameter(f"step must be positive, got {step:g} s")
     controllers = _controllers(arm, drive)
@@ -159,7 +155,7 @@ def simulate_closed_loop(
             if report is not None and k % _LOOK == 0 and report(k / n_ticks) is False:
                 break
     transient = run.result()
-    found = _simulation(arm, transient, options, Energies.of(transient))
+    found = simulation_of(arm, transient, options, Energies.of(transient))
     seconds = perf_counter() - began
     return _completed(found, drive, loops, losses, np.repeat(voltage, substeps, axis=0), seconds)
 

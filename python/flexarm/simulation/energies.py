@@ -32,7 +32,20 @@ class Energies:
 NAMES = ("kinetic", "elastic", "gravity", "damped", "work")
 
 
-def recorded_again(
+def energies_of(
+    found: _core.Transient,
+    system: _core.System,
+    equilibrium: _core.Equilibrium,
+    motions: list[_core.PiecewisePolynomial],
+    options: _core.TransientOptions,
+) -> Energies | Callable[[], Energies]:
+    """Recorded, or how to get them."""
+    if options.record_energies:
+        return Energies.of(found)
+    return _recorded_again(system, equilibrium, motions, options, float(found.time[-1]))
+
+
+def _recorded_again(
     system: _core.System,
     equilibrium: _core.Equilibrium,
     motions: Sequence[_core.PiecewisePolynomial],

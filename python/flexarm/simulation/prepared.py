@@ -1,0 +1,78 @@
+"""From what a user asks for to what the core is asked for, checked: arm, drive of its joints, options."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+
+
+@dataclass(frozen=True)
+class PreparedRun:
+    """What the core is asked for."""
+
+    arm: Arm
+    drive: Drive
+    options: _core.TransientOptions
+
+    @property
+    def kinds(self) -> dict[str, _core.DriveKind]:
+        """What is prescribed at each driven joint."""
+        return {name: joint.kind for name, joint in self.drive.joints.items()}
+
+    @property
+    def prescribed(self) -> dict[str, _core.DriveKind]:
+        """Joints whose angle is told from the start; motors driven by torque are held until then."""
+        return {name: joint.kind for name, joint in self.drive.joints.items() if joint.side != "torque"}
+
+    @property
+    def motions(self) -> list[_core.PiecewisePolynomial]:
+        """What moves every joint, in the order of the arm's."""
+        return motions(self.arm, self.drive)
+
+
+def prepared(
+    arm: Arm, drive: Drive, step: float, alpha: float, end: float | None, forces: bool, rotations: bool
+) -> PreparedRun:
+    """The run, checked."""
+    if not isinstance(drive, Drive):
+        raise InvalidParameter(
+            f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}",
+            where="drive",
+        )
+    moving = [joint.name for joint in arm.moving_joints]
+    for name in drive.joints:
+        if name not in moving:
+            raise InvalidParameter(
+                f"the drive moves {name!r}, which is no moving joint; there are {', '.join(moving)}"
+            )
+    if all(joint.side != "command" for joint in drive.joints.values()):
+        drive = drive.at_inputs(arm)
+    options = _core.TransientOptions()
+    options.start, options.end = drive.start, drive.end if end is None else float(end)
+    options.step, options.alpha = float(step), float(alpha)
+    options.record_forces, options.record_rotations = forces, rotations
+    return PreparedRun(arm, drive, options)
+
+
+def coordinates(name: str) -> _core.Dimension:
+    """What the core calls the coordinates that a run may take."""
+    known = {
+        "auto": _core.Dimension.automatic,
+        "plane": _core.Dimension.plane,
+        "space": _core.Dimension.space,
+    }
+    if name not in known:
+        raise InvalidParameter(f"must be one of {', '.join(known)}, got {name!r}", where="dimension")
+    return known[name]
+
+
+def motions(arm: Arm, drive: Drive) -> list[_core.PiecewisePolynomial]:
+    """What moves every joint; joints that nothing drives are not read."""
+    hold = _core.PiecewisePolynomial.constant(0.0)
+    return [
+        drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints
+    ]

@@ -1,0 +1,112 @@
+"""A run of an arm along its drives, from equilibrium at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import parameters
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.record import Record
+from flexarm.sensitivity import Redrive
+from flexarm.simulation.prepared import coordinates, motions, prepared
+from flexarm.simulation.progress import Progress, reported
+from flexarm.simulation.simulation import Simulation
+from flexarm.simulation.solve import differentiated, solved
+
+
+def simulate(
+    arm: Arm,
+    drive: Drive | Record,
+    *,
+    step: float = 2e-3,
+    alpha: float = -0.05,
+    end: float | None = None,
+    forces: bool = False,
+    rotations: bool = False,
+    energies: bool = False,
+    sensitivities: Iterable[str] = (),
+    dimension: str = "auto",
+    progress: Progress = None,
+) -> Simulation:
+    """A run from equilibrium at rest along the drives.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    drive : Drive or Record
+        What moves the joints. A record's drive signals are smoothed by their noise, its payloads carried.
+    step : float
+        Time step [s].
+    alpha : float
+        Of the HHT method, -1/3 to 0; 0 damps nothing, negative values damp high frequencies.
+    end : float, optional
+        End of the run [s]; default: of the drive.
+    forces, rotations : bool
+        Record section forces and base reaction; orientations and angular rates of the points.
+    energies : bool
+        Record energies in the same run; otherwise a second run computes them when they are first asked for.
+        Runs under a controller always record them.
+    sensitivities : iterable of str
+        Keys of parameters, such as "links.rod.material.youngs_modulus" or
+        "effects.backlash.hinge.gap": what the arrays are differentiated by in the same run. The result is the
+        derivative of the computed motion, not a difference of runs.
+    dimension : {"auto", "plane", "space"}
+        An arm that moves in a plane is computed with three coordinates a node, several times faster and with
+        the same result. "space" always takes six, as do controllers; "plane" is an error
+        that tells what leaves it where there is none.
+    progress : bool or callable, optional
+        True shows a bar on standard error; a callable gets the share done and may return False to stop.
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    InvalidParameter
+        If the drive does not fit the arm, step or alpha is out of range, or there is no derivative by a
+        parameter.
+    NotConverged
+        With time, iteration and residual.
+    KeyboardInterrupt
+        On Ctrl-C, within a tenth of a second.
+
+    Examples
+    --------
+    >>> drive = flexarm.Drive.from_samples([0, 1, 2, 3], {"hinge": [0, 0.2, 0.4, 0.4]})  # doctest: +SKIP
+    >>> run = flexarm.simulate(arm, drive)  # doctest: +SKIP
+    """
+    if isinstance(drive, Record):
+        record, carried = drive, drive.applied_to(arm)
+        run = prepared(carried, Drive.from_record(record, carried), step, alpha, end, forces, rotations)
+        redrive = Redrive(
+            {*record.drive, *(record.signals[name].clock for name in record.drive)},
+            lambda other: motions(other, Drive.from_record(record, other).at_inputs(other)),
+        )
+    else:
+        run, redrive = prepared(arm, drive, step, alpha, end, forces, rotations), None
+    wanted = parameters(run.arm, sensitivities)
+    run.options.record_energies = energies
+    run.options.dimension = coordinates(dimension)
+    if any(joint.side == "command" for joint in run.drive.joints.values()):
+        from flexarm.control import simulate_closed_loop
+
+        if wanted:
+            raise InvalidParameter("a run under a controller has no derivatives yet", where="sensitivities")
+        return simulate_closed_loop(
+            run.arm,
+            run.drive,
+            step=step,
+            alpha=alpha,
+            end=end,
+            forces=forces,
+            rotations=rotations,
+            progress=progress,
+        )
+    with reported(progress, run.arm.name) as report:
+        found = differentiated(run, wanted, redrive, report) if wanted else solved(run, report)
+    found.solver["drive_sha256"] = run.drive.sha256()
+    return found

@@ -1,0 +1,189 @@
+"""What a run gives: the motion of an arm, its torques, forces and energies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter
+from flexarm.result import Result
+from flexarm.sensitivity import Sensitivities
+from flexarm.simulation.energies import Energies
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.netcdf import Contents
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Result):
+    """A run. Arrays are read-only; the first axis is the instant.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    time : ndarray, shape (n,)
+        Instants [s].
+    position, velocity : ndarray, shape (n, point, 3)
+        Of the points, base axes [m], [m/s].
+    joint_angle, joint_rate : ndarray, shape (n, joint)
+        Angle theta of each link about its joint [rad, m if prismatic] and its rate.
+    drive_angle, drive_rate : ndarray, shape (n, joint)
+        Angle phi of each motor over the ratio, and its rate.
+    joint_torque, motor_torque : ndarray, shape (n, joint)
+        Torque on the child about +axis, and of the motor with rotor inertia and friction; output side [N m].
+    kinetic, elastic, gravity, damped, work : ndarray, shape (n,)
+        Energies, and what damping took and drives gave since the start [J]. Without `energies=True` the first
+        look at one of them makes the run a second time.
+    orientation, angular_rate : ndarray, shape (n, point, 4) and (n, point, 3), or None
+        Quaternion x, y, z, w and rate in body axes [rad/s]; with `rotations=True`.
+    section_forces : ndarray, shape (n, link, 2, 6), or None
+        (N, Vy, Vz, T, My, Mz) at both ends of each link, section axes [N, N m]; with `forces=True`.
+    base_wrench : ndarray, shape (n, 6), or None
+        Force and moment on the base about its origin, base axes [N, N m]; with `forces=True`.
+    joint_command, motor_voltage : ndarray, shape (n, joint), or None
+        What controllers were asked for [rad] and the voltages they set [V], NaN where there is none; of runs
+        along a command.
+    sensitivities : Sensitivities or None
+        Derivatives of the arrays by parameters of the model; of runs with `sensitivities=`.
+    solver : dict
+        Backend, step, alpha, dimension (2 where the motion lies in a plane), counts of steps, iterations and
+        factorisations, seconds.
+    """
+
+    arm: Arm
+    time: Floats
+    position: Floats
+    velocity: Floats
+    joint_angle: Floats
+    joint_rate: Floats
+    drive_angle: Floats
+    drive_rate: Floats
+    joint_torque: Floats
+    motor_torque: Floats
+    energy_record: Energies | Callable[[], Energies]
+    orientation: Floats | None = None
+    angular_rate: Floats | None = None
+    section_forces: Floats | None = None
+    base_wrench: Floats | None = None
+    joint_command: Floats | None = None
+    motor_voltage: Floats | None = None
+    sensitivities: Sensitivities | None = None
+    solver: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def energies(self) -> Energies:
+        """All energies of the run."""
+        return self.energy_record() if callable(self.energy_record) else self.energy_record
+
+    @property
+    def kinetic(self) -> Floats:
+        """Kinetic energy [J], shape (n,)."""
+        return self.energies.kinetic
+
+    @property
+    def elastic(self) -> Floats:
+        """Elastic energy of links and joints [J], shape (n,)."""
+        return self.energies.elastic
+
+    @property
+    def gravity(self) -> Floats:
+        """Potential energy of gravity [J], shape (n,)."""
+        return self.energies.gravity
+
+    @property
+    def damped(self) -> Floats:
+        """What damping and friction took since the start [J], shape (n,)."""
+        return self.energies.damped
+
+    @property
+    def work(self) -> Floats:
+        """Work of drives and loads since the start [J], shape (n,)."""
+        return self.energies.work
+
+    @property
+    def acceleration(self) -> Floats | None:
+        """Specific force at the points in body axes [m/s2], (n, point, 3), as an IMU has it: +g up at rest.
+
+        From the derivative of a cubic spline through the velocities; None without `rotations=True`.
+        """
+        if self.orientation is None:
+            return None
+        from scipy.interpolate import CubicSpline
+        from scipy.spatial.transform import Rotation
+
+        rate = CubicSpline(self.time, self.velocity)(self.time, 1)
+        specific = rate - np.asarray(self.arm.gravity)
+        turn = Rotation.from_quat(self.orientation.reshape(-1, 4))
+        return np.asarray(turn.inv().apply(specific.reshape(-1, 3))).reshape(specific.shape)
+
+    def at(self, times: ArrayLike, point: str) -> Floats:
+        """Positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation.
+
+        Before the run the arm rests where it starts; after its end nothing is known, and NaN stands there.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such point.
+        """
+        from flexarm.measurement.sampling import sample
+
+        if point not in self.points:
+            raise InvalidParameter(f"there is no point {point!r}; there are {', '.join(self.points)}")
+        i = self.points.index(point)
+        when = np.atleast_1d(np.asarray(times, dtype=float))
+        return sample(self.time, self.position[:, i], when, self.velocity[:, i])
+
+    def contents(self) -> Contents:
+        """What is stored: all arrays with units, and where they come from."""
+        from flexarm.simulation.netcdf import contents
+
+        return contents(self)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Simulation:
+        """Reads what `save` wrote.
+
+        Raises
+        ------
+        InvalidFile
+            If the file is not a stored run.
+        """
+        from flexarm.simulation.netcdf import stored
+
+        return cls(**stored(path))
+
+    def plot(self, ax: Axes | None = None, point: str | None = None) -> Axes:
+        """Coordinates of a point (default: the last one) against time; all joints' angles without points."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        if self.points:
+            name = self.points[-1] if point is None else point
+            i = self.points.index(name)
+            for k, axis in enumerate("xyz"):
+                axes.plot(self.time, self.position[:, i, k], label=f"{name} {axis}")
+            axes.set(xlabel="time [s]", ylabel="position [m]")
+        else:
+            axes.plot(self.time, self.joint_angle, label=list(self.joints))
+            axes.set(xlabel="time [s]", ylabel="joint angle [rad]")
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "no instants"
+        return (
+            f"<Simulation of {self.arm.name!r}: {span}, {len(self.time)} instants, "
+            f"points {', '.join(self.points) or 'none'}>"
+        )

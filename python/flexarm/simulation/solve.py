@@ -1,0 +1,101 @@
+"""The core's part of a run: equilibrium at the start, then the motion, alone or with its derivatives.
+
+A motor that is driven by torque has no angle to begin with: it is held where it rests and let go at the
+start.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flexarm import _core
+from flexarm.arm.parameter import Parameter
+from flexarm.assembly import assemble, joint_values
+from flexarm.sensitivity import Redrive, collected, varied
+from flexarm.simulation.energies import energies_of
+from flexarm.simulation.from_core import simulation_of
+from flexarm.simulation.prepared import PreparedRun
+from flexarm.simulation.progress import Report
+from flexarm.simulation.simulation import Simulation
+
+_DIFFERENTIATED = 1e-13
+"""Newton's tolerance: accelerations, h^2 less exact than positions, enter derivatives by masses."""
+
+_DERIVED = (
+    "position",
+    "velocity",
+    "joint_angle",
+    "joint_rate",
+    "drive_angle",
+    "drive_rate",
+    "joint_torque",
+    "motor_torque",
+    "orientation",
+    "angular_rate",
+    "section_forces",
+    "base_wrench",
+)
+"""Arrays of a run that have derivatives."""
+
+
+def solved(run: PreparedRun, report: Report) -> Simulation:
+    """The run alone."""
+    system, motions = assemble(run.arm, run.kinds), run.motions
+    held = _held(run, system)
+    equilibrium = _start(run, held, motions)
+    if held is not system:
+        equilibrium = _core.released(held, equilibrium, system)
+    found = _core.simulate(system, equilibrium, motions, run.options, report)
+    return simulation_of(
+        run.arm, found, run.options, energies_of(found, system, equilibrium, motions, run.options)
+    )
+
+
+def differentiated(
+    run: PreparedRun, wanted: tuple[Parameter, ...], redrive: Redrive | None, report: Report
+) -> Simulation:
+    """The run with the derivatives of its arrays."""
+    system, motions = assemble(run.arm, run.kinds), run.motions
+    held = _held(run, system)
+    equilibrium = _start(run, held, motions)
+    varied_systems, places = varied(run.arm, wanted, lambda arm: assemble(arm, run.kinds), redrive)
+    if held is system:
+        initial = _core.static_derivative(held, equilibrium, varied_systems, run.options.start)
+    else:
+        still, _ = varied(run.arm, wanted, lambda arm: assemble(arm, run.prescribed), redrive)
+        initial = _core.static_derivative(held, equilibrium, still, run.options.start)
+        initial = _core.released_derivative(held, initial, system)
+        equilibrium = _core.released(held, equilibrium, system)
+    run.options.tolerance = _DIFFERENTIATED
+    both = _core.simulate_differentiated(
+        system, equilibrium, motions, run.options, varied_systems, initial, report
+    )
+    energies = energies_of(both.run, system, equilibrium, motions, run.options)
+    found = simulation_of(run.arm, both.run, run.options, energies)
+    arrays = {
+        name: getattr(both.derivatives, name).T.reshape(*value.shape, len(places))
+        for name in _DERIVED
+        if (value := getattr(found, name)) is not None
+    }
+    return replace(found, sensitivities=collected(wanted, places, arrays))
+
+
+def _held(run: PreparedRun, system: _core.System) -> _core.System:
+    """The arm with its motors held until the start; the same one if none is driven by torque."""
+    return system if run.prescribed == run.kinds else assemble(run.arm, run.prescribed)
+
+
+def _start(
+    run: PreparedRun, held: _core.System, motions: list[_core.PiecewisePolynomial]
+) -> _core.Equilibrium:
+    """Equilibrium under the first drive values; motors driven by torque stand where they rest until then."""
+    told = run.prescribed
+    first = {
+        joint.name: motion(run.drive.start)[0]
+        for joint, motion in zip(run.arm.joints, motions, strict=True)
+        if joint.name in told
+    }
+    values = joint_values(run.arm, {**run.drive.rest, **first})
+    return _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(run.arm.gravity)))
