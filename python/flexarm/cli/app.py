@@ -10,6 +10,7 @@ import typer
 from flexarm.cli.check import check
 from flexarm.cli.compare import compare
 from flexarm.cli.diagnose import diagnose
+from flexarm.cli.example import example
 from flexarm.cli.linearise import linearise
 from flexarm.cli.modes import modes
 from flexarm.cli.plan import plan
@@ -24,6 +25,7 @@ Flexible robot arms by finite elements, beside what was measured on them.
 A MODEL is a TOML file, a RECORD a directory with record.toml and CSV files. All values are in SI units and
 radians, joints on the output side (motor angle over ratio).
 
+    flexarm example tryout                          files to try all this on
     flexarm check arm.toml                          what is it, what does it weigh
     flexarm static arm.toml --joint hinge=0.5       how far does it sag
     flexarm modes arm.toml                          how does it vibrate
@@ -69,5 +71,17 @@ def _help(text: str) -> str:
 
 
 app.callback(help=_help(HELP))(_common)
-for command in (check, static, modes, linearise, simulate, compare, diagnose, plan, reduce, reproduce):
+for command in (
+    example,
+    check,
+    static,
+    modes,
+    linearise,
+    simulate,
+    compare,
+    diagnose,
+    plan,
+    reduce,
+    reproduce,
+):
     app.command(help=_help(command.__doc__ or ""))(command)
