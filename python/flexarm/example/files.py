@@ -65,9 +65,11 @@ def _model(directory: Path) -> Arm:
 
 def machine(arm: Arm) -> Arm:
     """The machine that the records show."""
+    from flexarm.arm.link import Beam
     from flexarm.effects import Backlash
 
     rod = arm.link("rod")
+    assert isinstance(rod, Beam)
     steel = rod.material.replace(youngs_modulus=MODULUS * rod.material.youngs_modulus)
     real = arm.replace(
         name="virtual machine", links=(rod.replace(elements=8, material=steel),), uncertainty={}
@@ -101,7 +103,7 @@ def virtual_record(
     from flexarm.simulation import simulate
 
     payloads = _carried(mass)
-    loaded = Record(signals=(), payloads=payloads).applied_to(machine)
+    loaded = Record(signals={}, payloads=payloads).applied_to(machine)
     time, angle = joined(stops, seconds)
     run = simulate(loaded, Drive.from_samples(time, {"hinge": angle}), step=STEP)
     seen = measure(

@@ -34,7 +34,8 @@ def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
     (0.0, 0.5, 1.0)
     """
     moves = len(stops) - 1
-    time = INTERVAL * np.arange(round(seconds * moves / INTERVAL) + 1)
+    time = np.linspace(0.0, seconds * moves, round(seconds * moves / INTERVAL) + 1)
     move = np.minimum((time / seconds).astype(int), moves - 1)
     s = np.clip(time / seconds - move, 0.0, 1.0)
-    return time, np.take(stops, move) + np.diff(stops)[move] * s**3 * (10 - 15 * s + 6 * s**2)
+    angle: Floats = np.take(stops, move) + np.diff(stops)[move] * s**3 * (10 - 15 * s + 6 * s**2)
+    return time, angle
