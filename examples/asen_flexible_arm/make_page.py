@@ -8,22 +8,16 @@ and motor, test 2 held out), and prints rms of hub and deflection by the nominal
 
 from __future__ import annotations
 
-import argparse
-import subprocess
 import sys
 from pathlib import Path
 
 import make_records
 
 import flexarm
-from flexarm import Arm, InvalidParameter, Record
+from flexarm import Arm, Record
 
-
-def diagnosed(records: Path, page: Path) -> int:
-    """`flexarm diagnose` as from a shell; its exit code."""
-    model, training = records / "test_3/arm.toml", records / "test_3/by_reference"
-    words = ["diagnose", model, training, "--hold-out", records / "test_2/by_reference", "--out", page]
-    return subprocess.run([sys.executable, "-m", "flexarm", *map(str, words)], check=False).returncode
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import command_line, diagnosed, exit_code
 
 
 def gaps(records: Path, page: Path) -> str:
@@ -39,22 +33,22 @@ def gaps(records: Path, page: Path) -> str:
     return "\n".join(lines)
 
 
-def main() -> int:
-    """Command line; 0 if done, 2 if the input is at fault."""
-    parser = argparse.ArgumentParser(description="Diagnosis of the ASEN rotary flexible arm.")
-    parser.add_argument("data", type=Path, metavar="DATA_DIR", help="holds test_2.tsv and test_3.tsv")
-    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
-    given = parser.parse_args()
-    records, page = given.out / "records", given.out / "page"
-    try:
-        make_records.make_records(given.data, records)
-    except InvalidParameter as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    code = diagnosed(records, page)
+def make_page(data: Path, out: Path) -> int:
+    """Records, page and table; the exit code of the diagnosis."""
+    records, page = out / "records", out / "page"
+    make_records.make_records(data, records)
+    trained, held_out = records / "test_3", records / "test_2"
+    code = diagnosed(trained / "arm.toml", trained / "by_reference", held_out / "by_reference", page)
     if code == 0:
         print(gaps(records, page))
     return code
+
+
+def main() -> int:
+    """Command line; 0 if done, 2 if the input is at fault."""
+    description = "Diagnosis of the ASEN rotary flexible arm."
+    given = command_line(description, make_records.FILES).parse_args()
+    return exit_code(lambda: make_page(given.data, given.out))
 
 
 if __name__ == "__main__":

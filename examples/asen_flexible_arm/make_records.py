@@ -45,18 +45,21 @@ latency of its sensor is not documented and is not zero, as 2 shows.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm import Arm, InvalidFile, InvalidParameter, Record, Signal
+from flexarm import Arm, InvalidFile, Record, Signal
 from flexarm.output import output_directory
 from flexarm.record import Clock
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import check_folder, command_line, exit_code, read_text
+
 TESTS = ("test_2", "test_3")
+FILES = "test_2.tsv and test_3.tsv"
 HEADINGS = {
     "time": "Time (ms)",
     "hub": "Hubangle",
@@ -89,12 +92,7 @@ def read_tsv(path: Path) -> Columns:
     InvalidFile
         With the line or column of what is wrong.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InvalidFile(path, "file", "is not text in UTF-8") from None
+    lines = read_text(path).splitlines()
     _check_headings(path, lines[0] if lines else "")
     rows = [_numbers(path, number, line) for number, line in enumerate(lines[1:], 2) if line.strip()]
     if len(rows) < 2:
@@ -202,8 +200,7 @@ def record(columns: Columns, name: str, K: dict[str, float], drive: str) -> Reco
 
 def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
     """Writes models and records of all tests; returns their folders."""
-    if not data.is_dir():
-        raise InvalidFile(data, "DATA_DIR", "is not a directory; it must hold test_2.tsv and test_3.tsv")
+    check_folder(data, FILES)
     nominal = Arm.from_toml(Path(__file__).with_name("arm.toml"))
     read = {name: read_tsv(data / f"{name}.tsv") for name in TESTS}
     with output_directory(out, force) as directory:
@@ -217,18 +214,9 @@ def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
 
 def main() -> int:
     """Command line; 0 if done, 2 if the input is at fault."""
-    parser = argparse.ArgumentParser(description="Records and models of the ASEN rotary flexible arm.")
-    parser.add_argument("data", type=Path, metavar="DATA_DIR", help="holds test_2.tsv and test_3.tsv")
-    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
-    parser.add_argument("--force", action="store_true", help="write into a directory that holds files")
+    parser = command_line("Records and models of the ASEN rotary flexible arm.", FILES, force=True)
     given = parser.parse_args()
-    try:
-        for folder in make_records(given.data, given.out, given.force):
-            print(folder)
-    except InvalidParameter as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+    return exit_code(lambda: print(*make_records(given.data, given.out, given.force), sep="\n"))
 
 
 if __name__ == "__main__":

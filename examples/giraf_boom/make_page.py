@@ -14,7 +14,6 @@ table. Nothing of it may be committed: the data states no licence.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,13 +21,14 @@ from pathlib import Path
 import numpy as np
 
 import flexarm
-from flexarm import Arm, InvalidParameter, Record
+from flexarm import Arm, Record
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.diagnosis.ring_down import RingDown, ring_downs
 from flexarm.output import output_directory
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import command_line, exit_code
 from make_records import make_records
 
 
@@ -110,21 +110,13 @@ def make_page(data: Path, out: Path, jobs: int | None, every: bool, force: bool)
 
 def main() -> int:
     """Command line; 0 if done, 2 if the input is at fault."""
-    parser = argparse.ArgumentParser(description="Pages of the GIRAF boom.")
-    parser.add_argument("data", type=Path, metavar="DATA_DIR", help="holds static.csv and ringdown_*.csv")
-    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
+    parser = command_line("Pages of the GIRAF boom.", "static.csv and ringdown_*.csv", force=True)
     parser.add_argument("--jobs", type=int, help="simulations at once; default one a core")
     parser.add_argument(
         "--leave-one-out", action="store_true", help="hold every length out once: eight times as long"
     )
-    parser.add_argument("--force", action="store_true", help="write into a directory that holds files")
     given = parser.parse_args()
-    try:
-        make_page(given.data, given.out, given.jobs, given.leave_one_out, given.force)
-    except InvalidParameter as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+    return exit_code(lambda: make_page(given.data, given.out, given.jobs, given.leave_one_out, given.force))
 
 
 if __name__ == "__main__":

@@ -21,8 +21,6 @@ base then shows. Heights are read to 1 mm: 1 sigma is 1 mm/sqrt(12).
 
 from __future__ import annotations
 
-import argparse
-import csv
 import shutil
 import sys
 from pathlib import Path
@@ -30,11 +28,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm import InvalidFile, InvalidParameter, Record, Signal
+from flexarm import InvalidFile, Record, Signal
 from flexarm.output import output_directory
 from flexarm.record import DrawnLink, Frame
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import check_folder, command_line, exit_code, read_numbers
 from ring_downs import length_of, ring_down_record
 
 Rows = NDArray[np.float64]
@@ -54,18 +53,7 @@ def read_static(path: Path) -> Rows:
     InvalidFile
         With the line of what is wrong.
     """
-    try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InvalidFile(path, "file", "is not text in UTF-8") from None
-    if not lines or tuple(cell.strip() for cell in lines[0]) != HEADINGS:
-        raise InvalidFile(path, "line 1", f"must be {','.join(HEADINGS)!r}")
-    rows = [_numbers(path, number, line) for number, line in enumerate(lines[1:], 2) if line]
-    if not rows:
-        raise InvalidFile(path, "file", "holds no readings")
-    extension, force, height, deflection = np.array(rows).T
+    extension, force, height, deflection = read_numbers(path, HEADINGS).T
     wrong = np.flatnonzero(np.abs(height + deflection - 1e3 * LEVEL) > 1e-9)
     if len(wrong):
         raise InvalidFile(
@@ -75,18 +63,6 @@ def read_static(path: Path) -> Rows:
             f"{height[wrong[0]] + deflection[wrong[0]]:g} mm",
         )
     return np.stack([1e-3 * extension, force, 1e-3 * height], axis=1)
-
-
-def _numbers(path: Path, number: int, cells: list[str]) -> list[float]:
-    try:
-        found = [float(cell) for cell in cells]
-    except ValueError:
-        found = []
-    if len(found) != len(HEADINGS) or not np.isfinite(found).all():
-        raise InvalidFile(
-            path, f"line {number}", f"must be {len(HEADINGS)} numbers, got {','.join(cells)[:60]!r}"
-        )
-    return found
 
 
 def static_record(rows: Rows, length: float) -> Record:
@@ -110,8 +86,7 @@ def static_record(rows: Rows, length: float) -> Record:
 
 def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
     """Writes model and records; returns the records' folders."""
-    if not data.is_dir():
-        raise InvalidFile(data, "DATA_DIR", "is not a directory; it must hold static.csv")
+    check_folder(data, "static.csv")
     rows = read_static(data / "static.csv")
     found = []
     with output_directory(out, force) as directory:
@@ -130,18 +105,8 @@ def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
 
 def main() -> int:
     """Command line; 0 if done, 2 if the input is at fault."""
-    parser = argparse.ArgumentParser(description="Records of the GIRAF boom.")
-    parser.add_argument("data", type=Path, metavar="DATA_DIR", help="holds static.csv")
-    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
-    parser.add_argument("--force", action="store_true", help="write into a directory that holds files")
-    given = parser.parse_args()
-    try:
-        for folder in make_records(given.data, given.out, given.force):
-            print(folder)
-    except InvalidParameter as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+    given = command_line("Records of the GIRAF boom.", "static.csv", force=True).parse_args()
+    return exit_code(lambda: print(*make_records(given.data, given.out, given.force), sep="\n"))
 
 
 if __name__ == "__main__":

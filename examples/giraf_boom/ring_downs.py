@@ -15,8 +15,8 @@ evidence; how the reading changes is. The noise is what second differences show 
 
 from __future__ import annotations
 
-import csv
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,9 @@ from scipy.spatial.transform import Rotation
 
 from flexarm import InvalidFile, Record, Signal
 from flexarm.record import DrawnLink
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import read_numbers
 
 Floats = NDArray[np.float64]
 
@@ -53,34 +56,9 @@ def length_of(path: Path) -> float:
     return float(f"{found[1]}.{found[2]}") * INCH + ADDED
 
 
-def read_ring_down(path: Path) -> Floats:
-    """Columns of a file, one row a sample.
-
-    Raises
-    ------
-    InvalidFile
-        With the line of what is wrong.
-    """
-    lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
-    if not lines or tuple(cell.strip() for cell in lines[0]) != COLUMNS:
-        raise InvalidFile(path, "line 1", f"must be {','.join(COLUMNS)!r}")
-    rows = []
-    for number, cells in enumerate(lines[1:], 2):
-        try:
-            row = [float(cell) for cell in cells]
-        except ValueError:
-            row = []
-        if len(row) != len(COLUMNS) or not np.isfinite(row).all():
-            raise InvalidFile(
-                path, f"line {number}", f"must be {len(COLUMNS)} numbers, got {','.join(cells)[:60]!r}"
-            )
-        rows.append(row)
-    return np.array(rows)
-
-
 def ring_down_record(path: Path) -> Record:
     """A step of the pitch, and what the tip does after it."""
-    columns = read_ring_down(path)
+    columns = read_numbers(path, COLUMNS)
     time, sensed, pitch = columns[:, 0], columns[:, 1:4], columns[:, 4]
     moves = np.flatnonzero(pitch != pitch[0])
     if not len(moves) or moves[0] < 50:

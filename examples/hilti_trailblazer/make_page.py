@@ -9,22 +9,16 @@ column, by the nominal and by the repaired model.
 
 from __future__ import annotations
 
-import argparse
-import subprocess
 import sys
 from pathlib import Path
 
 import make_records
 
 import flexarm
-from flexarm import Arm, InvalidParameter, Record
+from flexarm import Arm, Record
 
-
-def diagnosed(records: Path, page: Path) -> int:
-    """`flexarm diagnose` as from a shell; its exit code."""
-    training, held_out = records / "flat", records / "pallet"
-    words = ["diagnose", records / "robot.toml", training, "--hold-out", held_out, "--out", page]
-    return subprocess.run([sys.executable, "-m", "flexarm", *map(str, words)], check=False).returncode
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import command_line, diagnosed, exit_code
 
 
 def variation(arm: Arm, record: Record) -> dict[str, float]:
@@ -50,23 +44,22 @@ def felt(records: Path, page: Path) -> str:
     return "\n".join(lines)
 
 
-def main() -> int:
-    """Command line; 0 if done, 2 if the input is at fault."""
-    parser = argparse.ArgumentParser(description="Diagnosis of the Hilti construction robot.")
-    parser.add_argument("data", type=Path, metavar="DATA_DIR", help="holds flat.yaml, pallet.yaml, the URDF")
-    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
-    parser.add_argument("--every", type=int, default=6, metavar="N", help="take one of N poses (default 6)")
-    given = parser.parse_args()
-    records, page = given.out / "records", given.out / "page"
-    try:
-        make_records.make_records(given.data, records, max(given.every, 1))
-    except InvalidParameter as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    code = diagnosed(records, page)
+def make_page(data: Path, out: Path, every: int) -> int:
+    """Records, page and accelerometers; the exit code of the diagnosis."""
+    records, page = out / "records", out / "page"
+    make_records.make_records(data, records, every)
+    code = diagnosed(records / "robot.toml", records / "flat", records / "pallet", page)
     if code == 0:
         print(felt(records, page))
     return code
+
+
+def main() -> int:
+    """Command line; 0 if done, 2 if the input is at fault."""
+    parser = command_line("Diagnosis of the Hilti construction robot.", "flat.yaml, pallet.yaml, the URDF")
+    parser.add_argument("--every", type=int, default=6, metavar="N", help="take one of N poses (default 6)")
+    given = parser.parse_args()
+    return exit_code(lambda: make_page(given.data, given.out, max(given.every, 1)))
 
 
 if __name__ == "__main__":

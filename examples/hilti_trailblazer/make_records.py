@@ -21,7 +21,6 @@ what the makers state: 0.75 mm an axis of the prism, 4.4e-4 m/s2 of the accelero
 
 from __future__ import annotations
 
-import argparse
 import shutil
 import sys
 from pathlib import Path
@@ -29,9 +28,12 @@ from typing import Any
 
 import numpy as np
 
-from flexarm import InvalidFile, InvalidParameter, Record, Signal
+from flexarm import InvalidFile, Record, Signal
 from flexarm.output import output_directory
 from flexarm.record import Frame
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from data_script import check_folder, command_line, exit_code, read_text
 
 FILES = ("flat", "pallet")
 PRISM_NOISE = 7.5e-4
@@ -57,10 +59,8 @@ def read_yaml(path: Path) -> dict[str, Any]:
     except ModuleNotFoundError:
         raise InvalidFile(path, "file", "needs PyYAML to be read: pip install pyyaml") from None
     try:
-        found = yaml.load(path.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        found = yaml.load(read_text(path), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except yaml.YAMLError as error:
         raise InvalidFile(path, "file", f"is no YAML: {str(error).splitlines()[0]}") from None
     if not isinstance(found, dict) or not {"joint_names", "column_heights"} <= found.keys():
         raise InvalidFile(path, "file", "must hold joint_names and column_heights")
@@ -131,8 +131,7 @@ def records(content: dict[str, Any], path: Path, name: str, every: int = 1) -> d
 
 def make_records(data: Path, out: Path, every: int = 1, force: bool = False) -> list[Path]:
     """Writes model and records; returns the records' folders."""
-    if not data.is_dir():
-        raise InvalidFile(data, "DATA_DIR", "is not a directory; it must hold flat.yaml and pallet.yaml")
+    check_folder(data, "flat.yaml and pallet.yaml")
     if not (data / "trailblazer.urdf").exists():
         raise InvalidFile(data / "trailblazer.urdf", "file", "there is no such file")
     read = {name: read_yaml(data / f"{name}.yaml") for name in FILES}
@@ -149,23 +148,13 @@ def make_records(data: Path, out: Path, every: int = 1, force: bool = False) -> 
 
 def main() -> int:
     """Command line; 0 if done, 2 if the input is at fault."""
-    parser = argparse.ArgumentParser(description="Records of the Hilti construction robot.")
-    parser.add_argument(
-        "data", type=Path, metavar="DATA_DIR", help="holds flat.yaml, pallet.yaml, trailblazer.urdf"
-    )
-    parser.add_argument("out", type=Path, metavar="OUT_DIR", help="a new or empty directory")
+    files = "flat.yaml, pallet.yaml, trailblazer.urdf"
+    parser = command_line("Records of the Hilti construction robot.", files, force=True)
     parser.add_argument("--every", type=int, default=1, metavar="N", help="take one of N poses")
-    parser.add_argument("--force", action="store_true", help="write into a directory that holds files")
     given = parser.parse_args()
     if given.every < 1:
         parser.error(f"--every must be at least 1, got {given.every}")
-    try:
-        for folder in make_records(given.data, given.out, given.every, given.force):
-            print(folder)
-    except InvalidParameter as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+    return exit_code(lambda: print(*make_records(given.data, given.out, given.every, given.force), sep="\n"))
 
 
 if __name__ == "__main__":

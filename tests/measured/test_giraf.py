@@ -3,14 +3,12 @@
 The boom's bending stiffness is not known, so it is fitted along to all pulls, as an effect would be.
 """
 
-import importlib.util
 import subprocess
 import sys
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.helpers.example_scripts import EXAMPLES, load_script
 from tests.helpers.pose_fit import fitted, gap, rms
 
 import flexarm
@@ -20,21 +18,12 @@ from flexarm.arm.parameter import parameters
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.ring_down import describe_ring_downs, ring_downs
 
-FOLDER = Path(__file__).resolve().parents[2] / "examples/giraf_boom"
+FOLDER = EXAMPLES / "giraf_boom"
 HEADER = "Boom Extension (mm),Applied Force (N),Endpoint Height (mm),Deflection (mm)\n"
 STIFFNESS = "links.boom.material.youngs_modulus"
 READING = 1e-3 / np.sqrt(12)
-
-
-def load_script(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"giraf_{name}", FOLDER / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-SCRIPT = load_script("make_records")
-RING_DOWNS = load_script("ring_downs")
+SCRIPT = load_script("giraf_boom", "make_records")
+RING_DOWNS = load_script("giraf_boom", "ring_downs")
 
 
 # ------------------------------------------------------------------------------------------------- the reader
@@ -101,6 +90,7 @@ def test_wrong_ring_downs_are_named_with_the_place_of_the_fault(tmp_path):
     lines = path.read_text().splitlines()
     for text, message in (
         ("t,x\n", "line 1: must be 't,accel_x"),
+        (lines[0], "file: holds no readings"),
         ("\n".join([lines[0], "1,2,3"]), "line 2: must be 5 numbers"),
         ("\n".join(lines[:90]), "pitch_pos: must rest for 50 samples and then move"),
     ):

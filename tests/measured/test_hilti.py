@@ -1,11 +1,10 @@
 """The Hilti construction robot: its reader, and what the prism and the accelerometers say of its column."""
 
-import importlib.util
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.helpers.example_scripts import load_script
 from tests.helpers.pose_fit import fitted
 
 import flexarm
@@ -13,18 +12,10 @@ from flexarm import Arm, InvalidFile, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
 
-FOLDER = Path(__file__).resolve().parents[2] / "examples/hilti_trailblazer"
 yaml = pytest.importorskip("yaml")
 
 
-def load_script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("hilti_records", FOLDER / "make_records.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-SCRIPT = load_script()
+SCRIPT = load_script("hilti_trailblazer", "make_records")
 POSE = {
     "id": 3,
     "joint_states": [2.0, 0.1],

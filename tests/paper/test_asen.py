@@ -3,20 +3,19 @@
 Measured numbers are those of docs/asen_flexible_arm.md, so that page holds as long as these tests do.
 """
 
-import importlib.util
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.helpers.example_scripts import EXAMPLES, load_script
 
 import flexarm
 from flexarm import Arm, InvalidFile, Record
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.predict import predict
 
-FOLDER = Path(__file__).resolve().parents[2] / "examples/asen_flexible_arm"
+FOLDER = EXAMPLES / "asen_flexible_arm"
 HEADER = (
     "%Time (ms)\tHubangle(Theta in rad)\tTip Deflection(m)\tHub Angular Velocity (rads/s)\t"
     "Tip Velocity (m/s)\tPosition Reference (rad)\tOutput Voltage (V)\tK1 (Hub Prop)\t"
@@ -28,16 +27,7 @@ ROWS = [  # invented
     "5002.000\t0.102\t-0.042\t0.520\t0.012\t-0.200\t1.700\t7.0\t-2.0\t1.1\t1.3\t0.000\t0.000\n",
 ]
 TESTS = ["test_2", "test_3"]
-
-
-def load_script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("make_records", FOLDER / "make_records.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-SCRIPT = load_script()
+SCRIPT = load_script("asen_flexible_arm", "make_records")
 
 
 def written(folder: Path, text: str) -> Path:

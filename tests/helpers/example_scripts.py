@@ -1,0 +1,20 @@
+"""The scripts of the examples as modules, imported as they are when they run: beside their siblings."""
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+def load_script(example: str, name: str) -> ModuleType:
+    folder = EXAMPLES / example
+    spec = importlib.util.spec_from_file_location(f"{example}_{name}", folder / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(folder))
+    try:
+        spec.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(folder))
+    return module
