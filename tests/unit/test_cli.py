@@ -147,7 +147,7 @@ def test_warnings_leave_the_exit_code_at_0(
     ("arguments", "said"),
     [
         (["check"], "command line: Missing argument"),
-        (["check", "a", "b"], "command line: Got unexpected extra argument"),
+        (["modes", "a", "b"], "command line: Got unexpected extra argument"),
         (["chek"], "command line: No such command 'chek'"),
         (["check", "arm.toml", "--jsn"], "command line: No such option"),
         (["check", "nowhere.toml"], "nowhere.toml: file: there is no such file"),

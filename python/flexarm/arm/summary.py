@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexarm.arm.link import Beam, Link, RigidLink
+from flexarm.arm.uncertainty import owner_of
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 
 def summary(arm: Arm) -> str:
-    """What the arm is: joints, links, what they carry, effects."""
+    """What the arm is: joints, links, what they carry, effects, what is uncertain."""
     lines = [repr(arm).strip("<>")]
     for joint in arm.joints:
         ratio = f", ratio {joint.gear_ratio:g}" if joint.gear_ratio != 1 else ""
@@ -22,7 +23,19 @@ def summary(arm: Arm) -> str:
     lines += [f"  effect {effect}" for effect in arm.effects]
     if arm.sensors:
         lines.append(f"  sensors: {', '.join(f'{s.name} ({s.quantity})' for s in arm.sensors)}")
+    lines += [f"  uncertain: {_uncertain(arm, key, sigma)}" for key, sigma in arm.uncertainty.items()]
     return "\n".join(lines)
+
+
+def _uncertain(arm: Arm, key: str, sigma: float) -> str:
+    """A nominal value and 1 sigma of it, in its unit or relative."""
+    place = owner_of(arm, key)
+    value = ".".join((*place.prefix, place.field))
+    return (
+        f"{value} +- {sigma:g} {place.unit} (1 sigma)"
+        if place.unit
+        else f"{value} +- {100 * sigma:g} % (1 sigma)"
+    )
 
 
 def _link(link: Link) -> str:

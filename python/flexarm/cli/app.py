@@ -27,6 +27,7 @@ radians, joints on the output side (motor angle over ratio).
 
     flexarm example tryout                          files to try all this on
     flexarm check arm.toml                          what is it, what does it weigh
+    flexarm check arm.toml measured                 could its sensors be right
     flexarm static arm.toml --joint hinge=0.5       how far does it sag
     flexarm modes arm.toml                          how does it vibrate
     flexarm linearise arm.toml --out arm.mat        matrices for control design

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from flexarm.arm.weight import Body, WeightStatement
     from flexarm.record import Record
 
+Told = tuple[dict[str, Any], list[str], list[Problem]]
+"""For programs, in lines for a person, and warnings."""
 _MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
 
 
@@ -24,20 +26,29 @@ def check(
     path: Annotated[
         Path, typer.Argument(metavar="PATH", help="A model (TOML), a record (directory) or a super-element.")
     ],
+    records: Annotated[
+        list[Path] | None, typer.Argument(metavar="RECORD", help="Records of what PATH is the model of.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Say what a file is and what is wrong with it.
 
-    For a model: joints, links, effects, and a weight statement at q = 0: mass [kg], centre [m] and inertia
-    [kg m2] of each link and of the whole, in the base's frame. For a record: its signals with rates [Hz],
-    drop-outs and clocks. For a super-element: mass, interfaces, modes, and whether rigid motion strains it.
+    For a model: joints, links, effects, what is uncertain, and a weight statement at q = 0: mass [kg], centre
+    [m] and inertia [kg m2] of each link and of the whole, in the base's frame. For a record: its signals with
+    rates [Hz], drop-outs and clocks. For a super-element: mass, interfaces, modes, and whether rigid motion
+    strains it.
+
+    With records behind a model: whether their sensors can be what they say, as the first step of a diagnosis
+    asks before the long ones: channels that are dead, turned over, in another unit or cut off; outliers,
+    jumps of a clock, a noise unlike the stated one.
 
         flexarm check arm.toml
         flexarm check measured --json
+        flexarm check arm.toml measured
         flexarm check hub.nc
     """
     try:
-        told, lines, warnings = _reader(path)(path)
+        told, lines, warnings = _beside(path, records) if records else _reader(path)(path)
     except InvalidFile as error:
         if json:
             print_json({"path": str(path), "problems": [_plain(problem) for problem in error.problems]})
@@ -49,7 +60,23 @@ def check(
     warn(path, warnings)
 
 
-def _reader(path: Path) -> Callable[[Path], tuple[dict[str, Any], list[str], list[Problem]]]:
+def _beside(path: Path, records: list[Path]) -> Told:
+    """Records beside a model.
+
+    Raises
+    ------
+    InvalidFile
+        If PATH is no model's file.
+    """
+    if _reader(path) is not _model:
+        raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
+    from flexarm.cli.check_beside import check_beside
+
+    told, lines = check_beside(path, records)
+    return told, lines, []
+
+
+def _reader(path: Path) -> Callable[[Path], Told]:
     if path.is_dir() or path.name == "record.toml":
         return _record
     if path.suffix in _MESHES:
@@ -63,7 +90,7 @@ def _plain(problem: Problem) -> dict[str, Any]:
     return {"where": problem.where, "what": problem.what, "line": problem.line}
 
 
-def _model(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
+def _model(path: Path) -> Told:
     from flexarm.arm import Arm
 
     arm = Arm.from_toml(path)
@@ -96,6 +123,7 @@ def _outline(arm: Arm) -> dict[str, Any]:
         "links": [link.name for link in arm.links],
         "payloads": [load.name for load in arm.payloads],
         "points": [point.name for point in arm.points],
+        "uncertainty": dict(arm.uncertainty),
         "sensors": [sensor.name for sensor in arm.sensors],
         "effects": [
             {
@@ -133,7 +161,7 @@ def _small(value: float) -> float:
     return 0.0 if abs(value) < 1e-12 else value
 
 
-def _record(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
+def _record(path: Path) -> Told:
     from flexarm.record import Record
 
     record = Record.load(path)

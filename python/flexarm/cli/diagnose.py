@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
+from flexarm.cli.options import Force, Model, Out, load_arm, show_progress
 from flexarm.cli.phases import phases
-from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+from flexarm.cli.records import blame_one_of, load_record, record_names
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -58,14 +56,14 @@ def diagnose(
         flexarm compare diagnosis/updated.toml other_day
     """
     arm = load_arm(model)
-    names = _names([*records, *([] if hold_out is None else [hold_out])])
-    read = {name: _load(path, arm) for name, path in names.items()}
+    names = record_names([*records, *([] if hold_out is None else [hold_out])])
+    read = {name: load_record(path, arm) for name, path in names.items()}
     held_out = None if hold_out is None else list(read.values())[-1]
     training = dict(list(read.items())[: len(records)])
     from flexarm.output import output_directory
 
     with output_directory(out, force) as directory:
-        with _blame(model, names, read, arm):
+        with blame_one_of(model, names, read, arm):
             found = _diagnosed(arm, training, held_out, jobs, seed)
         from flexarm.diagnosis.inputs import hashes
         from flexarm.report.diagnosis import write
@@ -75,35 +73,6 @@ def diagnose(
         write(found, directory)
     print(found.summary())
     print(f"\nwritten to {out}: open {out / 'report.html'}")
-
-
-def _names(paths: list[Path]) -> dict[str, Path]:
-    """Names of records: of their directories, with parents as far as two would be the same.
-
-    Raises
-    ------
-    InvalidFile
-        If a record is given twice; what is held out must not be fitted to.
-    """
-    places = [(path.parent if path.name == "record.toml" else path).resolve() for path in paths]
-    for i, place in enumerate(places):
-        if place in places[:i]:
-            raise InvalidFile(
-                paths[i], "RECORD", "is given twice; a record counts once, or is held out and not fitted to"
-            )
-    parts = 1
-    while len({place.parts[-parts:] for place in places}) < len(places):
-        parts += 1
-    return {"/".join(place.parts[-parts:]): path for place, path in zip(places, paths, strict=True)}
-
-
-def _load(path: Path, arm: Arm) -> Record:
-    """A record; what looks wrong in it goes to standard error."""
-    from flexarm.record import Record
-
-    record = Record.load(path)
-    warn(path, [*record.check(), *record.check_against(arm)])
-    return record
 
 
 def _diagnosed(
@@ -118,20 +87,3 @@ def _diagnosed(
             arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=progress
         )
     return found
-
-
-@contextmanager
-def _blame(model: Path, files: dict[str, Path], records: dict[str, Record], arm: Arm) -> Iterator[None]:
-    """Names the file in an error about a model or a record: that of the first record that fails alone."""
-    try:
-        yield
-    except InvalidFile:
-        raise
-    except InvalidParameter:
-        from flexarm.comparison.beside import beside
-
-        for name, record in records.items():
-            with blame(model, files[name]), suppress(NotConverged):
-                beside(arm, record)
-        with blame(model):
-            raise
