@@ -251,7 +251,9 @@ def test_failed_numbers_end_as_exit_code_3_with_time_iteration_and_residual(
     )
 
 
-def test_ctrl_c_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_ctrl_c_is_one_line_and_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     from flexarm.cli import app
 
     def interrupt(**options: object) -> None:
@@ -259,7 +261,7 @@ def test_ctrl_c_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 
     monkeypatch.setattr(app, "app", interrupt)
     assert run(["check", "arm.toml"]) == 130
-    assert capsys.readouterr() == ("", "")
+    assert capsys.readouterr() == ("", "interrupted: nothing was written\n")
 
 
 # --------------------------------------------------------------------- a whole run
@@ -316,9 +318,11 @@ def test_a_simulation_of_a_record_gives_its_signals_at_its_instants(model_file: 
     assert again.signals["enc"].values[:, 0] == approx([0, 0.1, 0.1], abs=1e-9)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code", "how"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
+)
 def test_an_interrupted_run_leaves_nothing_behind(
-    number: signal.Signals, code: int, model_file: Path, drive_file: Path, tmp_path: Path
+    number: signal.Signals, code: int, how: str, model_file: Path, drive_file: Path, tmp_path: Path
 ) -> None:
     drive_file.write_text("time_s,hinge\n0,0\n5000,0.1\n10000,0.2\n15000,0.2\n")  # hours at 2 ms
     out = tmp_path / "out"
@@ -330,6 +334,6 @@ def test_an_interrupted_run_leaves_nothing_behind(
         time.sleep(0.02)
     time.sleep(0.5)  # into the run
     process.send_signal(number)
-    assert process.communicate(timeout=30) == ("", "")
+    assert process.communicate(timeout=30) == ("", f"{how}: nothing was written\n")
     assert process.returncode == code
     assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.toml", "swing.csv"]

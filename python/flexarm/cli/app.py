@@ -37,7 +37,8 @@ radians, joints on the output side (motor angle over ratio).
     flexarm plan arm.toml --drive swing.csv         what could an experiment tell
     flexarm reduce hub.inp --interface ...          a solid part as a link
 
-Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence).
+Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted
+(Ctrl-C): nothing is written then.
 """
 
 app = typer.Typer(

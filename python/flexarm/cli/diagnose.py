@@ -51,7 +51,8 @@ def diagnose(
         flexarm diagnose arm.toml slow fast --hold-out other_day --out diagnosis
 
     Writes report.html for you, report.json for programs, updated.toml, the repaired model, and the figures.
-    Then see what is left:
+    That takes from seconds to minutes; Ctrl-C stops it with exit code 130, and nothing is written. Then see
+    what is left:
 
         flexarm compare diagnosis/updated.toml other_day
     """

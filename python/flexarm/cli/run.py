@@ -1,7 +1,7 @@
 """Runs a command and turns whatever happens into an exit code and one line on standard error.
 
-0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C. Never a traceback for a user's
-mistake.
+0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C, 143: SIGTERM, either of which is
+told, and leaves nothing behind. Never a traceback for a user's mistake.
 """
 
 from __future__ import annotations
@@ -44,14 +44,26 @@ def run(arguments: list[str]) -> int:
 
         code = app(args=arguments or ["--help"], prog_name="flexarm", standalone_mode=False)
         sys.stdout.flush()
+        if code == INTERRUPTED:  # what typer makes of Ctrl-C
+            return _stopped("interrupted", INTERRUPTED)
         return code if isinstance(code, int) else 0
     except KeyboardInterrupt:
-        return INTERRUPTED
+        return _stopped("interrupted", INTERRUPTED)
+    except SystemExit as ending:
+        if ending.code == TERMINATED:
+            _stopped("terminated", TERMINATED)
+        raise
     except BrokenPipeError:  # the reader of our output went away, as `flexarm ... | head` does
         _mute_stdout()
         return 0
     except Exception as error:
         return _report(error)
+
+
+def _stopped(how: str, code: int) -> int:
+    """Says that a command was stopped; output is whole or not there, so there is none."""
+    print(f"{how}: nothing was written", file=sys.stderr)
+    return code
 
 
 def _mute_stdout() -> None:
@@ -62,7 +74,7 @@ def _mute_stdout() -> None:
 def _report(error: Exception) -> int:
     """Prints the error; anything that is not the user's or the numbers' fault is a bug and is raised."""
     if type(error).__name__ == "Abort":
-        return INTERRUPTED
+        return _stopped("interrupted", INTERRUPTED)
     if isinstance(error, InvalidFile):
         lines, code = error.lines(), INPUT_AT_FAULT
     elif isinstance(error, InvalidParameter):
