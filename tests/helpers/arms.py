@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flexarm
+from flexarm.arm.sensor import Sensor
 
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850.0}
 G = 9.81
@@ -13,6 +14,7 @@ G = 9.81
 # The paper's arm: a 3 m tube, its payload as a point mass, Euler-Bernoulli unless a test says otherwise.
 LENGTH, PAYLOAD = 3.0, 14.1
 AREA, PRINTED_AREA, SECOND_MOMENT = 5.82e-4, 5.92e-5, 2.37e-7
+TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 EI, RHO_A = STEEL["youngs_modulus"] * SECOND_MOMENT, STEEL["density"] * AREA
 
 
@@ -92,6 +94,33 @@ def paper_arm(
     )
 
 
+def crane(**more: object) -> flexarm.Arm:
+    """The paper's arm as one would measure it: a tube, damped by 2 %, its load, a rigid hinge with a gear."""
+    tables = {
+        "name": "crane",
+        "gravity": [0, 0, -G],
+        "joints": [hinge("hinge", "rod", gear_ratio=120)],
+        "links": [beam("rod", [0, 0, LENGTH], TUBE, elements=2, damping_ratio=0.02)],
+        "payloads": [{"name": "load", "link": "rod", "position": [0, 0, LENGTH], "mass": PAYLOAD}],
+        "points": [point("tip", "rod", [0, 0, LENGTH])],
+    }
+    return arm(**{**tables, **more})
+
+
+def tracker(seen: str = "tip", rate_hz: float = 10, noise: float = 5e-5) -> Sensor:
+    """A laser tracker of a point in the plane of motion, with a clock and a frame of its own."""
+    return Sensor(
+        name=seen,
+        quantity="position",
+        point=seen,
+        axes=("x", "z"),
+        rate_hz=rate_hz,
+        noise_std=noise,
+        clock="tracker",
+        frame="tracker",
+    )
+
+
 def smooth_step(x: NDArray[np.float64]) -> NDArray[np.float64]:
     """s(x) = 10 x^3 - 15 x^4 + 6 x^5 from 0 to 1, flat to the second derivative at both ends."""
     x = np.clip(x, 0.0, 1.0)
@@ -101,6 +130,13 @@ def smooth_step(x: NDArray[np.float64]) -> NDArray[np.float64]:
 def swing_angle(t: NDArray[np.float64]) -> NDArray[np.float64]:
     """q(t) = 1.2 sin(2 pi 0.05 t) s(t/4) of the swing benchmark [rad]."""
     return 1.2 * np.sin(2 * np.pi * 0.05 * t) * smooth_step(t / 4)
+
+
+def there_and_back(period: float) -> flexarm.Drive:
+    """Minimum-jerk moves between -1.2 and 1.2 rad: quasi-static if the period is long."""
+    t = np.linspace(0.0, period, 401)
+    s = 1 - np.abs(2 * t / period - 1)
+    return flexarm.Drive.from_samples(t, {"hinge": -1.2 + 2.4 * smooth_step(s)})
 
 
 def drive(joints: dict[str, Callable], end: float, samples: int = 2001, side: str = "motor") -> flexarm.Drive:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from arms import arm, beam, hinge, point
+from arms import crane, smooth_step, tracker
 from planted import two_joints
 
 import flexarm
@@ -30,20 +30,12 @@ from flexarm.measurement import ClockError, Registration
 from flexarm.record import Clock, Frame, Signal
 
 STIFFNESS, TRACKER = 1.4e5, 5e-5
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 
 
 def nominal() -> flexarm.Arm:
     """A tube with a load on a rigid hinge."""
-    return arm(
-        name="crane",
-        gravity=[0, 0, -9.81],
-        joints=[hinge("hinge", "rod", gear_ratio=120)],
-        links=[beam("rod", [0, 0, 3.0], TUBE, elements=2, damping_ratio=0.02)],
-        payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
-        points=[point("tip", "rod", [0, 0, 3.0])],
-        uncertainty={"links.rod.material.youngs_modulus": 0.01, "points.tip.position_m": 5e-4},
-    )
+    known = {"links.rod.material.youngs_modulus": 0.01, "points.tip.position_m": 5e-4}
+    return crane(uncertainty=known)
 
 
 def with_spring(stiffness: float = STIFFNESS) -> flexarm.Arm:
@@ -51,27 +43,24 @@ def with_spring(stiffness: float = STIFFNESS) -> flexarm.Arm:
     return nominal().with_effect(JointCompliance(at="hinge", stiffness=stiffness, damping=280.0))
 
 
-TABLES = {
-    "hinge": {"quantity": "joint_angle", "joint": "hinge", "rate_hz": 100, "noise_std": 1.5e-6},
-    "tip": {
-        "quantity": "position",
-        "point": "tip",
-        "axes": ("x", "z"),
-        "rate_hz": 10,
-        "noise_std": TRACKER,
-        "clock": "tracker",
-        "frame": "tracker",
-    },
-}
-SENSORS = [Sensor(name=name, **{"clock": "controller", **table}) for name, table in TABLES.items()]
+SENSORS = [
+    Sensor(
+        name="hinge",
+        quantity="joint_angle",
+        joint="hinge",
+        rate_hz=100,
+        noise_std=1.5e-6,
+        clock="controller",
+    ),
+    tracker("tip", noise=TRACKER),
+]
 
 
 @cache
 def record(seed: int, rate: float = 0.15) -> flexarm.Record:
     """A swing of 12 s as a late, displaced tracker sees it."""
     t = np.arange(0, 12, 0.01)
-    x = np.clip(t / 3, 0, 1)
-    angle = 0.7 * np.sin(2 * np.pi * rate * t) * (10 * x**3 - 15 * x**4 + 6 * x**5)
+    angle = 0.7 * np.sin(2 * np.pi * rate * t) * smooth_step(t / 3)
     run = flexarm.simulate(with_spring(), flexarm.Drive.from_samples(t, {"hinge": angle}), step=0.01)
     return flexarm.measure(
         run,

@@ -4,7 +4,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from arms import EI, LENGTH, RHO_A, STEEL
+from arms import EI, LENGTH, RHO_A, STEEL, fixed, hinge
 from numpy.typing import NDArray
 
 import flexarm
@@ -68,24 +68,12 @@ def tube_part(
     )
 
 
-def arm_of_parts(folder: Path, segments: int = 4, **hinge: object) -> dict:
+def arm_of_parts(folder: Path, segments: int = 4, **more: object) -> dict:
     """The paper's arm along z, its tube as a chain of super-elements in `folder`; the tip as point "tip"."""
     tube_part(LENGTH / segments).save(folder / "segment.nc", force=True)
     names = [f"s{k}" for k in range(segments)]
-    joints = [
-        {
-            "name": "hinge",
-            "type": "revolute",
-            "parent": "base",
-            "child": "s0:start",
-            "axis": [0, 1, 0],
-            **hinge,
-        }
-    ]
-    joints += [
-        {"name": f"weld-{after}", "type": "fixed", "parent": f"{before}:end", "child": f"{after}:start"}
-        for before, after in pairwise(names)
-    ]
+    joints = [hinge("hinge", "s0:start", **more)]
+    joints += [fixed(f"weld-{after}", f"{after}:start", f"{before}:end") for before, after in pairwise(names)]
     end = f"{names[-1]}:end"
     return {
         "joints": joints,

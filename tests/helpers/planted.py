@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from arms import LENGTH, arm, beam, compliance, drive, hinge, point, smooth_step
+from arms import arm, beam, compliance, crane, drive, hinge, point, smooth_step
 from numpy.typing import NDArray
 
 import flexarm
@@ -49,14 +49,9 @@ class Run:
 
 def one_joint() -> flexarm.Arm:
     """A tube of 3 m on a hinge with a spring, upright at 0; its first mode is near 2.4 Hz."""
-    tube = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
-    return arm(
+    return crane(
         name="one joint",
-        gravity=[0, 0, -9.81],
         joints=[hinge("hinge", "rod", gear_ratio=RATIO)],
-        links=[beam("rod", [0, 0, LENGTH], tube, elements=2, damping_ratio=0.02)],
-        payloads=[{"name": "load", "link": "rod", "position": [0, 0, LENGTH], "mass": 14.1}],
-        points=[point("tip", "rod", [0, 0, LENGTH])],
         effects=[compliance("hinge", 1.2e5, 240.0)],
     )
 

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from tests.helpers.arms import beam, hinge, point
+from tests.helpers.arms import TUBE, beam, hinge, point
 
 import flexarm
-
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 
 
 def arm_with(mass: float) -> flexarm.Arm:

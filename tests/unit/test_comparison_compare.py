@@ -5,6 +5,8 @@ import json
 import matplotlib as mpl
 import numpy as np
 import pytest
+from arms import LENGTH, TUBE, beam, compliance, hinge, point, smooth_step
+from arms import arm as arm_of
 from scipy.spatial.transform import Rotation
 
 from flexarm.arm import Arm
@@ -18,60 +20,25 @@ from flexarm.simulation import simulate
 from flexarm.statics import static
 
 mpl.use("Agg")
-LENGTH, TRACKER, ENCODER = 3.0, 5e-5, 1.5e-6
+TRACKER, ENCODER = 5e-5, 1.5e-6
 
 
 def arm(stiffness=1.5e5, mass=14.1):
-    return Arm.from_dict(
-        {
-            "format": "flexarm-arm/1",
-            "joints": [
-                {
-                    "name": "hinge",
-                    "type": "revolute",
-                    "parent": "base",
-                    "child": "rod",
-                    "axis": [0, 1, 0],
-                    "origin": {"xyz": [0, 0, 0.4]},
-                    "gear_ratio": 120,
-                    "rotor_inertia": 1e-3,
-                }
-            ],
-            "links": [
-                {
-                    "name": "rod",
-                    "type": "beam",
-                    "end": [0, 0, LENGTH],
-                    "damping_ratio": 0.01,
-                    "elements": 2,
-                    "section": {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3},
-                    "material": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850},
-                }
-            ],
-            "payloads": [{"name": "load", "link": "rod", "position": [0, 0, LENGTH], "mass": mass}],
-            "points": [
-                {"name": "tip", "link": "rod", "position": [0, 0, LENGTH]},
-                {"name": "hub", "link": "rod", "position": [0.25, 0, 0]},
-            ],
-            "effects": [
-                {
-                    "name": "joint_compliance",
-                    "at": "hinge",
-                    "stiffness": stiffness,
-                    "damping": 2e-3 * stiffness,
-                }
-            ],
-        }
+    return arm_of(
+        joints=[
+            hinge("hinge", "rod", origin={"xyz": [0, 0, 0.4]}, gear_ratio=120, rotor_inertia=1e-3),
+        ],
+        links=[beam("rod", [0, 0, LENGTH], TUBE, theory="timoshenko", damping_ratio=0.01, elements=2)],
+        payloads=[{"name": "load", "link": "rod", "position": [0, 0, LENGTH], "mass": mass}],
+        points=[point("tip", "rod", [0, 0, LENGTH]), point("hub", "rod", [0.25, 0, 0])],
+        effects=[compliance("hinge", stiffness, 2e-3 * stiffness)],
     )
 
 
 def sweep(duration=16.0):
     """A swing that starts and turns smoothly, exact at 4 ms."""
     t = np.arange(0, duration, 0.004)
-    x = np.clip(t / 3, 0, 1)
-    return Drive.from_samples(
-        t, {"hinge": 0.7 * np.sin(2 * np.pi * 0.15 * t) * (10 * x**3 - 15 * x**4 + 6 * x**5)}
-    )
+    return Drive.from_samples(t, {"hinge": 0.7 * np.sin(2 * np.pi * 0.15 * t) * smooth_step(t / 3)})
 
 
 TABLES = {

@@ -2,34 +2,27 @@
 
 import numpy as np
 import pytest
+from arms import TUBE, beam, hinge, point, rigid
 from pytest import approx
 
 import flexarm
 from flexarm.errors import InvalidParameter
 
 RATIO = 120.0
-STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850.0}
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
+ROD = beam("rod", [0, 0, 3.0], TUBE, theory="timoshenko")
 
 
 @pytest.fixture(scope="module")
 def arm() -> flexarm.Arm:
     """A motor's shaft beside the hinge of a 3 m tube."""
-    axis = [0.0, 1.0, 0.0]
     return flexarm.Arm.from_dict(
         {
             "format": "flexarm-arm/1",
-            "joints": [
-                {"name": "shaft", "type": "revolute", "parent": "base", "child": "rotor", "axis": axis},
-                {"name": "hinge", "type": "revolute", "parent": "base", "child": "rod", "axis": axis},
-            ],
+            "joints": [hinge("shaft", "rotor"), hinge("hinge", "rod")],
             "gears": [{"name": "reducer", "input": "shaft", "output": "hinge", "ratio": RATIO}],
-            "links": [
-                {"name": "rotor", "type": "rigid", "mass": 1.0, "inertia": [1e-3, 1e-3, 1e-3]},
-                {"name": "rod", "type": "beam", "end": [0.0, 0.0, 3.0], "section": TUBE, "material": STEEL},
-            ],
+            "links": [rigid("rotor", 1.0, inertia=[1e-3, 1e-3, 1e-3]), ROD],
             "payloads": [{"name": "load", "link": "rod", "position": [0.0, 0.0, 3.0], "mass": 14.1}],
-            "points": [{"name": "tip", "link": "rod", "position": [0.0, 0.0, 3.0]}],
+            "points": [point("tip", "rod", [0, 0, 3.0])],
         }
     )
 
@@ -61,28 +54,14 @@ def test_a_run_follows_a_drive_on_the_output_as_one_on_the_input(arm, side):
 def test_a_compliance_behind_a_gear_softens_the_arm():
     """The gear turns the output's motor side; the spring behind it lowers f1 as it does without a gear."""
     one = {
-        "links": [
-            {
-                "name": "rod",
-                "type": "beam",
-                "end": [0, 0, 3.0],
-                "section": {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3},
-                "material": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850},
-            }
-        ],
-        "joints": [
-            {"name": "hinge", "type": "revolute", "parent": "base", "child": "rod", "axis": [0, 1, 0]}
-        ],
+        "links": [ROD],
+        "joints": [hinge("hinge", "rod")],
         "effects": [{"name": "joint_compliance", "at": "hinge", "stiffness": 1e5}],
     }
-    shaft = {"name": "shaft", "type": "revolute", "parent": "base", "child": "wheel", "axis": [0, 1, 0]}
     geared = {
         **one,
-        "links": [
-            *one["links"],
-            {"name": "wheel", "type": "rigid", "mass": 0.1, "inertia": [1e-4, 1e-4, 1e-4]},
-        ],
-        "joints": [*one["joints"], shaft],
+        "links": [ROD, rigid("wheel", 0.1, inertia=[1e-4, 1e-4, 1e-4])],
+        "joints": [*one["joints"], hinge("shaft", "wheel")],
         "gears": [{"name": "reducer", "input": "shaft", "output": "hinge", "ratio": 120}],
     }
     direct = flexarm.modes(flexarm.Arm.from_dict(one), count=2).frequency_hz

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms import hinge, point, rigid
 from pytest import approx
 
 from flexarm import Arm, Drive, InvalidParameter, Record, Signal, simulate
@@ -35,19 +36,9 @@ def rigid_arm(gravity: float = 0.0, **tables: Any) -> Arm:
     return Arm.from_dict(
         {
             "gravity": [0, 0, -gravity],
-            "joints": [
-                {
-                    "name": "hinge",
-                    "type": "revolute",
-                    "parent": "base",
-                    "child": "rod",
-                    "axis": [0, 1, 0],
-                    "gear_ratio": 100,
-                    "rotor_inertia": 1e-4,
-                }
-            ],
-            "links": [{"name": "rod", "type": "rigid", "mass": 4, "com": [0, 0, 1], "inertia": [0, 2, 2]}],
-            "points": [{"name": "tip", "link": "rod", "position": [0, 0, 2]}],
+            "joints": [hinge("hinge", "rod", gear_ratio=100, rotor_inertia=1e-4)],
+            "links": [rigid("rod", 4, [0, 0, 1], [0, 2, 2])],
+            "points": [point("tip", "rod", [0, 0, 2])],
             **tables,
         }
     )

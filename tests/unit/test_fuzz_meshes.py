@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from fuzzing import Changes, edited, edits, fuzzed
+from hypothesis import given
 from mesh_files import ABAQUS_ASSEMBLY, ABAQUS_BAR, GMSH_4, GMSH_TETRAHEDRA, NASTRAN_BAR
 
 from flexarm.errors import InvalidFile
@@ -45,17 +45,7 @@ PIECES = [
     ),
     *("\x00", "é", "²", "*NSET, GENERATE\n", "GRID", "CHEXA,", "$Nodes\n", "$EndElements\n", "<Piece>", "8"),
 ]
-edits = st.lists(
-    st.tuples(st.floats(0, 1), st.integers(0, 12), st.one_of(st.sampled_from(PIECES), st.text(max_size=5))),
-    min_size=1,
-    max_size=4,
-)
-fuzzed = settings(
-    max_examples=150,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
+SPOILED = edits(PIECES)
 
 
 @pytest.fixture(scope="module")
@@ -73,11 +63,8 @@ def vtu(tmp_path_factory: pytest.TempPathFactory) -> str:
     return path.read_text()
 
 
-def _read_or_refused(path: Path, text: str, changes: list[tuple[float, int, str]]) -> None:
-    for place, length, piece in changes:
-        at = int(place * len(text))
-        text = text[:at] + piece + text[at + length :]
-    path.write_bytes(text.encode("utf-8", "surrogatepass"))
+def _read_or_refused(path: Path, text: str, changes: Changes) -> None:
+    path.write_bytes(edited(text, changes))
     try:
         mesh = read_mesh(path, unit="mm", materials=STEEL, merge=1e-7)
         assert mesh.describe()
@@ -99,17 +86,13 @@ def _read_or_refused(path: Path, text: str, changes: list[tuple[float, int, str]
     ],
     ids=["abaqus", "assembly", "nastran", "gmsh 2", "gmsh 4"],
 )
-@fuzzed
-@given(changes=edits)
-def test_a_spoiled_mesh_is_read_or_refused(
-    tmp_path: Path, ending: str, text: str, changes: list[tuple[float, int, str]]
-) -> None:
+@fuzzed(150)
+@given(changes=SPOILED)
+def test_a_spoiled_mesh_is_read_or_refused(tmp_path: Path, ending: str, text: str, changes: Changes) -> None:
     _read_or_refused(tmp_path / f"part{ending}", text, changes)
 
 
-@fuzzed
-@given(changes=edits)
-def test_a_spoiled_vtu_is_read_or_refused(
-    tmp_path: Path, vtu: str, changes: list[tuple[float, int, str]]
-) -> None:
+@fuzzed(150)
+@given(changes=SPOILED)
+def test_a_spoiled_vtu_is_read_or_refused(tmp_path: Path, vtu: str, changes: Changes) -> None:
     _read_or_refused(tmp_path / "part.vtu", vtu, changes)

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from fuzzing import Changes, edited, edits, fuzzed
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flexarm import Arm, Record
@@ -44,33 +45,12 @@ PIECES = [
     "; ",
     "\t",
 ]
-
-edits = st.lists(
-    st.tuples(st.floats(0, 1), st.integers(0, 12), st.one_of(st.sampled_from(PIECES), st.text(max_size=5))),
-    min_size=1,
-    max_size=4,
-)
-fuzzed = settings(
-    max_examples=250,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
+SPOILED = edits(PIECES)
 
 
-def edited(text: str, changes: list[tuple[float, int, str]]) -> bytes:
-    """The text with pieces cut out and put in."""
-    for place, length, piece in changes:
-        at = int(place * len(text))
-        text = text[:at] + piece + text[at + length :]
-    return text.encode("utf-8", "surrogatepass")
-
-
-@fuzzed
-@given(changes=edits)
-def test_a_spoiled_model_is_read_or_refused(
-    model_text: str, tmp_path: Path, changes: list[tuple[float, int, str]]
-) -> None:
+@fuzzed(250)
+@given(changes=SPOILED)
+def test_a_spoiled_model_is_read_or_refused(model_text: str, tmp_path: Path, changes: Changes) -> None:
     file = tmp_path / "arm.toml"
     file.write_bytes(edited(model_text, changes))
     try:
@@ -83,10 +63,10 @@ def test_a_spoiled_model_is_read_or_refused(
         list(arm.warnings)
 
 
-@fuzzed
-@given(changes=edits, which=st.sampled_from(["record.toml", "encoder.csv", "tracker.csv"]))
+@fuzzed(250)
+@given(changes=SPOILED, which=st.sampled_from(["record.toml", "encoder.csv", "tracker.csv"]))
 def test_a_spoiled_record_is_read_or_refused(
-    record_files: dict[str, str], tmp_path: Path, changes: list[tuple[float, int, str]], which: str
+    record_files: dict[str, str], tmp_path: Path, changes: Changes, which: str
 ) -> None:
     for name, text in record_files.items():
         (tmp_path / name).write_bytes(edited(text, changes) if name == which else text.encode())
@@ -101,7 +81,7 @@ def test_a_spoiled_record_is_read_or_refused(
 
 
 @pytest.mark.parametrize("reader", [Arm.from_toml, Record.load])
-@fuzzed
+@fuzzed(250)
 @given(content=st.binary(max_size=200))
 def test_random_bytes_are_refused(reader: object, tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "record.toml"

@@ -4,41 +4,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from arms import LENGTH, G, arm, beam, hinge, point
 
-from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import CannotMeasure, ClockError, Registration, measure, predict
 from flexarm.record import Clock, Frame
 
-LENGTH, HEIGHT, G, RATIO = 3.0, 0.4, 9.81, 120.0
+HEIGHT, RATIO = 0.4, 120.0
 
-ARM = Arm.from_dict(
-    {
-        "format": "flexarm-arm/1",
-        "joints": [
-            {
-                "name": "hinge",
-                "type": "revolute",
-                "parent": "base",
-                "child": "rod",
-                "axis": [0, 1, 0],
-                "origin": {"xyz": [0, 0, HEIGHT]},
-                "gear_ratio": RATIO,
-            }
-        ],
-        "links": [
-            {
-                "name": "rod",
-                "type": "beam",
-                "end": [0, 0, LENGTH],
-                "section": {"shape": "rectangle", "width": 0.04, "height": 0.06},
-                "up": [1, 0, 0],
-                "material": {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850},
-            }
-        ],
-        "points": [{"name": "tip", "link": "rod", "position": [0, 0, LENGTH]}],
-    }
+BAR = {"shape": "rectangle", "width": 0.04, "height": 0.06}
+ARM = arm(
+    joints=[hinge("hinge", "rod", origin={"xyz": [0, 0, HEIGHT]}, gear_ratio=RATIO)],
+    links=[beam("rod", [0, 0, LENGTH], BAR, theory="timoshenko", up=[1, 0, 0])],
+    points=[point("tip", "rod", [0, 0, LENGTH])],
 )
 
 

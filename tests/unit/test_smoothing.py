@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from arms import smooth_step
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PPoly
@@ -14,13 +15,8 @@ TRACKER_NOISE = 5e-5  # m, the laser tracker of the paper
 LENGTH, MODE_HZ, DAMPING = 3.0, 2.5, 0.005
 
 
-def smooth_start(x):
-    x = np.clip(x, 0, 1)
-    return 10 * x**3 - 15 * x**4 + 6 * x**5
-
-
 def slow_sine(t):
-    return 1.2 * np.sin(2 * np.pi * t / 66.5) * smooth_start(t / 4)
+    return 1.2 * np.sin(2 * np.pi * t / 66.5) * smooth_step(t / 4)
 
 
 def stop_and_go(t, start=2.0, acceleration=1.0, ramp=0.3, cruise=1.0):

@@ -5,21 +5,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from arms import TUBE, fixed, hinge, rigid
+from arms import beam as steel_beam
 from pytest import approx
 
 from flexarm import Arm
 from flexarm.arm.weight import Body, combined, link_frames, weight_statement
 
-STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
-
 
 def beam(end: list[float], section: dict[str, Any], **more: Any) -> dict[str, Any]:
-    return {"name": "rod", "type": "beam", "end": end, "section": section, "material": STEEL, **more}
+    return steel_beam("rod", end, section, **{"theory": "timoshenko", **more})
 
 
 def arm_of(link: dict[str, Any], **more: Any) -> Arm:
-    hinge = {"name": "hinge", "type": "revolute", "parent": "base", "child": link["name"], "axis": [0, 1, 0]}
-    return Arm.from_dict({"joints": [hinge], "links": [link], **more})
+    return Arm.from_dict({"joints": [hinge("hinge", link["name"])], "links": [link], **more})
 
 
 def test_the_tube_of_the_paper_weighs_what_the_design_says() -> None:
@@ -56,8 +55,7 @@ def test_without_rotary_inertia_a_beam_is_a_thin_rod_across() -> None:
 
 def test_payloads_count_in_the_whole_and_not_in_the_link() -> None:
     load = {"name": "load", "link": "rod", "position": [0, 0, 3], "mass": 14.1, "inertia": [0.1, 0.1, 0.1]}
-    tube = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
-    statement = weight_statement(arm_of(beam([0, 0, 3], tube), payloads=[load]))
+    statement = weight_statement(arm_of(beam([0, 0, 3], TUBE), payloads=[load]))
     rod = statement.links["rod"]
     assert rod.centre == approx((0, 0, 1.5))
     assert statement.whole.mass == approx(rod.mass + 14.1)
@@ -85,27 +83,14 @@ def test_two_bodies_as_one_have_the_inertia_of_their_particles() -> None:
 
 def test_link_frames_follow_ends_of_beams_and_turned_origins() -> None:
     """A forearm on the far end of an upright beam, turned by 90 degrees about y, points along x."""
+    turned = {"xyz": [0, 0, 0.1], "rpy": [0, pi / 2, 0]}
     joints = [
-        {
-            "name": "a",
-            "type": "revolute",
-            "parent": "base",
-            "child": "rod",
-            "axis": [0, 1, 0],
-            "origin": {"xyz": [0, 0, 0.5]},
-        },
-        {
-            "name": "b",
-            "type": "fixed",
-            "parent": "rod",
-            "child": "forearm",
-            "at": "end",
-            "origin": {"xyz": [0, 0, 0.1], "rpy": [0, pi / 2, 0]},
-        },
+        hinge("a", "rod", origin={"xyz": [0, 0, 0.5]}),
+        fixed("b", "forearm", "rod", at="end", origin=turned),
     ]
     links = [
         beam([0, 0, 2], {"shape": "round", "diameter": 0.1}),
-        {"name": "forearm", "type": "rigid", "mass": 3.0, "com": [0, 0, 1], "inertia": [1, 2, 2.5]},
+        rigid("forearm", 3.0, [0, 0, 1], [1, 2, 2.5]),
     ]
     arm = Arm.from_dict({"joints": joints[::-1], "links": links})
     rotation, position = link_frames(arm)["forearm"]

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from arms import arm, compliance, drive, hinge, point, rigid, smooth_step
+from arms import TUBE, arm, beam, compliance, drive, hinge, point, rigid, smooth_step
 
 import flexarm
 
@@ -148,16 +148,7 @@ def test_joint_damping_ratio_in_modes(zeta):
 
 def test_link_damping_ratio_is_that_of_the_clamped_link():
     """First mode: the stated ratio. Damping proportional to stiffness: the second has zeta f_2/f_1."""
-    tube = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
-    steel = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
-    rod = {
-        "name": "rod",
-        "type": "beam",
-        "end": [0, 0, 3],
-        "section": tube,
-        "material": steel,
-        "damping_ratio": 0.004,
-    }
+    rod = beam("rod", [0, 0, 3], TUBE, theory="timoshenko", damping_ratio=0.004)
     model = arm(joints=[hinge("hinge", "rod")], links=[rod], points=[point("tip", "rod", [0, 0, 3])])
     found = flexarm.modes(model, count=4, gravity=False)
     assert found.damping_ratio[:2] == pytest.approx([0.004, 0.004], rel=1e-9)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.helpers.arms import beam, hinge, point
+from tests.helpers.arms import TUBE, beam, hinge, point
 
 import flexarm
 from flexarm import Record, Signal
@@ -10,7 +10,6 @@ from flexarm.arm.parameter import with_value
 from flexarm.comparison.poses import pose_numbers, solve_poses
 from flexarm.measurement import predict, predict_slopes
 
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 KEYS = (
     "links.rod.material.youngs_modulus",
     "payloads.load.mass",

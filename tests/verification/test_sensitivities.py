@@ -9,15 +9,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.helpers.arms import G, beam, hinge, point
+from tests.helpers.arms import TUBE, G, beam, hinge, point, smooth_step
 
 import flexarm
 from flexarm.arm.parameter import parameters, with_value
 from flexarm.arm.prior import Prior
 from flexarm.simulation.prepared import prepared
 from flexarm.simulation.solve import solved
-
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 
 END = 0.8  # s: a third of a swing, three periods of the first mode
 STEP = 4e-3  # s
@@ -67,8 +65,7 @@ def swing_arm(**more: object) -> flexarm.Arm:
 def smooth_drive() -> flexarm.Drive:
     """From rest, 0.3 rad in END, smooth enough for a spline."""
     t = np.linspace(0, END, 33)
-    x = t / END
-    return flexarm.Drive.from_samples(t, {"hinge": 0.3 * x**3 * (10 - 15 * x + 6 * x**2)})
+    return flexarm.Drive.from_samples(t, {"hinge": 0.3 * smooth_step(t / END)})
 
 
 def converged(arm: flexarm.Arm, drive: flexarm.Drive) -> flexarm.Simulation:

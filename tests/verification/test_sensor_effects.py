@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from arms import LENGTH, arm, hinge, paper_arm, point, rigid
+from arms import LENGTH, arm, hinge, paper_arm, point, rigid, smooth_step
 from scipy.spatial.transform import Rotation
 
 from flexarm import Arm, Drive, Record, Signal, compare, measure, simulate, static
@@ -289,10 +289,7 @@ def test_a_smoothed_drive_has_derivatives_by_the_parameters_of_its_sensor(effect
 def smooth_swing(duration, turns=0.7, frequency=0.15):
     """A swing that starts and turns smoothly, exact at 4 ms."""
     t = np.arange(0, duration, 0.004)
-    x = np.clip(t / 3, 0, 1)
-    return Drive.from_samples(
-        t, {"hinge": turns * np.sin(2 * np.pi * frequency * t) * (10 * x**3 - 15 * x**4 + 6 * x**5)}
-    )
+    return Drive.from_samples(t, {"hinge": turns * np.sin(2 * np.pi * frequency * t) * smooth_step(t / 3)})
 
 
 SENSORS = (
@@ -331,8 +328,7 @@ def test_an_encoders_scale_opens_a_gap_that_grows_with_the_angle():
 def test_an_eccentric_encoder_opens_a_gap_once_per_turn():
     """The gap of a rigid arm is -L amplitude sin(q + phase): over the angle, one harmonic, two turns here."""
     t = np.arange(0, 20, 0.004)
-    x = np.clip(t / 20, 0, 1)
-    drive = Drive.from_samples(t, {"hinge": 4 * np.pi * (10 * x**3 - 15 * x**4 + 6 * x**5)})
+    drive = Drive.from_samples(t, {"hinge": 4 * np.pi * smooth_step(t / 20)})
     eccentric = EncoderEccentricity(at="encoder", amplitude=1e-3, phase=0.8)
     record = experiment(RIGID.with_effect(eccentric), drive)
     gap = compare(RIGID, record, align=False).signals["tip"]
@@ -544,8 +540,7 @@ def test_a_controller_follows_its_imperfect_encoder():
     """The loop brings the reading to the command: 1.02 q + 0.03 = c, at rest before and after the move."""
     effects = (EncoderScale(at="encoder", scale=1.02), EncoderOffset(at="encoder", offset=0.03))
     t = np.arange(0, 8, 0.002)
-    x = np.clip((t - 1) / 2, 0, 1)
-    command = 0.2 + 0.5 * (10 * x**3 - 15 * x**4 + 6 * x**5)
+    command = 0.2 + 0.5 * smooth_step((t - 1) / 2)
     run = simulate(controlled(*effects), Drive.from_samples(t, {"hinge": command}, side="command"))
     true = run.drive_angle[:, 0]
     early = run.time < 0.99

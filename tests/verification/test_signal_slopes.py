@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.helpers.arms import beam, hinge, point
+from tests.helpers.arms import TUBE, beam, hinge, point, smooth_step
 
 import flexarm
 from flexarm.arm.parameter import with_value
 from flexarm.measurement import predict, predict_slopes
 
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 KEYS = (
     "links.rod.material.youngs_modulus",
     "payloads.load.mass",
@@ -97,8 +96,7 @@ def record() -> flexarm.Record:
     """A virtual, noiseless measurement of a smooth swing."""
     arm = seen_arm()
     t = np.linspace(0, 1.5, 76)
-    x = t / 1.5
-    drive = flexarm.Drive.from_samples(t, {"hinge": 0.6 * x**3 * (10 - 15 * x + 6 * x**2)})
+    drive = flexarm.Drive.from_samples(t, {"hinge": 0.6 * smooth_step(t / 1.5)})
     run = flexarm.simulate(arm, drive, rotations=True, forces=True)
     clocks = {"controller": flexarm.record.Clock(), "tracker": flexarm.record.Clock()}
     return flexarm.measure(run, arm.sensors, np.random.default_rng(1), drive=["hinge"], clocks=clocks)

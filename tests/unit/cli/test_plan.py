@@ -5,7 +5,7 @@ import json
 import diagnoses
 import numpy as np
 import pytest
-from arms import arm, beam, hinge, point
+from arms import TUBE, arm, beam, hinge, point
 
 import flexarm
 from flexarm.cli.run import run
@@ -15,12 +15,11 @@ from flexarm.cli.run import run
 def bench(tmp_path_factory):
     """A model without sensors, a motion as a CSV file and one as a record."""
     directory = tmp_path_factory.mktemp("bench")
-    section = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
     arm(
         name="crane",
         gravity=[0, 0, -9.81],
         joints=[hinge("hinge", "rod", gear_ratio=120)],
-        links=[beam("rod", [0, 0, 3.0], section, elements=1, damping_ratio=0.02)],
+        links=[beam("rod", [0, 0, 3.0], TUBE, elements=1, damping_ratio=0.02)],
         points=[point("tip", "rod", [0, 0, 3.0])],
     ).to_toml(directory / "arm.toml")
     t = np.linspace(0.0, 2.0, 21)

@@ -2,12 +2,9 @@
 
 from functools import cache
 
-import numpy as np
 import pytest
-from arms import arm, beam, hinge, point
+from arms import crane, there_and_back, tracker
 
-import flexarm
-from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.choose import REACH, Choice, Rival
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
@@ -19,42 +16,21 @@ from flexarm.diagnosis.unknowns import unknowns
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Clock, Frame
 
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 STEP = 4e-3
 
 
-def crane():
+def model():
     """A tube with a load on a rigid hinge, seen at its tip."""
-    tip = Sensor(
-        name="tip",
-        quantity="position",
-        point="tip",
-        axes=("x", "z"),
-        rate_hz=5,
-        noise_std=5e-5,
-        clock="tracker",
-        frame="tracker",
-    )
-    return arm(
-        name="crane",
-        gravity=[0, 0, -9.81],
-        joints=[hinge("hinge", "rod", gear_ratio=120)],
-        links=[beam("rod", [0, 0, 3.0], TUBE, elements=2, damping_ratio=0.02)],
-        payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
-        points=[point("tip", "rod", [0, 0, 3.0])],
-    ).replace(sensors=(tip,))
+    return crane(sensors=(tracker(rate_hz=5),))
 
 
 @cache
 def choice(*rivals):
     """A slow record of an arm with a spring, the spring named, some rivals fitted in its place."""
-    t = np.linspace(0.0, 40.0, 401)
-    s = 1 - np.abs(t / 20 - 1)
-    drive = flexarm.Drive.from_samples(t, {"hinge": -1.2 + 2.4 * s**3 * (10 - 15 * s + 6 * s**2)})
     clocks = {"controller": Clock(), "tracker": Clock(sigma=2e-3)}
-    run = from_drive("slow", drive, crane(), clocks, {"tracker": Frame(translation=1e-3)})
-    real = crane().with_effect(JointCompliance(at="hinge", stiffness=4e5, damping=800.0))
-    observed = Observed(crane(), {"slow": run.record(real, STEP, -0.05)}, step=STEP)
+    run = from_drive("slow", there_and_back(40.0), model(), clocks, {"tracker": Frame(translation=1e-3)})
+    real = model().with_effect(JointCompliance(at="hinge", stiffness=4e5, damping=800.0))
+    observed = Observed(model(), {"slow": run.record(real, STEP, -0.05)}, step=STEP)
     fitter = Fitter.nominal(observed, unknowns(observed))
     known = {c.place: c for c in candidates(observed, fitter.unknowns.arm)}
     best = fitter.fit([known["joint_compliance", "hinge"]])

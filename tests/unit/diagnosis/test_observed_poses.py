@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from tests.helpers.arms import beam, hinge, point
+from tests.helpers.arms import TUBE, beam, hinge, point
 
 from flexarm import Arm, Record, Signal
 from flexarm.diagnosis.observed import Observed
 from flexarm.record import Frame
 
-TUBE = {"shape": "tube", "outer_diameter": 0.06024, "thickness": 3.25e-3}
 KEYS = [
     "links.rod.material.youngs_modulus",
     "points.tip.position.x",
