@@ -14,7 +14,8 @@ from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
 from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Subject, subject
 from flexarm.comparison.unknowns import drive_clock, stated
-from flexarm.drive import Drive, true_time
+from flexarm.drive import Drive
+from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.measurement.sampling import columns
 from flexarm.record.doubts import clocks_apart

@@ -1,0 +1,6 @@
+"""What moves the joints: piecewise polynomials in time, one a driven joint."""
+
+from flexarm.drive.drive import Drive
+from flexarm.drive.joint_drive import JointDrive
+
+__all__ = ["Drive", "JointDrive"]

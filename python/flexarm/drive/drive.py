@@ -1,0 +1,127 @@
+"""Drives of a run: the motion of every driven joint, and where the others stand."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexarm.drive.joint_drive import JointDrive
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.smoothing import interpolate
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Drives of a run.
+
+    Attributes
+    ----------
+    joints : dict of str to JointDrive
+        Driven joints; the others stand still.
+    rest : dict of str to float
+        Where joints stand that nothing drives [rad or m]; default 0.
+    start, end : float
+        Time that the run shall cover [s].
+    """
+
+    joints: Mapping[str, JointDrive]
+    rest: Mapping[str, float] = field(default_factory=dict)
+    start: float = 0.0
+    end: float = 0.0
+
+    def sha256(self) -> str:
+        """Hash of all that a run takes from the drive, for its provenance."""
+        found = hashlib.sha256(repr((sorted(self.rest.items()), self.start, self.end)).encode())
+        for name, joint in sorted(self.joints.items()):
+            found.update(f"{name} {joint.side}".encode() + joint.digest)
+        return found.hexdigest()
+
+    @classmethod
+    def from_samples(cls, time: ArrayLike, values: Mapping[str, ArrayLike], side: str = "motor") -> Drive:
+        """Exact samples, joined by a cubic spline (not-a-knot) and held before and after.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            Times [s], rising.
+        values : dict of str to array_like, shape (n,)
+            Angle of each driven joint, output side [rad, m for a prismatic joint].
+        side : {"motor", "output", "torque", "command"}
+            See `JointDrive`. Commands are held from sample to sample, as a controller gets them.
+
+        Raises
+        ------
+        InvalidParameter
+            If times do not rise or a value is not finite.
+        """
+        t = np.asarray(time, dtype=float)
+        if t.ndim != 1 or len(t) < 2 or not np.all(np.isfinite(t)) or np.any(np.diff(t) <= 0):
+            raise InvalidParameter("must be at least two finite, rising times [s]", where="time")
+        joints = {}
+        for name, samples in values.items():
+            y = np.asarray(samples, dtype=float)
+            if y.shape != t.shape or not np.all(np.isfinite(y)):
+                raise InvalidParameter(f"needs {len(t)} finite values, one a time", where=name)
+            joints[name] = (
+                JointDrive.held(t, y) if side == "command" else JointDrive(*interpolate(t, y), side)
+            )
+        return cls(joints, start=float(t[0]), end=float(t[-1]))
+
+    @classmethod
+    def from_csv(cls, path: str | Path, arm: Arm) -> Drive:
+        """A CSV file with `time_s` and one column per driven joint, named after it.
+
+        Raises
+        ------
+        InvalidFile
+            With line and column of what is wrong.
+        """
+        from flexarm.drive.from_csv import samples_in
+
+        return cls.from_samples(*samples_in(path, arm))
+
+    @classmethod
+    def from_record(cls, record: Record, arm: Arm) -> Drive:
+        """The drive signals of a record: angles smoothed by their stated noise, commands held.
+
+        Effects of the model on their sensors and clocks are taken back, outliers left out. The run covers
+        every stamp of the record's known clocks. Joints that nothing drives stand where the
+        record says.
+
+        Parameters
+        ----------
+        record : Record
+            A motion with joint angles or commands as drive.
+        arm : Arm
+            The model, with its effects.
+
+        Raises
+        ------
+        InvalidParameter
+            If the record holds poses, a drive is neither angle nor command of a joint, two drive the same
+            joint, or an effect on a drive cannot act there or leaves nothing of it.
+        """
+        from flexarm.drive.from_record import drive_of
+
+        return drive_of(record, arm)
+
+    def at_inputs(self, arm: Arm) -> Drive:
+        """The same motion with angles at outputs of gears moved to their inputs, which hold the motors."""
+        joints = dict(self.joints)
+        for _ in arm.gears:  # as often as there are gears, for trains of them
+            for gear in arm.gears:
+                moved = joints.get(gear.output)
+                if moved is not None and moved.side == "motor" and gear.input not in joints:
+                    del joints[gear.output]
+                    joints[gear.input] = replace(moved, coefficients=gear.ratio * moved.coefficients)
+        return replace(self, joints=joints)

@@ -1,0 +1,121 @@
+"""What moved the joints of a record.
+
+A record's drive is what an encoder showed and when its clock said so. Where the model has effects on them
+(`flexarm.measurement.effects_of`), the arm is driven by what was true: readings are turned into true angles
+and stamps into true time before the samples are smoothed. How much they are smoothed follows from the
+readings and their noise, so that the drive depends smoothly on the parameters of these effects.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.drive.drive import Drive
+from flexarm.drive.joint_drive import JointDrive
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.outliers import drive_outliers
+from flexarm.measurement.smoothing import smooth
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record, Signal
+
+_AFTER_THE_LAST = 0.02
+"""A run goes on so long after the last stamp [s], for clocks that are late."""
+
+
+def drive_of(record: Record, arm: Arm) -> Drive:
+    """The drive of a record, see `Drive.from_record`."""
+    if record.kind == "static":
+        raise InvalidParameter(
+            'is "static": poses do not move the arm; allowed as a drive is a record of kind "motion"',
+            where="kind",
+        )
+    joints: dict[str, JointDrive] = {}
+    start = _start(record, arm)
+    for name in record.drive:
+        signal = record.signals[name]
+        if signal.quantity not in ("joint_angle", "joint_command") or signal.joint is None:
+            raise InvalidParameter(
+                f"signal {name!r} ({signal.quantity}) cannot drive; a joint_angle drives directly, a "
+                "joint_command through the joint's controller",
+                where="drive",
+            )
+        if signal.joint in joints:
+            raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
+        joints[signal.joint] = _joint_drive(signal, arm, start)
+    spans = [_span(signal, record, arm, start) for signal in record.signals.values() if len(signal.time)]
+    known = [span for span in spans if span is not None]
+    if not known:
+        raise InvalidParameter("holds no times of a known clock", where="signals")
+    starts = [drive.breaks[0] for drive in joints.values()] or [first for first, _ in known]
+    end = max(last for _, last in known) + _AFTER_THE_LAST
+    return Drive(joints, dict(record.joints), float(min(starts)), float(end))
+
+
+def _start(record: Record, arm: Arm) -> float:
+    """True instant of the first sample that drives, from which drifts count; 0 where nothing drives."""
+    drives = [record.signals[name] for name in record.drive]
+    firsts = [
+        float(signal.time[signal.valid][0]) - effects_of(arm, signal).delay
+        for signal in drives
+        if signal.valid.any() and len(signal.time)
+    ]
+    return min(firsts, default=0.0)
+
+
+def true_time(signal: Signal, arm: Arm, start: float, late: float = 0.0) -> Floats:
+    """Instants of a signal in a run that starts at `start`, where its clock is stated to be `late` [s]."""
+    return effects_of(arm, signal).clock(ClockError(delay=late), start).instants(signal.time)
+
+
+def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float, float] | None:
+    """First and last instant of a signal; None where its clock is unknown."""
+    clock = record.clocks[signal.clock]
+    if clock.unknown:
+        return None
+    instants = true_time(signal, arm, start, clock.offset)
+    return float(instants[0]), float(instants[-1])
+
+
+def _joint_drive(signal: Signal, arm: Arm, start: float) -> JointDrive:
+    """A command as it is held; an angle without its noise."""
+    samples = _true_samples(signal, arm, start)
+    if signal.quantity == "joint_command":
+        return JointDrive.held(samples.time, samples.values)
+    joint = arm.joint(str(signal.joint))
+    shown = (samples.stamps, samples.reading)
+    breaks, coefficients = smooth(samples.time, samples.values, samples.noise, shown)
+    return JointDrive(breaks, coefficients, "output" if signal.side == "output" and joint.moves else "motor")
+
+
+class _Samples(NamedTuple):
+    """A drive's samples: true instants and values, the stamps and readings they were, noise of the latter."""
+
+    time: Floats
+    values: Floats
+    stamps: Floats
+    reading: Floats
+    noise: float
+
+
+def _true_samples(signal: Signal, arm: Arm, start: float) -> _Samples:
+    """The samples of a drive without drop-outs and outliers."""
+    seen = effects_of(arm, signal)
+    reading, noise = signal.values[:, 0], float(seen.noise(signal.noise_std or 0.0)[0])
+    true = seen.true(signal.values)[:, 0]
+    good = np.isfinite(true)
+    if (off := seen.outliers()) is not None:
+        good &= ~drive_outliers(reading, noise, off)
+    if not good.any():
+        names = ", ".join(effect.name for effect in (*seen.before, *seen.after)) or "drop-outs"
+        raise InvalidParameter(
+            f"signal {signal.name!r} cannot drive: {names} leave no value of it", where="drive"
+        )
+    time = true_time(signal, arm, start)
+    return _Samples(time[good], true[good], signal.time[good], reading[good], noise)
