@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.diagnosis.result import Diagnosis, Refined
 
+STILL = 1e-3
+"""Of its 1 sigma a value may move and still count as where it was."""
+
 
 @dataclass(frozen=True)
 class Refinement:
@@ -49,6 +52,11 @@ class Refinement:
     def determined(self) -> bool:
         """Whether the data say more than was known."""
         return self.sigma is None or self.refined.std < KEPT * self.sigma
+
+    @property
+    def changed(self) -> bool:
+        """Whether the repaired model has another value; those that are left open mostly have not."""
+        return abs(self.moved) > STILL * self.refined.std
 
     @property
     def texts(self) -> tuple[str, str, str]:

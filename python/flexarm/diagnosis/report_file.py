@@ -183,7 +183,7 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "next_experiment": d.next_experiment,
         "provenance": {
-            **_provenance(d.provenance),
+            **provenance_of(d.provenance),
             "rejected": [asdict(candidate) for candidate in d.rejected],
         },
         "details": _details(d),
@@ -191,7 +191,7 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     return ReportFile.model_validate(_plain(content)).model_dump(mode="json")
 
 
-def _provenance(given: Mapping[str, Any]) -> dict[str, Any]:
+def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
     """What is known of where it comes from; version and commit of this installation where nothing is said."""
     from flexarm.configuration import config
 

@@ -89,7 +89,7 @@ def _effects(diagnosis: Diagnosis) -> list[str]:
 
 
 def _adequate(diagnosis: Diagnosis) -> list[str]:
-    keys = [each.parameter for each in diagnosis.refined]
+    keys = [each.parameter for each in diagnosis.refined if each.value != each.nominal]
     if not keys:
         return ["No effect is missing as far as these data tell: the gap is noise.", gap_sentence(diagnosis)]
     who = "a nominal value" if len(keys) == 1 else f"{len(keys)} nominal values"

@@ -65,13 +65,15 @@ def _refined(diagnosis: Diagnosis) -> list[str]:
     found = list(refinements(diagnosis))
     lines = ["nominal values refined, +- 1 sigma"] if found else []
     for each in found:
-        if each.determined:
+        if each.determined or each.changed:
             moved, std, unit = each.texts
             nominal = with_unit(each.refined.nominal, each.refined.unit, 4)
             pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
             lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
-    left = [each.refined.parameter for each in found if not each.determined]
-    return lines + (_wrapped(f"not determined: {', '.join(left)}", "  ", "    ") if left else [])
+    left = [each.refined.parameter for each in found if not (each.determined or each.changed)]
+    return lines + (
+        _wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else []
+    )
 
 
 def _nuisances(diagnosis: Diagnosis) -> list[str]:

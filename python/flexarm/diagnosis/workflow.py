@@ -32,6 +32,7 @@ from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.further import next_experiment
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
+from flexarm.diagnosis.left_open import left_open
 from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.locate import locate
 from flexarm.diagnosis.observed import Observed
@@ -157,8 +158,10 @@ def diagnose(
     tell(0.85, "verifying")
     everything = {**named, **held}
     compared = partial(compare, step=step, alpha=alpha)
-    before = {name: compared(arm, record) for name, record in everything.items()}
-    after = {name: compared(updated, record) for name, record in everything.items()}
+    updated, moved = left_open(
+        arm, updated, tuple(filter(_moved, sizes.refined)), lambda model: _gaps(compared, model, named)
+    )
+    before, after = _gaps(compared, arm, everything), _gaps(compared, updated, everything)
     main = main_signal(named, before)
     pairs_before = {name: beside(arm, record, step=step) for name, record in named.items()}
     pairs_after = {name: beside(updated, record, step=step) for name, record in named.items()}
@@ -172,7 +175,7 @@ def diagnose(
         updated,
         effects,
         sizes.nuisances,
-        () if updated is arm else tuple(each for each in sizes.refined if _moved(each)),
+        () if updated is arm else moved,
         _rejected(choice, observed),
         where=located.where if located else (),
         before=before,
@@ -190,6 +193,12 @@ def diagnose(
         located=located,
         located_after=located_after,
     )
+
+
+def _gaps(
+    compared: Callable[[Arm, Record], Comparison], model: Arm, records: Mapping[str, Record]
+) -> dict[str, Comparison]:
+    return {name: compared(model, record) for name, record in records.items()}
 
 
 def _moved(refined: Refined) -> bool:

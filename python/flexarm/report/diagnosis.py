@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.report.diagnosis_drawings import drawings
 from flexarm.report.diagnosis_page import page
+from flexarm.report.updated_model import write_updated
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
@@ -33,4 +34,4 @@ def write(diagnosis: Diagnosis, directory: Path) -> None:
     (directory / PAGE).write_text(page(diagnosis, drawn, report), encoding="utf-8")
     text = json.dumps(report, indent=2, allow_nan=False)
     (directory / REPORT).write_text(text + "\n", encoding="utf-8")
-    diagnosis.updated.to_toml(directory / MODEL)
+    write_updated(diagnosis, directory / MODEL)

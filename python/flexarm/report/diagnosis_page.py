@@ -62,7 +62,9 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         rotations=list(_rotation_rows(d)),
         effects=[_effect(each) for each in d.effects],
         refined=list(_refined_rows(d)),
-        undetermined=[each.refined.parameter for each in refinements(d) if not each.determined],
+        undetermined=[
+            each.refined.parameter for each in refinements(d) if not (each.determined or each.changed)
+        ],
         nuisances=list(_nuisance_rows(d)),
         rejected=_rejected_rows(d),
         diff=list(_diff(d)),
@@ -170,7 +172,7 @@ def _parameter(estimate: Estimate) -> Row:
 def _refined_rows(d: Diagnosis) -> Iterator[Row]:
     """Nominal values that the data determine: where they were, and by how much they moved."""
     for each in refinements(d):
-        if not each.determined:
+        if not (each.determined or each.changed):
             continue
         refined, (moved, std, unit) = each.refined, each.texts
         yield {

@@ -1,0 +1,82 @@
+"""`updated.toml`: the repaired model, and above it where it comes from and what was changed.
+
+The same diagnosis gives the same file, so there is no date in it. Values are in SI units like those below
+them; 90 % intervals of refined nominal values are those of a normal distribution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+from flexarm.diagnosis.refinement import refinements
+from flexarm.diagnosis.report_file import provenance_of
+from flexarm.diagnosis.wording import listed, place_words, probability
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.result import Diagnosis, Estimate, NamedEffect
+
+WIDTH = 118
+"""Of a line of the comment."""
+NORMAL90 = 1.645
+"""Half of a 90 % interval over 1 sigma."""
+
+
+def write_updated(diagnosis: Diagnosis, path: Path) -> None:
+    """Writes the file."""
+    diagnosis.updated.to_toml(path)
+    lines = [part for line in _head(diagnosis) for part in wrap(line, WIDTH, subsequent_indent="    ")]
+    head = "".join(f"# {line}\n" for line in lines)
+    path.write_text(f"{head}\n{path.read_text(encoding='utf-8')}", encoding="utf-8")
+
+
+def _head(d: Diagnosis) -> Iterator[str]:
+    known = provenance_of(d.provenance)
+    files = [name for name in known["inputs_sha256"] if name.endswith(".toml") and "/" not in name]
+    model = f"{files[0]}, {d.arm.name!r}" if files else repr(d.arm.name)
+    yield f"Made by flexarm diagnose {known['version']}, seed {known['seed']}: verdict {d.verdict}"
+    yield f"from the model {model} and the records {listed(d.training) or 'none'}"
+    if d.held_out and d.hold_out_kind != "blocks":
+        yield f"tried on the record {listed(d.held_out)}, which was not fitted"
+    kept = [effect for effect in d.effects if _in(d, effect)]
+    moved = list(refinements(d))
+    changed = [each for each in moved if each.refined.value != each.refined.nominal]
+    if not kept and not changed:
+        yield "nothing is changed: this is the nominal model"
+    if kept:
+        yield "added, with 90 % intervals:"
+    for effect in kept:
+        yield f"  {place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
+        yield from (f"    {_range(each)}" for each in effect.parameters)
+        if effect.alternatives:
+            rivals = [place_words(other.name, other.at) for other in effect.alternatives]
+            yield f"    the data cannot tell it from {listed(rivals, 'or')}"
+    if changed:
+        yield "refined within the stated uncertainty, with 90 % intervals:"
+    for each in changed:
+        value, half, unit = each.refined.value, NORMAL90 * each.refined.std, each.refined.unit
+        ends = f", {_plain(value - half)} to {_plain(value + half)}" if isfinite(half) else ""
+        change = f"{_plain(each.refined.nominal)} -> {_plain(value)}"
+        yield f"  {each.refined.parameter}: {change}{ends} {unit}".rstrip()
+    left = [each.refined.parameter for each in moved if each.refined.value == each.refined.nominal]
+    if left:
+        yield f"as they were, since the data do not determine them: {listed(left)}"
+
+
+def _in(d: Diagnosis, effect: NamedEffect) -> bool:
+    """Whether a named effect was added to the model; faults of sensors and open questions are not."""
+    added = d.updated.effect(effect.name, effect.at)
+    return added is not None and added != d.arm.effect(effect.name, effect.at)
+
+
+def _range(each: Estimate) -> str:
+    unit = "" if each.unit in ("", "-", "1") else f" {each.unit}"
+    return f"{each.name} = {_plain(each.value)}{unit}, {_plain(each.low90)} to {_plain(each.high90)}"
+
+
+def _plain(value: float) -> str:
+    """Six digits: intervals of a thousandth show in them."""
+    return f"{value:.6g}"
