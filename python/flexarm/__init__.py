@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from flexarm.simulation.simulate import simulate
     from flexarm.simulation.simulation import Simulation
     from flexarm.solids import SolidMesh, read_mesh
-    from flexarm.statics import Statics, static
+    from flexarm.statics.static import static
+    from flexarm.statics.statics import Statics
     from flexarm.stepping import State, Stepper
     from flexarm.superelement import SuperElement
     from flexarm.superelement.foreign import accept_matrices

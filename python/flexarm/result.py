@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -57,6 +58,22 @@ class Result(ABC):
             If the file cannot be written.
         """
         save(self.contents(), path)
+
+
+AXES = ["x", "y", "z"]
+
+
+def labels(result: Result) -> dict[str, Sequence[str]]:
+    """What axes of arrays count: points, joints, links, components of vectors, section forces and wrenches."""
+    return {
+        "point": result.points,
+        "joint": result.joints,
+        "link": [link.name for link in result.arm.links],
+        "axis": AXES,
+        "end": ["start", "end"],
+        "component": ["N", "Vy", "Vz", "T", "My", "Mz"],
+        "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
+    }
 
 
 def provenance(arm: Arm) -> dict[str, str]:

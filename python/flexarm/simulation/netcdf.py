@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arrays import frozen
 from flexarm.netcdf import Contents, Variable
-from flexarm.result import load, model_of, provenance
+from flexarm.result import labels, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities
 from flexarm.simulation.energies import NAMES as ENERGIES
 from flexarm.simulation.energies import Energies
@@ -57,19 +57,10 @@ def contents(run: Simulation) -> Contents:
         for name, (dims, unit, text) in _VARIABLES.items()
         if getattr(run, name) is not None
     }
-    labels = {
-        "point": run.points,
-        "joint": run.joints,
-        "link": [link.name for link in run.arm.links],
-        "axis": ["x", "y", "z"],
-        "end": ["start", "end"],
-        "component": ["N", "Vy", "Vz", "T", "My", "Mz"],
-        "wrench": ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
-        "quaternion": ["x", "y", "z", "w"],
-    }
     attributes = {"kind": "simulation", **provenance(run.arm), **run.solver}
     time: Variable = (("time",), run.time, {"units": "s"})
-    found = Contents(variables, labels, attributes, {"time": time})
+    counted = {**labels(run), "quaternion": ["x", "y", "z", "w"]}
+    found = Contents(variables, counted, attributes, {"time": time})
     return found if run.sensitivities is None else run.sensitivities.add_to(found)
 
 

@@ -1,0 +1,91 @@
+"""An equilibrium as a NetCDF file: what is stored of it, with units, and how it is read again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arrays import frozen
+from flexarm.netcdf import Contents
+from flexarm.result import AXES, labels, load, model_of, provenance
+from flexarm.sensitivity import Sensitivities
+from flexarm.statics.statics import PartShape
+
+if TYPE_CHECKING:
+    from flexarm.statics.statics import Statics
+
+# What a file keeps of a PartShape, in its order: variable, axes, unit.
+_PART_VARIABLES = (
+    ("rotation", ("axis", "body_axis"), "1"),
+    ("position", ("axis",), "m"),
+    ("freedoms", ("freedom",), "m, rad"),
+)
+
+
+def contents(found: Statics) -> Contents:
+    """What is stored: the equilibrium with units, and where it comes from."""
+    parts = {
+        f"{name}_{what}": (
+            (*(f"{name}_{axis}" for axis in axes),),
+            getattr(shape, what),
+            {"units": units},
+        )
+        for name, shape in found.parts.items()
+        for what, axes, units in _PART_VARIABLES
+    }
+    whole = Contents(
+        {
+            **parts,
+            "position": (("point", "axis"), found.position, {"units": "m"}),
+            "displacement": (("point", "axis"), found.displacement, {"units": "m"}),
+            "rotation": (("point", "axis", "body_axis"), found.rotation, {"units": "1"}),
+            "joint_torque": (("joint",), found.joint_torque, {"units": "N m"}),
+            "drive_angle": (("joint",), found.drive_angle, {"units": "rad"}),
+            "link_angle": (("joint",), found.link_angle, {"units": "rad"}),
+            "section_forces": (
+                ("link", "end", "component"),
+                found.section_forces,
+                {"units": "N, N m", "axes": "of the section"},
+            ),
+            "base_wrench": (("wrench",), found.base_wrench, {"units": "N, N m"}),
+        },
+        {**labels(found), "body_axis": AXES},
+        {"kind": "statics", **provenance(found.arm), **found.solver},
+    )
+    return whole if found.sensitivities is None else found.sensitivities.add_to(whole)
+
+
+def stored(path: str | Path) -> dict[str, Any]:
+    """The attributes of the equilibrium that a file holds.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is not a stored equilibrium.
+    """
+    data = load(path, "statics")
+    names = (
+        "position",
+        "displacement",
+        "rotation",
+        "joint_torque",
+        "drive_angle",
+        "link_angle",
+        "section_forces",
+        "base_wrench",
+    )
+    arrays: dict[str, Any] = {name: frozen(data[name].values) for name in names}
+    solver = {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")}
+    arm = model_of(data)
+    parts = {
+        link.name: PartShape(*(frozen(data[f"{link.name}_{what}"].values) for what, _, _ in _PART_VARIABLES))
+        for link in arm.links
+        if link.type == "superelement"
+    }
+    return {
+        "arm": arm,
+        **arrays,
+        "solver": solver,
+        "parts": parts,
+        "sensitivities": Sensitivities.stored(arm, data),
+    }

@@ -1,0 +1,85 @@
+"""The equilibrium of an arm under gravity and forces, its drives held."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+
+from numpy.typing import ArrayLike
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arrays import Floats, frozen
+from flexarm.assembly import core_arm
+from flexarm.held_arm import HeldArm, positions
+from flexarm.statics.statics import PartShape, Statics
+
+
+def static(
+    arm: Arm,
+    joints: Mapping[str, float] | None = None,
+    forces: Mapping[str, ArrayLike] | None = None,
+    *,
+    at_link: Collection[str] = (),
+    sensitivities: Iterable[str] = (),
+) -> Statics:
+    """Equilibrium under gravity and point forces, the joints' drives held.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    joints : dict of str to float, optional
+        Drive angles, output side [rad, m for a prismatic joint]; default 0.
+    forces : dict of str to (3,), optional
+        Forces at points, base axes [N].
+    at_link : collection of str
+        Joints whose angle in `joints` is the link's, as an encoder behind the reducer gives it. What their
+        motor's own angle must then be is not computed: `drive_angle` is the link's.
+    sensitivities : iterable of str
+        Keys of parameters by which the arrays are differentiated, as in `simulate`.
+
+    Raises
+    ------
+    InvalidParameter
+        If a joint or point does not exist.
+    NotConverged
+        If there is no stable equilibrium; the message says at what part of the load the arm buckles.
+
+    Examples
+    --------
+    >>> flexarm.static(arm, joints={"hinge": 0.5}).displacement  # doctest: +SKIP
+    """
+    held = HeldArm(arm, at_link, forces or (), sensitivities)
+    found = held.at(joints or {}, forces)
+    return Statics(
+        arm=arm,
+        displacement=frozen(found.arrays["position"] - _rigid(arm, held.system, found.values)),
+        drive_angle=frozen(found.values),
+        **{name: frozen(array) for name, array in found.arrays.items()},
+        solver={
+            "backend": _core.build_info().solver,
+            "iterations": found.equilibrium.iterations,
+            "load_steps": found.equilibrium.load_steps,
+            "residual_N": found.equilibrium.residual,
+        },
+        parts=_parts(arm, held.system, found.equilibrium.state),
+        sensitivities=found.sensitivities,
+    )
+
+
+def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
+    """The points of the rigid arm without effects: what effects move counts as displacement."""
+    if not arm.effects:
+        return positions(system, system.rigid_state(values), len(arm.points))
+    kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
+    plain = _core.System(core_arm(arm, nominal=True), kinds)
+    return positions(plain, plain.rigid_state(values), len(arm.points))
+
+
+def _parts(arm: Arm, system: _core.System, state: _core.State) -> dict[str, PartShape]:
+    names = [link.name for link in arm.links if link.type == "superelement"]
+    shapes = (system.part_shape(state, i) for i in range(len(names)))
+    return {
+        name: PartShape(frozen(frame.R), frozen(frame.x), frozen(freedoms))
+        for name, (frame, freedoms) in zip(names, shapes, strict=True)
+    }

@@ -1,0 +1,131 @@
+"""What an equilibrium gives: places of the points, torques, section forces, shapes of parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.result import Result
+from flexarm.sensitivity import Sensitivities
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.netcdf import Contents
+
+
+@dataclass(frozen=True, eq=False)
+class PartShape:
+    """Where a super-element is, and how it is deformed.
+
+    Attributes
+    ----------
+    rotation, position : ndarray, shapes (3, 3) and (3,)
+        The part's frame in the base, fixed to its first interface; position in m.
+    freedoms : ndarray, shape (dof,)
+        Displacements in that frame, in the freedoms of the super-element: of each interface three
+        translations [m] and three rotations [rad], then its modes. `SuperElement.recovery` turns them into
+        the mesh's.
+    """
+
+    rotation: Floats
+    position: Floats
+    freedoms: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Statics(Result):
+    """An equilibrium. Arrays are read-only.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    position, displacement : ndarray, shape (point, 3)
+        Where the points are, base axes, and how far from the rigid arm at the same drive angles [m].
+    rotation : ndarray, shape (point, 3, 3)
+        Body axes at the points as columns, base axes.
+    joint_torque, drive_angle, link_angle : ndarray, shape (joint,)
+        Torque on the child about +axis, output side [N m], and angles of drive and link [rad].
+    section_forces : ndarray, shape (link, 2, 6)
+        (N, Vy, Vz, T, My, Mz) at start and end of each beam, section axes; NaN for rigid links [N, N m].
+    base_wrench : ndarray, shape (6,)
+        Force and moment that the arm puts on the base about its origin, base axes [N, N m].
+    solver : dict
+        Backend, iterations, load steps, largest unbalanced force left.
+    parts : dict of str to PartShape
+        Where each super-element is and how it is deformed.
+    sensitivities : Sensitivities or None
+        Derivatives of the arrays by parameters of the model, where they were asked for.
+    """
+
+    arm: Arm
+    position: Floats
+    displacement: Floats
+    rotation: Floats
+    joint_torque: Floats
+    drive_angle: Floats
+    link_angle: Floats
+    section_forces: Floats
+    base_wrench: Floats
+    solver: dict[str, Any]
+    parts: dict[str, PartShape] = field(default_factory=dict)
+    sensitivities: Sensitivities | None = None
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `flexarm static --json`."""
+        from flexarm.statics.summary import to_json_dict
+
+        return to_json_dict(self)
+
+    def contents(self) -> Contents:
+        """What is stored: the equilibrium with units, and where it comes from."""
+        from flexarm.statics.netcdf import contents
+
+        return contents(self)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Statics:
+        """Reads what `save` wrote.
+
+        Raises
+        ------
+        InvalidFile
+            If the file is not a stored equilibrium.
+        """
+        from flexarm.statics.netcdf import stored
+
+        return cls(**stored(path))
+
+    def plot(self, ax: Axes | None = None, scale: float = 1.0) -> Axes:
+        """Rigid and deformed places of the points in the x-z plane, displacements times `scale`."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        rigid = self.position - self.displacement
+        shown = rigid + scale * self.displacement
+        axes.plot(rigid[:, 0], rigid[:, 2], "o", mfc="none", color="0.5", label="rigid arm")
+        axes.plot(shown[:, 0], shown[:, 2], "o", color="C0", label=f"equilibrium, displacement x{scale:g}")
+        for i, name in enumerate(self.points):
+            axes.annotate(name, (shown[i, 0], shown[i, 2]), xytext=(6, 4), textcoords="offset points")
+        axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
+        axes.legend()
+        return axes
+
+    def summary(self) -> str:
+        """The result in lines that a person reads."""
+        from flexarm.statics.summary import summary
+
+        return summary(self)
+
+    def __repr__(self) -> str:
+        largest = 1e3 * np.linalg.norm(self.displacement, axis=1).max(initial=0.0)
+        return (
+            f"<Statics of {self.arm.name!r}: {len(self.points)} points, moved up to {largest:.4g} mm "
+            f"from the rigid arm>"
+        )

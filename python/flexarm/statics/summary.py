@@ -1,0 +1,69 @@
+"""An equilibrium in lines for a person and as a dictionary for programs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arrays import Floats
+
+if TYPE_CHECKING:
+    from flexarm.statics.statics import Statics
+
+
+def summary(found: Statics) -> str:
+    """The result in lines that a person reads."""
+    lines = [f"equilibrium of {found.arm.name} under gravity {list(found.arm.gravity)} m/s2"]
+    lines.append(f"{'point':<16}{'x [m]':>12}{'y [m]':>12}{'z [m]':>12}{'moved [mm]':>34}")
+    for i, name in enumerate(found.points):
+        where = "".join(f"{value:12.6f}" for value in found.position[i])
+        moved = ", ".join(f"{1e3 * value:.4f}" for value in found.displacement[i])
+        lines.append(f"{name:<16}{where}{moved:>34}")
+    slides = any(joint.type == "prismatic" for joint in found.arm.joints)
+    angle, torque = ("[rad, m]", "[N m, N]") if slides else ("[rad]", "[N m]")
+    lines.append(f"{'joint':<16}{f'drive {angle}':>16}{f'link {angle}':>16}{f'torque {torque}':>18}")
+    for i, name in enumerate(found.joints):
+        lines.append(
+            f"{name:<16}{found.drive_angle[i]:16.8f}{found.link_angle[i]:16.8f}{found.joint_torque[i]:18.5f}"
+        )
+    lines.append(f"{'beam':<16}{'N, Vy, Vz [N]':>36}{'T, My, Mz [N m]':>36}")
+    for i, link in enumerate(found.arm.links):
+        for k, end in enumerate(("start", "end") if link.type == "beam" else ()):
+            force, moment = _text(found.section_forces[i, k, :3]), _text(found.section_forces[i, k, 3:])
+            lines.append(f"{link.name + ' ' + end:<16}{force:>36}{moment:>36}")
+    force, moment = _text(found.base_wrench[:3]), _text(found.base_wrench[3:])
+    lines.append(f"{'on the base':<16}{force:>36}{moment:>36}   about its origin, base axes")
+    return "\n".join(lines)
+
+
+def to_json_dict(found: Statics) -> dict[str, Any]:
+    """The object of `flexarm static --json`."""
+    beams = [(i, link.name) for i, link in enumerate(found.arm.links) if link.type == "beam"]
+    ends = ("start", "end")
+    return {
+        "points": {
+            name: {"position": found.position[i].tolist(), "displacement": found.displacement[i].tolist()}
+            for i, name in enumerate(found.points)
+        },
+        "joints": {
+            name: {
+                "torque": float(found.joint_torque[i]),
+                "drive_angle": float(found.drive_angle[i]),
+                "link_angle": float(found.link_angle[i]),
+            }
+            for i, name in enumerate(found.joints)
+        },
+        "links": {
+            name: {end: _wrench(found.section_forces[i, k]) for k, end in enumerate(ends)}
+            for i, name in beams
+        },
+        "base": _wrench(found.base_wrench),
+        "solver": found.solver,
+    }
+
+
+def _text(values: Floats) -> str:
+    return ", ".join(f"{value:.4f}" for value in values)
+
+
+def _wrench(values: Floats) -> dict[str, list[float]]:
+    return {"force": values[:3].tolist(), "moment": values[3:].tolist()}
