@@ -15,6 +15,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 
 THREAD_LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+KEPT_BYTECODE = {"PYTHONDONTWRITEBYTECODE": ""}
+"""Python keeps its bytecode, as it does for any user; else every process would compile flexarm anew."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ def command(words, threads=1, **environment):
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=err,
-            env=os.environ | dict.fromkeys(THREAD_LIMITS, str(threads)) | environment,
+            env=os.environ | dict.fromkeys(THREAD_LIMITS, str(threads)) | KEPT_BYTECODE | environment,
         )
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)

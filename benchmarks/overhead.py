@@ -45,7 +45,7 @@ def shell_process(repetitions):
     """CPU seconds of `flexarm simulate`, once Python has kept its bytecode as it does for any user."""
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-m", "flexarm", "simulate", *_files(Path(folder))]
-        kept = {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": os.fspath(Path(folder, "bytecode"))}
+        kept = {"PYTHONPYCACHEPREFIX": os.fspath(Path(folder, "bytecode"))}
         measure.command([*words, "--out", Path(folder, "first")], **kept)
         runs = [measure.command([*words, "--out", Path(folder, str(i))], **kept) for i in range(repetitions)]
     return [run.cpu for run in runs]
