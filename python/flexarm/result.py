@@ -64,7 +64,7 @@ AXES = ["x", "y", "z"]
 
 
 def labels(result: Result) -> dict[str, Sequence[str]]:
-    """What axes of arrays count: points, joints, links, components of vectors, section forces and wrenches."""
+    """What axes of arrays count: points, joints, links, components of vectors and forces."""
     return {
         "point": result.points,
         "joint": result.joints,
