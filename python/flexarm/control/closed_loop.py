@@ -8,57 +8,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import ceil, isclose, isnan
+from math import isnan
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.controller import Cascade, Controller
+from flexarm.arm.controller import Controller
+from flexarm.arrays import Floats, read_only
 from flexarm.assembly import assemble, joint_values
-from flexarm.control.actuator import TorqueDrive, VoltageDrive
-from flexarm.control.laws import CascadeLaw, feedback_voltage
+from flexarm.control.back_emf import losses_of, with_losses, without_losses
+from flexarm.control.grid import SampleGrid
+from flexarm.control.loop import Loop
 from flexarm.control.sensing import Sensing
-from flexarm.drive import Drive, JointDrive
-from flexarm.effects import MotorFriction
+from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.simulation import Progress, Simulation, reported
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
+from flexarm.simulation.prepared import motions
+from flexarm.simulation.progress import Report
 
-Floats = NDArray[np.float64]
 Schedule = Mapping[str, Callable[[float], Controller]]
 _LOOK = 64
 """Samples between two reports of progress."""
-
-
-class _Loop:
-    """Sensors, law and motor of one joint."""
-
-    def __init__(self, arm: Arm, controller: Controller, command: JointDrive, holding: float) -> None:
-        joint = arm.joint(controller.joint)
-        motor = next((motor for motor in arm.motors if motor.joint == joint.name), None)
-        self.joint = [entry.name for entry in arm.joints].index(joint.name)
-        self.command = command
-        self._controller = controller
-        self._sensing = Sensing(arm, controller)
-        self._law = CascadeLaw(holding)
-        if isinstance(controller, Cascade) or motor is None:
-            self.actuator: TorqueDrive | VoltageDrive = TorqueDrive(controller, motor, joint)
-        else:
-            self.actuator = VoltageDrive(motor, joint)
-
-    def sample(self, run: _core.SampledRun, command: float, controller: Controller) -> tuple[float, float]:
-        """Voltage [V] and torque to hold [N m] of this sample."""
-        reading = self._sensing.read(run)
-        if not isinstance(controller, Cascade):
-            return self.actuator.hold(feedback_voltage(controller, command, reading), reading.rate)
-        wanted = self._law.torque(controller, command, reading)
-        voltage, torque = self.actuator.hold(wanted, reading.rate)
-        self._law.settle(limited=torque != wanted)
-        return voltage, torque
 
 
 def simulate_closed_loop(
@@ -113,55 +87,60 @@ def simulate_closed_loop(
     if not step > 0:
         raise InvalidParameter(f"step must be positive, got {step:g} s")
     controllers = _controllers(arm, drive)
-    tick = min(controller.sample_time for controller in controllers.values())
-    every = {name: _multiple(controller, tick) for name, controller in controllers.items()}
+    grid = SampleGrid.of(controllers, step)
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
-    substeps = max(1, ceil(tick / step - 1e-9))
-    options.step, options.alpha = tick / substeps, float(alpha)
+    options.step, options.alpha = grid.step, float(alpha)
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
 
-    losses = {name: _back_emf(arm, controller) for name, controller in controllers.items()}
-    moved = _with_back_emf(arm, losses)
+    losses = losses_of(arm, controllers)
+    moved = with_losses(arm, losses)
     system = assemble(moved, {name: joint.kind for name, joint in drive.joints.items()})
     equilibrium, holding = _held(moved, drive, system, options.start)
-    still = _core.PiecewisePolynomial.constant(0.0)
-    drives = [
-        drive.joints[joint.name].polynomial()
-        if joint.name in drive.joints and joint.name not in controllers
-        else still
-        for joint in arm.joints
-    ]
-    names = [joint.name for joint in arm.joints]
+    laws = schedule or {}
     loops = {
-        name: _Loop(arm, controller, drive.joints[name], holding[names.index(name)])
+        name: Loop(arm, controller, drive.joints[name], holding[name], laws.get(name))
         for name, controller in controllers.items()
     }
+    others = {name: joint for name, joint in drive.joints.items() if name not in controllers}
     began = perf_counter()
-    run = _core.SampledRun(system, equilibrium, drives, options)
-    n_ticks = ceil((options.end - options.start) / tick - 1e-9)
-    # A command that changes at a sample counts from that sample on, whatever the last bit of the time.
-    times = options.start + tick * (np.arange(n_ticks + 1) + 1e-6)
-    commands = {name: loop.command(times) for name, loop in loops.items()}
-    torque, voltage = np.zeros(len(names)), np.full((n_ticks, len(names)), np.nan)
+    run = _core.SampledRun(system, equilibrium, motions(arm, replace(drive, joints=others)), options)
     with reported(progress, arm.name) as report:
-        for k in range(n_ticks):
-            for name, loop in loops.items():
-                if k % every[name] == 0:
-                    law = schedule[name](run.time) if schedule and name in schedule else controllers[name]
-                    volts, torque[loop.joint] = loop.sample(run, float(commands[name][k]), law)
-                    voltage[k : k + every[name], loop.joint] = volts
-            run.advance(torque, substeps)
-            if report is not None and k % _LOOK == 0 and report(k / n_ticks) is False:
-                break
+        voltage = _sampled(run, loops, grid, options, len(arm.joints), report)
     transient = run.result()
     found = simulation_of(arm, transient, options, Energies.of(transient))
-    seconds = perf_counter() - began
-    return _completed(found, drive, loops, losses, np.repeat(voltage, substeps, axis=0), seconds)
+    found.solver["seconds"] = perf_counter() - began
+    return _commanded(without_losses(found, losses), loops, np.repeat(voltage, grid.substeps, axis=0))
 
 
-def _held(arm: Arm, drive: Drive, system: _core.System, start: float) -> tuple[_core.Equilibrium, Floats]:
-    """Equilibrium in which the motors stand at the first command, and what they give there [N m]."""
+def _sampled(
+    run: _core.SampledRun,
+    loops: Mapping[str, Loop],
+    grid: SampleGrid,
+    options: _core.TransientOptions,
+    n_joints: int,
+    report: Report,
+) -> Floats:
+    """Takes the run to its end; the voltages [V] of every tick and joint, NaN where there is none."""
+    count = grid.count(options.start, options.end)
+    times = grid.instants(options.start, count)
+    commands = {name: loop.command(times) for name, loop in loops.items()}
+    torque, voltage = np.zeros(n_joints), np.full((count, n_joints), np.nan)
+    for k in range(count):
+        for name, loop in loops.items():
+            if k % grid.every[name] == 0:
+                volts, torque[loop.joint] = loop.sample(run, float(commands[name][k]))
+                voltage[k : k + grid.every[name], loop.joint] = volts
+        run.advance(torque, grid.substeps)
+        if report is not None and k % _LOOK == 0 and report(k / count) is False:
+            break
+    return voltage
+
+
+def _held(
+    arm: Arm, drive: Drive, system: _core.System, start: float
+) -> tuple[_core.Equilibrium, dict[str, float]]:
+    """Equilibrium in which the motors stand at the first command, and what each gives there [N m]."""
     held = assemble(
         arm,
         {
@@ -174,8 +153,9 @@ def _held(arm: Arm, drive: Drive, system: _core.System, start: float) -> tuple[_
         first[name] = _shown_at(arm, controller, first[name])
     values = joint_values(arm, {**drive.rest, **first})
     equilibrium = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
-    torques = np.asarray(_core.motor_torques(held, equilibrium.state, False))
-    return _core.released(held, equilibrium, system), torques
+    torques = _core.motor_torques(held, equilibrium.state, False)
+    named = {joint.name: float(torque) for joint, torque in zip(arm.joints, torques, strict=True)}
+    return _core.released(held, equilibrium, system), named
 
 
 def _shown_at(arm: Arm, controller: Controller, command: float) -> float:
@@ -209,64 +189,10 @@ def _controllers(arm: Arm, drive: Drive) -> dict[str, Controller]:
     return found
 
 
-def _multiple(controller: Controller, tick: float) -> int:
-    ratio = controller.sample_time / tick
-    if not isclose(ratio, round(ratio), rel_tol=1e-9):
-        raise InvalidParameter(
-            f"must be a multiple of the shortest sample time, {tick:g} s, got {controller.sample_time:g} s",
-            where=f"controllers.{controller.joint}.sample_time",
-        )
-    return round(ratio)
-
-
-def _back_emf(arm: Arm, controller: Controller) -> float:
-    """c of `actuator`, eq. (1) [N m s/rad]; zero where a current loop sets the torque."""
-    motor = next((motor for motor in arm.motors if motor.joint == controller.joint), None)
-    if isinstance(controller, Cascade) or motor is None:
-        return 0.0
-    return VoltageDrive(motor, arm.joint(controller.joint)).back_emf
-
-
-def _with_back_emf(arm: Arm, losses: Mapping[str, float]) -> Arm:
-    """The arm with the back-EMF as viscous friction of its motors."""
-    for name, coefficient in losses.items():
-        if coefficient == 0:
-            continue
-        own = next((e for e in arm.effects_at(name) if isinstance(e, MotorFriction)), MotorFriction(at=name))
-        arm = arm.with_effect(own.replace(viscous=own.viscous + coefficient))
-    return arm
-
-
-def _completed(
-    run: Simulation,
-    drive: Drive,
-    loops: Mapping[str, _Loop],
-    losses: Mapping[str, float],
-    voltage: Floats,
-    seconds: float,
-) -> Simulation:
-    """Adds command and voltage, and takes the back-EMF out of torques and energies."""
-    n, n_joints = run.drive_angle.shape
-    command = np.full((n, n_joints), np.nan)
-    torque, lost = run.motor_torque.copy(), np.zeros(n)
-    for name, loop in loops.items():
-        j, rate = loop.joint, run.drive_rate[:, loop.joint]
-        command[:, j] = drive.joints[name](run.time + 1e-9)
-        torque[:, j] -= losses[name] * rate
-        power = 0.5 * losses[name] * np.diff(run.drive_angle[:, j]) * (rate[1:] + rate[:-1])
-        lost[1:] += np.cumsum(power)
-    held = np.full((n, n_joints), np.nan)
-    held[:] = np.concatenate([voltage, voltage[-1:]])[:n]
-    return replace(
-        run,
-        joint_command=_frozen(command),
-        motor_voltage=_frozen(held),
-        motor_torque=_frozen(torque),
-        energy_record=replace(run.energies, damped=_frozen(run.damped - lost), work=_frozen(run.work - lost)),
-        solver={**run.solver, "seconds": seconds},
-    )
-
-
-def _frozen(values: Floats) -> Floats:
-    values.setflags(write=False)
-    return values
+def _commanded(run: Simulation, loops: Mapping[str, Loop], voltage: Floats) -> Simulation:
+    """The run with what its loops were asked for, and their voltages [V] of every step."""
+    command = np.full(run.drive_angle.shape, np.nan)
+    for loop in loops.values():
+        command[:, loop.joint] = loop.command(run.time + 1e-9)
+    held = np.concatenate([voltage, voltage[-1:]])[: len(run.time)]
+    return replace(run, joint_command=read_only(command), motor_voltage=read_only(held))

@@ -1,0 +1,68 @@
+"""The common grid on which the samples of all controllers fall."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import ceil, isclose
+
+import numpy as np
+
+from flexarm.arm.controller import Controller
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter
+
+
+@dataclass(frozen=True)
+class SampleGrid:
+    """When controllers sample, and the equal steps in between.
+
+    Attributes
+    ----------
+    tick : float
+        Shortest sample time [s].
+    every : dict of str to int
+        Ticks from sample to sample, by joint.
+    substeps : int
+        Steps in a tick.
+    """
+
+    tick: float
+    every: Mapping[str, int]
+    substeps: int
+
+    @classmethod
+    def of(cls, controllers: Mapping[str, Controller], longest: float) -> SampleGrid:
+        """The grid of some controllers; its step is the largest part of a tick no longer than `longest` [s].
+
+        Raises
+        ------
+        InvalidParameter
+            If the sample times have no common grid.
+        """
+        tick = min(controller.sample_time for controller in controllers.values())
+        every = {name: _multiple(controller, tick) for name, controller in controllers.items()}
+        return cls(tick, every, max(1, ceil(tick / longest - 1e-9)))
+
+    @property
+    def step(self) -> float:
+        """Time step [s]."""
+        return self.tick / self.substeps
+
+    def count(self, start: float, end: float) -> int:
+        """Ticks of a run."""
+        return ceil((end - start) / self.tick - 1e-9)
+
+    def instants(self, start: float, count: int) -> Floats:
+        """When ticks begin [s]; what changes at one counts from it on, whatever the last bit of the time."""
+        return start + self.tick * (np.arange(count, dtype=np.float64) + 1e-6)
+
+
+def _multiple(controller: Controller, tick: float) -> int:
+    ratio = controller.sample_time / tick
+    if not isclose(ratio, round(ratio), rel_tol=1e-9):
+        raise InvalidParameter(
+            f"must be a multiple of the shortest sample time, {tick:g} s, got {controller.sample_time:g} s",
+            where=f"controllers.{controller.joint}.sample_time",
+        )
+    return round(ratio)
