@@ -7,20 +7,23 @@ only evidence is taken from one part and left in the other.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.comparison.poses import is_input
+from flexarm.diagnosis.wording import with_unit
 
 if TYPE_CHECKING:
     from flexarm.record import Record, Signal
 
 BLOCKS, EVERY = 20, 5
 """Blocks of a record, of which every so-many-th is held back."""
+NOMINAL = "what the model says"
+"""Instead of a weighed mass."""
 SAME = 0.05
 """Relative difference within which two motions or payloads count as the same."""
 
@@ -47,32 +50,95 @@ def hold_out_kind(training: Mapping[str, Record], held_out: Record) -> str:
         By payload, range and rates of the drives, and how far links were drawn out: as in one of the records
         of training, between them, or beyond.
     """
-    asked = _features(held_out)
-    alike = [
+    asked, known = _features(held_out), _alike(training, held_out)
+    if not known:
+        return "extrapolation"
+    if any(all(one.same(other) for one, other in zip(asked, record, strict=True)) for record in known):
+        return "repetition"
+    return "extrapolation" if _beyond(asked, known) else "interpolation"
+
+
+def hold_out_why(training: Mapping[str, Record], held_out: Record) -> str:
+    """What of a held-out record lies beyond the training, in words; empty if nothing does."""
+    known = _alike(training, held_out)
+    if not known:
+        return "it drives other joints, or other links are drawn out"
+    return "; ".join(_beyond(_features(held_out), known))
+
+
+@dataclass(frozen=True)
+class _Feature:
+    """A number of a record that is compared.
+
+    Attributes
+    ----------
+    words, unit : str
+        What it is, before the number.
+    value : float
+        Its value [unit].
+    side : {-1, 0, 1}
+        On which side of what is known it is new: below, on either, above. A smaller range is nothing new.
+    """
+
+    words: str
+    unit: str
+    value: float
+    side: int = 0
+
+    def same(self, other: _Feature) -> bool:
+        """Whether it is as in another record."""
+        return abs(self.value - other.value) <= SAME * max(abs(self.value), abs(other.value), 1e-12)
+
+    def beyond(self, known: Sequence[float]) -> str:
+        """In words that it lies beyond what is known; empty if it does not."""
+        size = SAME * max(abs(self.value), *map(abs, known), 1e-12)
+        low, high = min(known), max(known)
+        if self.side <= 0 and self.value < low - size:
+            return self._told(low, "at least")
+        if self.side >= 0 and self.value > high + size:
+            return self._told(high, "at most")
+        return ""
+
+    def _told(self, end: float, which: str) -> str:
+        here, there = (
+            "" if self.unit == "kg" and value < 0 else with_unit(value, self.unit)
+            for value in (self.value, end)
+        )
+        return f"{self.words} {here or NOMINAL}, in the training {f'{there} {which}' if there else NOMINAL}"
+
+
+def _alike(training: Mapping[str, Record], held_out: Record) -> list[list[_Feature]]:
+    """Features of the records of training that drive as many joints and draw out the same links."""
+    return [
         _features(record)
         for record in training.values()
         if len(record.drive) == len(held_out.drive) and record.links.keys() == held_out.links.keys()
     ]
-    if not alike:
-        return "extrapolation"
-    known = np.array(alike)
-    size = np.maximum(np.abs(np.vstack([known, asked])).max(axis=0), 1e-12)
-    if (np.abs(known - asked) <= SAME * size).all(axis=1).any():
-        return "repetition"
-    low, high = known.min(axis=0) - SAME * size, known.max(axis=0) + SAME * size
-    return "interpolation" if ((asked >= low) & (asked <= high)).all() else "extrapolation"
 
 
-def _features(record: Record) -> NDArray[np.float64]:
-    """Range and rms rate of each drive, lengths of links, and the mass that was weighed (-1: nominal)."""
-    found = [record.links[name].length for name in sorted(record.links)]
+def _beyond(asked: Sequence[_Feature], known: Sequence[Sequence[_Feature]]) -> list[str]:
+    found = [each.beyond([record[i].value for record in known]) for i, each in enumerate(asked)]
+    return [words for words in found if words]
+
+
+def _features(record: Record) -> list[_Feature]:
+    """Lengths of links, range and rms rate of each drive, and the mass that was weighed (-1: nominal)."""
+    found = [
+        _Feature(f"link {name} is drawn out to", "m", record.links[name].length)
+        for name in sorted(record.links)
+    ]
     for name in record.drive:
         signal = record.signals[name]
         values = signal.values[np.isfinite(signal.values[:, 0]), 0]
-        found += [float(values.min()), float(values.max())] if len(values) else [0.0, 0.0]
-        found.append(_rate(signal))
+        least, most = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
+        joint = signal.joint or name
+        found += [
+            _Feature(f"{joint} goes down to", signal.unit, least, -1),
+            _Feature(f"{joint} goes up to", signal.unit, most, 1),
+            _Feature(f"the rms rate of {joint} is", f"{signal.unit}/s", _rate(signal)),
+        ]
     weighed = [float(load.mass) for load in record.payloads.values() if load.mass is not None]
-    return np.array([*found, sum(weighed) if weighed else -1.0])
+    return [*found, _Feature("the payload weighs", "kg", sum(weighed) if weighed else -1.0)]
 
 
 def _rate(signal: Signal) -> float:

@@ -143,6 +143,7 @@ class DetailsEntry(_Entry):
     training: list[str]
     held_out: list[str]
     hold_out_kind: str
+    hold_out_why: str
     remainder: str
     remarks: list[str]
     stages: list[StageEntry]
@@ -210,6 +211,7 @@ def _details(d: Diagnosis) -> dict[str, Any]:
         "training": d.training,
         "held_out": d.held_out,
         "hold_out_kind": d.hold_out_kind,
+        "hold_out_why": d.hold_out_why,
         "remainder": d.remainder,
         "remarks": d.remarks,
         "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],

@@ -156,6 +156,8 @@ class Diagnosis:
         Names of the records. Without a held-out one, blocks of time were held back.
     hold_out_kind : str
         "repetition", "interpolation" or "extrapolation" of the training, or "blocks".
+    hold_out_why : str
+        What of it lies beyond the training, in words.
     located, located_after : Located or None
         Where the gap is, all records of training together: of the nominal and of the updated model.
     main_signal : str
@@ -188,6 +190,7 @@ class Diagnosis:
     training: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
     hold_out_kind: str = "blocks"
+    hold_out_why: str = ""
     main_signal: str = ""
     located: Located | None = None
     located_after: Located | None = None

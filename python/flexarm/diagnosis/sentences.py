@@ -78,7 +78,8 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
         held_out = listed([f"{name!r}" for name in diagnosis.held_out])
         return (
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
-            f"{_article(diagnosis.hold_out_kind)} of the training."
+            f"{_article(diagnosis.hold_out_kind)} of the training"
+            f"{f': {diagnosis.hold_out_why}' if diagnosis.hold_out_why else ''}."
         )
     return f"Fitted on {fitted}; whole blocks of it were held back to choose."
 
@@ -112,7 +113,7 @@ def _unexplained(diagnosis: Diagnosis) -> list[str]:
 
 def _unusable(diagnosis: Diagnosis) -> list[str]:
     faults = listed([place_words(effect.name, effect.at) for effect in diagnosis.effects])
-    evidence = [effect.evidence for effect in diagnosis.effects]
+    evidence = [effect.evidence[:1].upper() + effect.evidence[1:] for effect in diagnosis.effects]
     return [f"The sensor is at fault, not the physics: {faults}." if faults else "", *evidence]
 
 

@@ -31,7 +31,7 @@ from flexarm.diagnosis.evidence_sentence import evidence_sentence
 from flexarm.diagnosis.fit import Fit, Fitter
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.further import next_experiment
-from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
+from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.left_open import left_open
 from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.locate import locate
@@ -131,6 +131,7 @@ def diagnose(
     named = dict(checked.records)
     held = {} if hold_out is None else {_name(hold_out, named): hold_out}
     kind = "blocks" if hold_out is None else hold_out_kind(named, hold_out)
+    why = "" if hold_out is None else hold_out_why(named, hold_out)
     if hold_out is None:
         parts = {name: hold_back(record) for name, record in named.items()}
         named = {name: fitted for name, (fitted, _) in parts.items()}
@@ -183,6 +184,7 @@ def diagnose(
         training=tuple(named),
         held_out=tuple(held),
         hold_out_kind=kind,
+        hold_out_why=why,
         main_signal=main,
         stages=_stages(compared, arm, updated, choice, everything, main, before, after),
         constancy=tuple(drifts),

@@ -313,7 +313,11 @@ def test_a_check_reads_as_a_table(nominal, faultless):
     assert text.startswith("1 record checked: data are unusable\n  unit_error    tip ")
     assert "probability 1.000   in run" in text
     assert re.search(r"factor = (999|1000|1001)\S* \+- \S+ -", text)
-    assert "times as far as the model" in text
+    told = " ".join(text.split())
+    assert re.search(r"in record 'run' tip [xz] moves", told)
+    assert "times as far as the model says" in told
+    assert "which is what thousandths such as mm or mrad give (1000); with that taken back" in told
+    assert re.search(r"; the same holds for tip [xz]\.$", told)
 
 
 def test_of_the_development_cases_only_the_faulty_one_is_unusable(shared_dir):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexarm import Record, Signal
-from flexarm.diagnosis.hold_out import hold_back, hold_out_kind
+from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.record.table import CarriedPayload, DrawnLink
 
 TIME = np.arange(0.0, 20.0, 0.02)
@@ -77,3 +77,28 @@ def test_a_boom_that_was_drawn_out_further_than_ever_is_extrapolation(length, ki
 
     assert hold_out_kind({"short": out(1.0), "middle": out(1.8)}, out(length)) == kind
     assert hold_out_kind({"no boom": record()}, out(length)) == "extrapolation"
+
+
+@pytest.mark.parametrize(
+    ("held_out", "why"),
+    [
+        (record(), ""),
+        (record(amplitude=0.3, frequency=0.35), ""),  # a smaller range is nothing new, at a rate between them
+        (
+            record(amplitude=1.4, frequency=0.15),
+            "hinge goes down to -1.40 rad, in the training -1.00 rad at least; hinge goes up to 1.40 rad, "
+            "in the training 1.00 rad at most",
+        ),
+        (record(frequency=0.4), "the rms rate of hinge is 1.77 rad/s, in the training 0.886 rad/s at most"),
+        (record(mass=5.0), "the payload weighs 5.00 kg, in the training what the model says"),
+    ],
+)
+def test_what_is_beyond_the_training_is_said(held_out, why):
+    training = {"large": record(), "small": record(amplitude=0.5, frequency=0.2)}
+    assert hold_out_why(training, held_out) == why
+    assert (hold_out_kind(training, held_out) == "extrapolation") == bool(why)
+
+
+def test_other_joints_are_said():
+    lone = record()
+    assert hold_out_why({"a": lone}, replace(lone, drive=())).startswith("it drives other joints")

@@ -12,6 +12,7 @@ from flexarm.diagnosis.checked import Fault
 from flexarm.diagnosis.checks.drives import DriveFinding
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.diagnosis.result import Alternative, Estimate
+from flexarm.diagnosis.wording import listed
 from flexarm.quantities import channel_names
 
 
@@ -163,6 +164,9 @@ def _estimates(items: list[_Item]) -> tuple[Estimate, ...]:
 def _sentence(items: list[_Item], first: _Item) -> str:
     """The clearest one, and which others say the same."""
     others = [item for item in items if item is not first]
-    more = dict.fromkeys(f"{item.at} {item.channel}".rstrip() + f" in {item.record}" for item in others)
-    same = f"; so does {', '.join(more)}" if more else ""
-    return f"in {first.record} {first.sentence}{same}"
+    more = dict.fromkeys(
+        f"{item.at} {item.channel}".rstrip() + (f" in {item.record!r}" if item.record != first.record else "")
+        for item in others
+    )
+    same = f"; the same holds for {listed(list(more))}" if more else ""
+    return f"in record {first.record!r} {first.sentence}{same}."

@@ -34,7 +34,7 @@ UNITS = {
     "radians for degrees": pi / 180,
     "turns for radians": 0.5 / pi,
     "radians for turns": 2 * pi,
-    "mm, mrad or another thousandth": 1e3,
+    "thousandths such as mm or mrad": 1e3,
     "thousandfold units": 1e-3,
     "centimetres for metres": 100.0,
     "percent": 0.01,
@@ -85,9 +85,11 @@ def _scaled(channel: Channel, fit: Fit, plain: float) -> Finding:
     factor = abs(fit.slope)
     bayes = log_bayes(len(channel.rows), plain, fit.scatter)
     turned = "against the model and " if fit.slope < 0 else ""
+    relative = fit.std / factor
     sentence = (
-        f"{channel.label} moves {turned}{factor:.5g} times as far as the model (+- {fit.std / factor:.1%})"
-        f"{unit_named(factor, fit.std / factor)}; {fit.missed:.1%} of the motion is left then"
+        f"{channel.label} moves {turned}{factor:.5g} times as far as the model says "
+        f"(+- {100 * relative:.1f} %)"
+        f"{unit_named(factor, relative)}; with that taken back {100 * fit.missed:.2g} % of its motion is left"
     )
     values = {"factor": (factor, fit.std, "-")}
     return _found(channel, "unit_error", bayes, fit.scatter, values, sentence)
@@ -97,7 +99,7 @@ def unit_named(factor: float, relative: float) -> str:
     """The conversion that a factor may be, for a sentence."""
     near = min(UNITS, key=lambda name: abs(log(factor / UNITS[name])))
     off = abs(log(factor / UNITS[near]))
-    return f", as {near} would ({UNITS[near]:.5g})" if off < max(0.1, 3 * relative) else ""
+    return f", which is what {near} give ({UNITS[near]:.5g})" if off < max(0.1, 3 * relative) else ""
 
 
 def _dead(channel: Channel, plain: float) -> Finding | None:
