@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexarm.cli.options import Json, print_json, warn
-from flexarm.cli.reduce import describe
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -83,7 +82,7 @@ def _reader(path: Path) -> Callable[[Path], Told]:
         raise InvalidFile(
             path, "path", "is a mesh, no model; `flexarm reduce` checks it and makes it a super-element"
         )
-    return describe if path.suffix == ".nc" else _model
+    return _superelement if path.suffix == ".nc" else _model
 
 
 def _plain(problem: Problem) -> dict[str, Any]:
@@ -231,3 +230,10 @@ def _signal_line(entry: tuple[str, dict[str, Any]]) -> str:
         f"  signal {name}: {s['quantity']} at {s['at']} [{s['unit']}], {s['rows']} rows, {rate}, "
         f"noise {noise}, clock {s['clock']}{lost}"
     )
+
+
+def _superelement(path: Path) -> Told:
+    from flexarm.superelement import SuperElement
+
+    element = SuperElement.load(path)
+    return {"kind": "superelement", **element.to_json_dict()}, [element.summary()], element.check()

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import Json, blame, print_json, show_progress, warn
-from flexarm.errors import InvalidFile, Problem
-
-if TYPE_CHECKING:
-    from flexarm.solids import SolidMesh
-    from flexarm.superelement import SuperElement
+from flexarm.cli.accept_matrices import MATRIX_SUFFIXES, accepted, refuse_for_matrices
+from flexarm.cli.options import Json, print_json, warn
+from flexarm.cli.reduce_mesh import draw, reduced, refuse_for_meshes, solid_part
+from flexarm.errors import InvalidFile
 
 Mesh = Annotated[
     Path,
@@ -134,16 +132,14 @@ def reduce(
     if picture is not None:
         _refuse_existing(picture, force)
     if grids is not None or mesh.suffix.lower() in MATRIX_SUFFIXES:
-        _refuse_for_matrices(mesh, grids, modes, max_frequency, material, picture, damping_ratio, recovery)
-        element = _foreign(mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance)
+        refuse_for_matrices(mesh, grids, modes, max_frequency, material, picture, damping_ratio, recovery)
+        element = accepted(mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance)
     else:
-        _refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
-        solid = _mesh(mesh, unit, material, merge)
-        element = _reduced(
-            mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery
-        )
+        refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
+        solid = solid_part(mesh, unit, material, merge)
+        element = reduced(mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery)
         if picture is not None:
-            _draw(solid, element, interface, picture, force)
+            draw(solid, element, interface, picture, force)
     element.save(out, force)
     warn(out, element.check(tolerance=tolerance))
     if json:
@@ -152,172 +148,9 @@ def reduce(
         print(f"{element.summary()}\nwritten to {out}")
 
 
-MATRIX_SUFFIXES = (".mtx", ".op4", ".pch", ".dmig", ".sti", ".mas")
-
-
 def _refuse_existing(path: Path, force: bool) -> None:
     """Before the work is done rather than after it."""
     if path.is_dir() or not path.resolve().parent.is_dir():
         raise InvalidFile(path, "output", "must be a file in a directory that exists")
     if path.exists() and not force:
         raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
-
-
-def _refuse_for_matrices(
-    file: Path,
-    grids: Path | None,
-    modes: int | None,
-    max_frequency: float | None,
-    material: list[str] | None,
-    picture: Path | None,
-    damping_ratio: float,
-    recovery: bool,
-) -> None:
-    if grids is None:
-        what = "is needed: a matrix holds no coordinates; name the bulk data or input deck with its points"
-        raise InvalidFile(file, "--grids", what)
-    given = {
-        "--modes": modes is not None,
-        "--max-frequency": max_frequency is not None,
-        "--material": bool(material),
-        "--picture": picture is not None,
-        "--damping-ratio": damping_ratio != 0,
-        "--recovery": recovery,
-    }
-    for option in (option for option, there in given.items() if there):
-        raise InvalidFile(
-            "command line", option, "is for meshes; with --grids the matrices are reduced already"
-        )
-
-
-def _refuse_for_meshes(*given: object) -> None:
-    names = ("--order", "--mass-matrix", "--damping-matrix", "--tolerance")
-    for option in (name for name, value in zip(names, given, strict=True) if value is not None):
-        raise InvalidFile("command line", option, "is for matrices of other programs, which need --grids")
-
-
-def _pairs(interface: list[str] | None, form: str) -> dict[str, str]:
-    """NAME=WHAT of every --interface."""
-    from flexarm.tables.table import check_name
-
-    pairs: dict[str, str] = {}
-    for text in interface or ():
-        name, equals, what = (part.strip() for part in text.partition("="))
-        if not equals or not name or not what:
-            raise InvalidFile("command line", "--interface", f"must be {form}, got {text!r}")
-        try:
-            check_name(name)
-        except ValueError as error:
-            raise InvalidFile("command line", "--interface", f"{name!r}: {error}") from None
-        if name in pairs:
-            raise InvalidFile("command line", "--interface", f"{name!r} is given twice")
-        pairs[name] = what
-    return pairs
-
-
-def _foreign(
-    file: Path,
-    grids: Path | None,
-    interface: list[str] | None,
-    order: str | None,
-    mass_matrix: str | None,
-    damping_matrix: str | None,
-    unit: str,
-    mass: float | None,
-    tolerance: float | None,
-) -> SuperElement:
-    from flexarm.superelement.foreign import accept_matrices
-
-    assert grids is not None
-    form = "NAME=POINT or NAME=POINT,POINT,... with --grids"
-    named: dict[str, list[int]] = {}
-    for name, points in _pairs(interface, form).items():
-        try:
-            named[name] = [int(point) for point in points.removesuffix(":rigid").split(",")]
-        except ValueError:
-            raise InvalidFile("command line", "--interface", f"must be {form}, got {name}={points}") from None
-    with blame(file):
-        return accept_matrices(
-            file,
-            mass_matrix,
-            grids=grids,
-            order=order,
-            damping_matrix=damping_matrix,
-            interfaces=named,
-            unit=unit,
-            mass=mass,
-            tolerance=tolerance,
-        )
-
-
-def _mesh(file: Path, unit: str, material: list[str] | None, merge: float) -> SolidMesh:
-    from flexarm.cli.materials import read_materials
-    from flexarm.solids import read_mesh
-
-    materials, notes = read_materials(material or (), unit)
-    warn(Path("command line"), notes)
-    groups = {group: value for group, value in materials.items() if group}
-    solid = read_mesh(file, unit, groups, merge=merge)
-    if "" in materials:
-        solid = solid.with_materials(materials[""])
-    solid.check()
-    warn(file, solid.warnings)
-    return solid
-
-
-def _reduced(
-    file: Path,
-    solid: SolidMesh,
-    interface: list[str] | None,
-    modes: int | None,
-    max_frequency: float | None,
-    damping_ratio: float,
-    lumped: bool,
-    mass: float | None,
-    recovery: bool,
-) -> SuperElement:
-    from flexarm.cli.phases import phases
-    from flexarm.reduction import reduce_mesh
-
-    pairs = _pairs(interface, "NAME=SET[:rigid|average]")
-    if not pairs:
-        known = ", ".join(solid.point_sets) or "none"
-        raise InvalidFile(
-            "command line", "--interface", f"is needed, NAME=SET; the mesh has the sets {known}"
-        )
-    with blame(file), phases(show_progress()) as progress:
-        return reduce_mesh(
-            solid,
-            pairs,
-            modes=modes,
-            max_frequency=max_frequency,
-            damping_ratio=damping_ratio,
-            lumped=lumped,
-            mass=mass,
-            recovery=recovery,
-            name=file.stem,
-            progress=progress,
-        )
-
-
-def _draw(
-    solid: SolidMesh, element: SuperElement, interface: list[str] | None, path: Path, force: bool
-) -> None:
-    from flexarm.reduction import InterfaceSet
-    from flexarm.superelement.picture import picture, save_picture
-
-    texts = _pairs(interface, "NAME=SET[:rigid|average]")
-    sets: dict[str, Any] = {
-        name: solid.point_set(str(InterfaceSet.from_text(text).points)) for name, text in texts.items()
-    }
-    frames = {name: element.interface(name) for name in element.interfaces}
-    title = f"{element.name}: {element.mass_total:.5g} kg, {solid.n_dof} degrees of freedom"
-    save_picture(picture(solid, sets, frames, title), path, force)
-
-
-def describe(path: Path) -> tuple[dict[str, Any], list[str], list[Problem]]:
-    """A super-element file, for `flexarm check`."""
-    from flexarm.superelement import SuperElement
-
-    element = SuperElement.load(path)
-    return {"kind": "superelement", **element.to_json_dict()}, [element.summary()], element.check()
