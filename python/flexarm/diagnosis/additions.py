@@ -15,7 +15,8 @@ from flexarm.arm import Arm
 from flexarm.arm.attachment import Point
 from flexarm.arm.link import Beam
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.experiment import CONTROLLER, NOISE, RATE_HZ, Experiment
+from flexarm.diagnosis.experiment import Experiment
+from flexarm.diagnosis.experiment_from import CONTROLLER, NOISE, RATE_HZ
 from flexarm.record.table import CarriedPayload
 from flexarm.simulation import Simulation
 

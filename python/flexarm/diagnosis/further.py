@@ -24,7 +24,8 @@ from flexarm.arm import Arm
 from flexarm.diagnosis.additions import Addition, menu, with_points
 from flexarm.diagnosis.candidates import Candidate
 from flexarm.diagnosis.choose import REACH, Choice, Rival
-from flexarm.diagnosis.experiment import Experiment, from_record
+from flexarm.diagnosis.experiment import Experiment
+from flexarm.diagnosis.experiment_from import from_record
 from flexarm.diagnosis.fit import STEP, Fit
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.projection import Projection

@@ -8,7 +8,7 @@ from arms import crane, there_and_back, tracker
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.choose import REACH, Choice, Rival
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
-from flexarm.diagnosis.experiment import from_drive
+from flexarm.diagnosis.experiment_from import from_drive
 from flexarm.diagnosis.fit import Fitter
 from flexarm.diagnosis.further import ENOUGH, next_experiment
 from flexarm.diagnosis.observed import Observed
