@@ -36,6 +36,7 @@ class Laboratory:
         self.step, self.alpha, self.jobs = step, alpha, jobs
         self.unknowns: Unknowns | None = None
         self.candidates: list[Candidate] = []
+        self.units: dict[str, str] = {}  # of signals
 
     def observed(self, runs: Mapping[str, Experiment]) -> Observed:
         """Virtual records of runs."""
@@ -48,6 +49,7 @@ class Laboratory:
         sensors = {sensor.name for run in runs for sensor in run.sensors}
         full = {run.name: replace(run, sensors=(*run.sensors, *more)) for run in runs}
         observed = self.observed(full)
+        self.units = {name: s.unit for r in observed.records.values() for name, s in r.signals.items()}
         rows = Rows(observed, sensors)
         self.unknowns = unknowns(observed)
         plain = Observed(

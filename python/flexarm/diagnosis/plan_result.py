@@ -45,6 +45,8 @@ class PlannedEffect:
         Where it begins to be detected, on the way from `null` to `value` and beyond.
     log_bayes_factor : float
         Expected, of the effect at `value` over no effect.
+    hidden : str
+        Why it moves nothing that is measured, whatever its size; empty where it does.
     """
 
     name: str
@@ -55,6 +57,7 @@ class PlannedEffect:
     null: float
     least: float
     log_bayes_factor: float
+    hidden: str = ""
 
     @property
     def place(self) -> Place:
@@ -231,7 +234,7 @@ class Plan:
         return self.summary()
 
     def _effect_lines(self) -> list[str]:
-        rows = [("effect", "smallest detectable", "at plausible", "ln B", "taken for")]
+        rows = [("effect", "smallest detectable", "at plausible", "ln B", "taken for, or why not seen")]
         for i, each in enumerate(self.effects):
             rivals = [place_words(*self.effects[j].place) for j in self.rivals(i)]
             shown = ", ".join(rivals[:2]) + (f" and {len(rivals) - 2} more" if len(rivals) > 2 else "")
@@ -241,7 +244,7 @@ class Plan:
                     each.least_words,
                     each.value_words,
                     number(each.log_bayes_factor),
-                    shown if each.seen else "",
+                    shown if each.seen else each.hidden,
                 )
             )
         widths = [max(len(row[k]) for row in rows) for k in range(5)]
@@ -292,6 +295,7 @@ class Plan:
                     "smallest_detectable": _finite(each.least) if each.times <= FAR else None,
                     "log_bayes_factor": _finite(each.log_bayes_factor),
                     "seen": each.seen,
+                    "hidden": each.hidden,
                 }
                 for each in self.effects
             ],

@@ -12,22 +12,17 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from math import inf
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flexarm.arm import Arm
-from flexarm.arm.effect import Effect
 from flexarm.configuration import version
 from flexarm.diagnosis.additions import menu
-from flexarm.diagnosis.candidates import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.choose import STRONG
 from flexarm.diagnosis.experiment import Experiment
 from flexarm.diagnosis.experiment_from import from_drive, from_record
 from flexarm.diagnosis.laboratory import Laboratory
-from flexarm.diagnosis.plan_result import Plan, PlannedEffect, Tie
-from flexarm.diagnosis.separation import Shown, against_none, cliques, gaps_of, matrix, shown_by
+from flexarm.diagnosis.plan_result import Plan, Tie
+from flexarm.diagnosis.planned_effect import planned_effect
+from flexarm.diagnosis.separation import against_none, cliques, gaps_of, matrix, shown_by
 from flexarm.diagnosis.ties import lesser_factor, pairs, ties
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -105,7 +100,7 @@ def plan(
         arm,
         tuple(run.name for run in runs),
         tuple(
-            _planned(variants[s.variant].candidate, s, float(e))
+            planned_effect(variants[s.variant].candidate, s, float(e), arm, lab.units)
             for variants, s, e in zip(base.effects, shown, seen, strict=True)
         ),
         factors,
@@ -117,34 +112,6 @@ def plan(
         said,
         {"version": version(), "seconds": time.monotonic() - begun},
     )
-
-
-def _planned(candidate: Candidate, shown: Shown, seen: float) -> PlannedEffect:
-    """An effect as it is shown, and the smallest one that is seen; see eq. (2) of `separation`."""
-    size = candidate.probes[shown.probe]
-    units = {name: unit.removeprefix("SI") for name, _, unit in size.parameters()}
-    name = _parameter(candidate, size)
-    value, null = value_of(size, name), candidate.null.get(name, 0.0)
-    times = np.sqrt(STRONG / seen) if seen > 0 else inf
-    if candidate.name in SPRINGS:
-        there = value_of(candidate.without, "stiffness") if candidate.without is not None else inf
-        change = 1.0 / value - 1.0 / there
-        least = 1.0 / (1.0 / there + times * change)
-        return PlannedEffect(*candidate.place, name, units[name], value, there, least, seen)
-    return PlannedEffect(
-        *candidate.place, name, units[name], value, null, null + times * (value - null), seen
-    )
-
-
-def _parameter(candidate: Candidate, size: Effect) -> str:
-    """The parameter that says how large an effect is: the one that differs most from none."""
-    moved = {
-        name: abs(value_of(size, name) - candidate.null.get(name, 0.0))
-        for name in candidate.free
-        if name not in ("phase", "frequency", "width", "damping", "time_constant", "multiple")
-    }
-    names = [name for name, move in moved.items() if move > 0]
-    return names[0] if names else candidate.free[0]
 
 
 def _experiment(

@@ -10,10 +10,11 @@ from io import BytesIO
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.gap_curves import sides
+from flexarm.diagnosis.wording import listed
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.figures import style
 from flexarm.report.gap_figures import by_band, gap_along, waterfall
-from flexarm.report.state_figures import against_states, rotations
+from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,9 +89,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     yield (
         "states",
         "where",
-        f"The gap of {d.main_signal} on all records of training against what the joint did. A curve over "
-        "the torque is a spring, two branches by sense of motion are friction, a wave over the angle is a "
-        "gear or an encoder.",
+        _of_states(d),
         against_states(d),
     )
     yield (
@@ -121,6 +120,19 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
             f"Record {record} ({role}): gap of {d.main_signal} before and after, and the noise.",
             gap_along(d, record),
         )
+
+
+def _of_states(d: Diagnosis) -> str:
+    """What stands below the gap against the states of the joints."""
+    joints = [states.joint for states in shown_joints(d)]
+    if not joints:
+        return ""
+    whose = f"of {joints[0]}" if len(joints) == 1 else f"of {listed(joints)}, a row each"
+    return (
+        f"The gap of {d.main_signal}, {main_direction(d)} (where it is greatest), in all of the training, "
+        f"against angle, rate and torque {whose}. A curve over the torque is a spring, two branches by sense "
+        "of motion are friction, a wave over the angle is a gear or an encoder."
+    )
 
 
 def stems(names: Sequence[str]) -> list[str]:

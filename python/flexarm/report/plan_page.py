@@ -96,6 +96,7 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "value": each.value_words,
             "evidence": number(each.log_bayes_factor),
             "seen": each.seen,
+            "hidden": each.hidden,
             "rivals": [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else [],
         }
 

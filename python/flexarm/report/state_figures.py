@@ -44,21 +44,41 @@ def state_of(effect: str) -> str:
 
 
 def against_states(d: Diagnosis) -> Figure | None:
-    """The main signal's gap against angle, rate and torque of the joint that turns most, before and after."""
-    rows = d.located.gaps.get(d.main_signal) if d.located is not None else None
-    if d.located is None or rows is None or not rows.states:
+    """The main signal's gap against angle, rate and torque of the joints, a row each, before and after."""
+    shown = shown_joints(d)
+    if d.located is None or not shown:
         return None
-    chosen = turned_most(d.located, rows)
-    kinds = KINDS if chosen.moves else ("angle", "torque")
-    direction = _largest(rows)
-    figure, axes = sheet(1, len(kinds), 1.6, between=(0.3, 0.0), sharey=True)
-    for ax, kind in zip(axes[0], kinds, strict=True):
-        draw_against(ax, d, d.main_signal, direction, chosen.joint, kind)
-    axes[0, 0].set_title(f"{d.main_signal}, {direction}: measured − model", loc="left")
-    for ax in axes[0, 1:]:
-        ax.set_ylabel("")
+    kinds = KINDS if any(states.moves for states in shown) else ("angle", "torque")
+    direction = main_direction(d)
+    tall = 1.6 if len(shown) == 1 else 1.25
+    figure, axes = sheet(len(shown), len(kinds), tall, between=(0.3, BOTTOM), sharey=True)
+    for row, states in zip(axes, shown, strict=True):
+        for ax, kind in zip(row, kinds, strict=True):
+            draw_against(ax, d, d.main_signal, direction, states.joint, kind)
+        for ax in row[1:]:
+            ax.set_ylabel("")
+    title = f"{d.main_signal}, {direction}: measured − model"
+    axes[0, 0].set_title(title + (", against each joint" if len(shown) > 1 else ""), loc="left")
     legend_below(figure, axes[0, 0])
     return figure
+
+
+def shown_joints(d: Diagnosis) -> list[States]:
+    """Joints that are drawn, at most three: where an effect sits first, then whose rotation holds most."""
+    rows = d.located.gaps.get(d.main_signal) if d.located is not None else None
+    if d.located is None or rows is None or not rows.states:
+        return []
+    found = d.located.rotations
+    ranked = [*(e.at for e in d.effects), *(each.joint for each in (found.joints if found else ()))]
+    moving = [each.joint for each in rows.states]
+    order = dict.fromkeys([*(joint for joint in ranked if joint in moving), *moving])
+    return [_of(rows.states, joint) for joint in list(order)[:MOST_JOINTS]]
+
+
+def main_direction(d: Diagnosis) -> str:
+    """The direction in which the main signal's gap is greatest; it is what `against_states` draws."""
+    assert d.located is not None
+    return _largest(d.located.gaps[d.main_signal])
 
 
 def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str, kind: str) -> None:

@@ -154,3 +154,22 @@ def test_the_file_holds_what_is_printed():
 def test_a_plan_without_motion_is_refused():
     with pytest.raises(flexarm.InvalidParameter, match="at least one motion"):
         flexarm.plan(crane(), {})
+
+
+def test_why_the_friction_of_a_rigid_joint_is_not_seen_is_said():
+    """The drive takes the torque; with a spring in the hinge, or the torque logged, it shows."""
+    hinge = Sensor(
+        name="torque", quantity="motor_torque", joint="hinge", side="motor", rate_hz=20, noise_std=0.01
+    )
+    found = {}
+    for name, sensors in (("blind", ()), ("logged", (hinge,))):
+        model = crane(tracker("tip"), *sensors)
+        stiff = model.without_effect("joint_compliance", "hinge") if model.effects else model
+        found[name] = flexarm.plan(
+            stiff, {"slow": there_and_back(10.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1
+        )
+    blind = found["blind"].effect("viscous_friction", "hinge")
+    assert not blind.seen
+    assert blind.hidden.startswith("hinge is rigid in the model")
+    assert blind.hidden in str(found["blind"])
+    assert found["logged"].effect("viscous_friction", "hinge").hidden == ""

@@ -2,6 +2,7 @@
 
 import base64
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import diagnoses
@@ -135,6 +136,15 @@ def test_effects_are_told_in_the_order_of_the_argument():
     assert "link stiffness at rod , probability 0.07" in text
     assert "stays within its error" in text
     assert "210.0 GPa −2.0 GPa 1.0 GPa −1.0" in text  # one sigma of the stated per cent below nominal
+
+
+def test_ratios_to_the_noise_are_explained_where_they_are_given():
+    d = diagnoses.of_effects()
+    html = page(d, [], d.to_json_dict())
+    assert "Over noise: the rms gap of that part over" in html
+    assert "“Times the noise”" not in html  # no sentence speaks of it
+    d = replace(d, effects=(replace(d.effects[0], evidence="It falls from 4.3 to 0.31 times the noise."),))
+    assert "“Times the noise”: what is left" in page(d, [], d.to_json_dict())
 
 
 def test_an_unusable_record_is_told_by_channel_and_names_no_physics():

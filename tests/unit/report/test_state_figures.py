@@ -1,5 +1,7 @@
 """Claims about the gap against what the arm did: what is drawn is the gap, at the joint that turns."""
 
+from dataclasses import replace
+
 import diagnoses
 import numpy as np
 import pytest
@@ -7,8 +9,17 @@ from planted import run_of
 from pytest import approx
 
 from flexarm.diagnosis.locate import locate
+from flexarm.diagnosis.result import NamedEffect
+from flexarm.report.diagnosis_drawings import _figures
 from flexarm.report.figures import style
-from flexarm.report.state_figures import against_states, located_sides, most_repaired, rotations, state_of
+from flexarm.report.state_figures import (
+    against_states,
+    located_sides,
+    most_repaired,
+    rotations,
+    shown_joints,
+    state_of,
+)
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +69,27 @@ def test_the_joint_that_turns_is_the_one_that_is_drawn(bent_elbow):
     with style():
         figure = against_states(bent_elbow)
     assert figure.axes[0].get_xlabel() == "angle of elbow [rad]"
+
+
+def test_every_joint_is_drawn_under_a_title_that_says_so(bent_elbow):
+    with style():
+        figure = against_states(bent_elbow)
+    labels = [ax.get_xlabel() for ax in figure.axes]
+    assert [label.split(" [")[0] for label in labels] == [
+        f"{kind} of {joint}" for joint in ("elbow", "shoulder") for kind in ("angle", "rate", "torque")
+    ]
+    direction = figure.axes[0].get_ylabel().split(" [")[0]
+    title = figure.axes[0].get_title(loc="left")
+    assert title == f"tip, {direction}: measured − model, against each joint"
+    [caption] = [text for name, _, text, _ in _figures(bent_elbow) if name == "states"]
+    assert f"tip, {direction}" in caption
+    assert "of elbow and shoulder, a row each" in caption
+
+
+def test_where_an_effect_is_named_its_joint_comes_first(bent_elbow):
+    named = NamedEffect("coulomb_friction", "shoulder", 0.9)
+    d = replace(bent_elbow, effects=(named,))
+    assert [states.joint for states in shown_joints(d)] == ["shoulder", "elbow"]
 
 
 def test_one_joint_needs_no_figure_of_rotations():

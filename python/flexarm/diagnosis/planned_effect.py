@@ -1,0 +1,74 @@
+"""An effect at a place, as a plan tells it: its size, the smallest one that is seen, or why none is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, sqrt
+from typing import TYPE_CHECKING
+
+from flexarm.diagnosis.candidates import SPRINGS, value_of
+from flexarm.diagnosis.choose import STRONG
+from flexarm.diagnosis.plan_result import PlannedEffect
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.arm.effect import Effect
+    from flexarm.diagnosis.candidates import Candidate
+    from flexarm.diagnosis.separation import Shown
+
+NOTHING = 1e-3
+"""Expected ln Bayes factor below which an effect leaves no trace in the signals."""
+TORQUES = ("coulomb_friction", "viscous_friction", "lugre_friction", "motor_friction", "cable_torque")
+"""Laws that are a torque at a joint."""
+
+
+def planned_effect(
+    candidate: Candidate, shown: Shown, seen: float, arm: Arm, signals: Mapping[str, str]
+) -> PlannedEffect:
+    """An effect as it is shown, and the smallest one that is seen.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The effect.
+    shown : Shown
+        At which size it is shown.
+    seen : float
+        Expected ln Bayes factor over no effect at that size; eq. (2) of `separation`.
+    arm : Arm
+        The nominal model.
+    signals : dict of str to str
+        Units of signals, for effects that have that of their signal.
+    """
+    size = candidate.probes[shown.probe]
+    own = signals.get(candidate.at, "")
+    units = {name: own if unit == "SI" else unit for name, _, unit in size.parameters()}
+    name = _parameter(candidate, size)
+    value, null = value_of(size, name), candidate.null.get(name, 0.0)
+    times = sqrt(STRONG / seen) if seen > 0 else inf
+    if candidate.name in SPRINGS:
+        there = value_of(candidate.without, "stiffness") if candidate.without is not None else inf
+        change = 1.0 / value - 1.0 / there
+        least = 1.0 / (1.0 / there + times * change)
+    else:
+        there, least = null, null + times * (value - null)
+    why = hidden(arm, *candidate.place) if seen < NOTHING else ""
+    return PlannedEffect(*candidate.place, name, units[name], value, there, least, seen, why)
+
+
+def hidden(arm: Arm, name: str, at: str) -> str:
+    """Why an effect leaves no trace: a torque on a joint that cannot give way is taken by the drive."""
+    if name in TORQUES and arm.effect("joint_compliance", at) is None:
+        return f"{at} is rigid in the model, so that its drive takes the torque, which no sensor shows"
+    return "it moves nothing that is measured"
+
+
+def _parameter(candidate: Candidate, size: Effect) -> str:
+    """The parameter that says how large an effect is: the one that differs most from none."""
+    moved = {
+        name: abs(value_of(size, name) - candidate.null.get(name, 0.0))
+        for name in candidate.free
+        if name not in ("phase", "frequency", "width", "damping", "time_constant", "multiple")
+    }
+    names = [name for name, move in moved.items() if move > 0]
+    return names[0] if names else candidate.free[0]
