@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.report.diagnosis_drawings import drawings
 from flexarm.report.diagnosis_page import page
+from flexarm.report.files import write_files
 from flexarm.report.updated_model import write_updated
 
 if TYPE_CHECKING:
@@ -29,9 +29,5 @@ def write(diagnosis: Diagnosis, directory: Path) -> None:
     """
     report = diagnosis.to_json_dict()
     drawn = drawings(diagnosis)
-    for drawing in drawn:
-        (directory / f"{drawing.name}.png").write_bytes(drawing.png)
-    (directory / PAGE).write_text(page(diagnosis, drawn, report), encoding="utf-8")
-    text = json.dumps(report, indent=2, allow_nan=False)
-    (directory / REPORT).write_text(text + "\n", encoding="utf-8")
+    write_files(directory, drawn, (PAGE, page(diagnosis, drawn, report)), (REPORT, report))
     write_updated(diagnosis, directory / MODEL)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import base64
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from io import BytesIO
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.gap_curves import sides
 from flexarm.diagnosis.wording import listed
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
-from flexarm.report.figures import style
+from flexarm.report.files import Drawing, drawn
 from flexarm.report.gap_figures import by_band, gap_along, waterfall
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints
 
@@ -21,45 +18,10 @@ if TYPE_CHECKING:
 
     from flexarm.diagnosis.result import Diagnosis
 
-DOTS = 170
-"""Resolution [per inch]: sharp at the page's full width."""
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """A figure of the page.
-
-    Attributes
-    ----------
-    name : str
-        Of its file, without `.png`.
-    section : str
-        Where it stands: "where", "candidates", "shrinks", "constancy", "effects".
-    caption : str
-        What it shows.
-    png : bytes
-        The image.
-    """
-
-    name: str
-    section: str
-    caption: str
-    png: bytes
-
-    @property
-    def address(self) -> str:
-        """The image itself as an address, so that the page fetches nothing."""
-        return "data:image/png;base64," + base64.b64encode(self.png).decode()
-
 
 def drawings(d: Diagnosis) -> list[Drawing]:
     """All figures of a diagnosis, in the order of the page."""
-    with style():
-        return [
-            Drawing(name, section, caption, _png(figure))
-            for name, section, caption, figure in _figures(d)
-            if figure is not None
-        ]
+    return drawn(_figures(d))
 
 
 def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
@@ -147,9 +109,3 @@ def stems(names: Sequence[str]) -> list[str]:
         count = 1 + sum(re.fullmatch(rf"{re.escape(plain)}(-\d+)?", other) is not None for other in found)
         found.append(plain if count == 1 else f"{plain}-{count}")
     return found
-
-
-def _png(figure: Figure) -> bytes:
-    content = BytesIO()
-    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None})
-    return content.getvalue()

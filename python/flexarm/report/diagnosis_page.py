@@ -15,11 +15,12 @@ from flexarm.diagnosis.refinement import refinements
 from flexarm.diagnosis.sentences import headline, hold_out_sentence, verdict_sentence
 from flexarm.diagnosis.where import FOLLOWS
 from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
+from flexarm.report.template import filled
 from flexarm.tables import toml_text
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis, Estimate, NamedEffect
-    from flexarm.report.diagnosis_drawings import Drawing
+    from flexarm.report.files import Drawing
 
 Row = dict[str, Any]
 MOST_REJECTED = 12
@@ -38,20 +39,13 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
     report : dict
         The content of `report.json`, whose provenance is shown.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("flexarm.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
+    filters = {
         "place": lambda each: place_words(each["name"], each["at"]),
         "breakable": lambda key: Markup("<wbr>").join(re.split(r"(?<=[._/])", key)),
     }
-    return environment.get_template("diagnosis.html.j2").render(
+    return filled(
+        "diagnosis.html.j2",
+        filters,
         d=d,
         headline=headline(d),
         verdict=verdict_sentence(d),

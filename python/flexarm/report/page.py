@@ -11,6 +11,7 @@ from flexarm.report.deformed_figure import ARM_SCALE, HINGE_SCALE
 from flexarm.report.oscillation import start_time
 from flexarm.report.study import Study
 from flexarm.report.tables import deformed_instant, zoom_window
+from flexarm.report.template import filled
 
 CAPTIONS = {
     "04": "Angle of the reducer's input shaft: the sine of ±1.2 rad times the ratio 120.",
@@ -33,16 +34,6 @@ CAPTIONS = {
 
 def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> str:
     """The page as HTML; images stand beside it."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("flexarm.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"mm": _mm, "number": _number, "power": _power}
     first, last = zoom_window(study)
     facts = {
         "instant": deformed_instant(study),
@@ -53,7 +44,9 @@ def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> st
         "hinge": HINGE_SCALE,
     }
     versions = config()
-    return environment.get_template("page.html.j2").render(
+    return filled(
+        "page.html.j2",
+        {"mm": _mm, "number": _number, "power": _power},
         summary=summary,
         claims=summary["claims"],
         parameters=summary["parameters"],

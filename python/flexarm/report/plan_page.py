@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.diagnosis.plan_curves import draw_matrix, draw_sizes
 from flexarm.diagnosis.wording import listed, number, place_words
-from flexarm.report.diagnosis_drawings import DOTS, Drawing
 from flexarm.report.diagnosis_page import effect_law
-from flexarm.report.figures import style
+from flexarm.report.files import Drawing, drawn, write_files
 from flexarm.report.sheets import margin_for, sheet
+from flexarm.report.template import filled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,49 +26,37 @@ ROW = 0.19
 
 def write(plan: Plan, directory: Path) -> None:
     """Writes plan.json, plan.html and the figures into a directory that is there."""
-    drawn = drawings(plan)
-    for drawing in drawn:
-        (directory / f"{drawing.name}.png").write_bytes(drawing.png)
-    (directory / PAGE).write_text(page(plan, drawn), encoding="utf-8")
-    text = json.dumps(plan.to_json_dict(), indent=2, allow_nan=False)
-    (directory / FILE).write_text(text + "\n", encoding="utf-8")
+    figures = drawings(plan)
+    write_files(directory, figures, (PAGE, page(plan, figures)), (FILE, plan.to_json_dict()))
 
 
 def drawings(plan: Plan) -> list[Drawing]:
     """Both figures, drawn."""
-    with style():
-        return [Drawing(name, name, caption, _png(figure)) for name, caption, figure in _figures(plan)]
+    return drawn(_figures(plan), bbox_inches="tight")
 
 
-def page(plan: Plan, drawn: list[Drawing]) -> str:
+def page(plan: Plan, figures: list[Drawing]) -> str:
     """The page as HTML."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("flexarm.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     headline = plan.headline()
-    return environment.get_template("plan.html.j2").render(
+    return filled(
+        "plan.html.j2",
         p=plan,
         headline=headline[:1].upper() + headline[1:],
         effects=list(_effect_rows(plan)),
         groups=[listed([place_words(*plan.effects[i].place) for i in group]) for group in plan.groups],
         additions=plan.additions(),
         ties=list(_tie_rows(plan)),
-        drawn={drawing.name: drawing for drawing in drawn},
+        drawn={drawing.name: drawing for drawing in figures},
     )
 
 
-def _figures(plan: Plan) -> Iterator[tuple[str, str, Figure]]:
+def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
     labels = [place_words(*each.place) for each in plan.effects]
     margin = margin_for(labels, 7)
     figure, axes = sheet(1, 1, ROW * len(labels) + 0.2, left=margin, legend=False)
     draw_sizes(plan, axes[0, 0])
     yield (
+        "smallest-sizes",
         "smallest-sizes",
         "The smallest size of each effect that this experiment would detect, over a plausible size (dashed). "
         "Grey: not seen at a plausible size.",
@@ -80,6 +66,7 @@ def _figures(plan: Plan) -> Iterator[tuple[str, str, Figure]]:
     draw_matrix(plan, axes[0, 0])
     axes[0, 0].set_anchor("N")
     yield (
+        "matrix",
         "matrix",
         "If the effect of a row is there, could that of a column be named? Red: they cannot be told apart "
         "(expected ln Bayes factor below ln 20); pale: hardly; blue: well. Grey: the effect is not seen.",
@@ -111,9 +98,3 @@ def _tie_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "minutes": f"{best.minutes:g}" if best else "–",
             "after": number(best.log_bayes_factor) if best else "–",
         }
-
-
-def _png(figure: Figure) -> bytes:
-    content = BytesIO()
-    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None}, bbox_inches="tight")
-    return content.getvalue()

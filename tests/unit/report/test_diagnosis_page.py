@@ -14,9 +14,10 @@ import flexarm
 from flexarm.diagnosis.locate import locate
 from flexarm.diagnosis.result import NamedEffect
 from flexarm.report.diagnosis import write
-from flexarm.report.diagnosis_drawings import Drawing, _figures, stems
+from flexarm.report.diagnosis_drawings import _figures, stems
 from flexarm.report.diagnosis_page import page
 from flexarm.report.figures import style
+from flexarm.report.files import Drawing
 
 VERDICTS = sorted(diagnoses.ALL)
 VOID = {"meta", "img", "br", "wbr", "link", "input", "hr"}
