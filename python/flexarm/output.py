@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -55,6 +56,32 @@ def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
         shutil.rmtree(partial, ignore_errors=True)
         _remove_empty(made)
         raise
+
+
+class SavedAsDirectory(ABC):
+    """A result of several files."""
+
+    @abstractmethod
+    def write(self, directory: Path) -> None:
+        """Writes the files into a directory that is there."""
+
+    def save(self, directory: str | Path, force: bool = False) -> None:
+        """Writes the files, see `write`, all of them or none.
+
+        Parameters
+        ----------
+        directory : str or Path
+            A new or empty directory.
+        force : bool
+            Write into a directory that holds files.
+
+        Raises
+        ------
+        InvalidFile
+            If the directory holds files, or cannot be written.
+        """
+        with output_directory(directory, force) as place:
+            self.write(place)
 
 
 def _refuse_occupied(target: Path, force: bool) -> None:

@@ -67,11 +67,10 @@ def diagnose(
         with blame_one_of(model, names, read, arm):
             found = _diagnosed(arm, training, held_out, jobs, seed)
         from flexarm.diagnosis.inputs import hashes
-        from flexarm.report.diagnosis import write
 
         traced = {"inputs_sha256": hashes(model, arm, read)}
         found = replace(found, provenance={**found.provenance, **traced})
-        write(found, directory)
+        found.write(directory)
     print(found.summary())
     print(f"\nwritten to {out}: open {out / 'report.html'}")
 

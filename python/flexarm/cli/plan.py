@@ -61,11 +61,10 @@ def plan(
         found = _planned(model, arm, motions, jobs)
     else:
         from flexarm.output import output_directory
-        from flexarm.report.plan_page import write
 
         with output_directory(out, force) as directory:
             found = _planned(model, arm, motions, jobs)
-            write(found, directory)
+            found.write(directory)
     if json:
         print_json(found.to_json_dict())
         return

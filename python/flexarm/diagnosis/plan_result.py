@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.diagnosis.choose import REACH, STRONG
-from flexarm.diagnosis.wording import listed, number, place_words, with_unit
+from flexarm.diagnosis.wording import with_unit
+from flexarm.output import SavedAsDirectory
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
 
 Place = tuple[str, str]
-FORMAT = "flexarm-plan/1"
-MOST_TIES = 12
-"""Tied pairs that are printed; the file plan.json has all."""
 SMALL = 0.05
 """Change of a nominal value that is told as such."""
 FAR = 10.0
@@ -144,7 +142,7 @@ class Tie:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Plan:
+class Plan(SavedAsDirectory):
     """What an experiment could tell apart.
 
     Attributes
@@ -184,7 +182,10 @@ class Plan:
         KeyError
             If it was not planned for.
         """
-        return next((e for e in self.effects if e.place == (name, at)), None) or _missing(name, at)
+        for each in self.effects:
+            if each.place == (name, at):
+                return each
+        raise KeyError(f"{name} at {at} was not planned for")
 
     def tie(self, one: Place, other: Place) -> Tie | None:
         """The tie of two effects; None if the experiment parts them."""
@@ -205,108 +206,33 @@ class Plan:
         rows = [(words, minutes, count) for words, (minutes, count) in found.items()]
         return sorted(rows, key=lambda row: (-row[2], row[1]))
 
-    # ------------------------------------------------------------------- output
-
-    def headline(self) -> str:
-        """The plan in a sentence."""
-        seen = [e for e in self.effects if e.seen]
-        text = (
-            f"of {len(self.effects)} effects the experiment would show {len(seen)} at a plausible size and "
-            f"tell {len(self.alone())} of them from all others"
-        )
-        if not self.ties:
-            return text + "."
-        words, minutes, count = self.additions()[0] if self.additions() else ("", 0.0, 0)
-        if not count:
-            return text + f"; nothing on the menu parts any of the {len(self.ties)} tied pairs."
-        return text + (
-            f"; a run {words} (some {minutes:g} min) would part {count} of the {len(self.ties)} tied pairs."
-        )
-
-    def summary(self) -> str:
-        """Sizes that are seen, groups that cannot be parted, and what would part them, as text."""
-        lines = [f"plan of {self.arm.name}: {', '.join(self.runs)}", self.headline(), ""]
-        lines += [f"assumed: {sentence}" for sentence in self.assumed]
-        lines += ["", *self._effect_lines(), "", *self._group_lines()]
-        return "\n".join([*lines, *self._addition_lines()]).replace("\n\n\n", "\n\n")
-
-    def __repr__(self) -> str:
-        return self.summary()
-
-    def _effect_lines(self) -> list[str]:
-        rows = [("effect", "smallest detectable", "at plausible", "ln B", "taken for, or why not seen")]
-        for i, each in enumerate(self.effects):
-            rivals = [place_words(*self.effects[j].place) for j in self.rivals(i)]
-            shown = ", ".join(rivals[:2]) + (f" and {len(rivals) - 2} more" if len(rivals) > 2 else "")
-            rows.append(
-                (
-                    place_words(*each.place),
-                    each.least_words,
-                    each.value_words,
-                    number(each.log_bayes_factor),
-                    shown if each.seen else each.hidden,
-                )
-            )
-        widths = [max(len(row[k]) for row in rows) for k in range(5)]
-        return [
-            "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
-        ]
-
     def rivals(self, i: int) -> list[int]:
         """Effects that would do in the place of one, by number."""
         row = self.log_bayes_factor[i]
         return [int(j) for j in np.argsort(row, kind="stable") if j != i and row[j] < REACH]
 
-    def _group_lines(self) -> list[str]:
-        if not self.groups:
-            return ["every effect that is seen can be told from every other one"]
-        lines = ["cannot be told apart (expected ln Bayes factor below ln 20):"]
-        for group in self.groups:
-            lines.append("  " + listed([place_words(*self.effects[i].place) for i in group]))
-        return lines
+    # ------------------------------------------------------------------- output
 
-    def _addition_lines(self) -> list[str]:
-        if not self.ties:
-            return []
-        lines = ["", f"what may be added, and how many of {len(self.ties)} tied pairs it parts:"]
-        for words, minutes, count in self.additions():
-            lines.append(f"  {count:4d}  {words} (some {minutes:g} min)")
-        lines += ["", "cheapest addition by pair:"]
-        lines += [f"  {_tie_words(tie)}" for tie in self.ties[:MOST_TIES]]
-        more = len(self.ties) - MOST_TIES
-        return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
+    def headline(self) -> str:
+        """The plan in a sentence."""
+        from flexarm.diagnosis.plan_summary import headline
+
+        return headline(self)
+
+    def summary(self) -> str:
+        """Sizes that are seen, groups that cannot be parted, and what would part them, as text."""
+        from flexarm.diagnosis.plan_summary import summary
+
+        return summary(self)
+
+    def __repr__(self) -> str:
+        return self.summary()
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `plan.json`; what is infinite becomes null."""
-        return {
-            "format": FORMAT,
-            "model": self.arm.name,
-            "runs": list(self.runs),
-            "assumed": list(self.assumed),
-            "thresholds": {"detected": STRONG, "parted": REACH},
-            "effects": [
-                {
-                    "name": each.name,
-                    "at": each.at,
-                    "parameter": each.parameter,
-                    "unit": each.unit,
-                    "value": _finite(each.value),
-                    "null": _finite(each.null),
-                    "smallest_detectable": _finite(each.least) if each.times <= FAR else None,
-                    "log_bayes_factor": _finite(each.log_bayes_factor),
-                    "seen": each.seen,
-                    "hidden": each.hidden,
-                }
-                for each in self.effects
-            ],
-            "log_bayes_factor": [[_finite(x) for x in row] for row in self.log_bayes_factor],
-            "groups": [
-                [{"name": self.effects[i].name, "at": self.effects[i].at} for i in group]
-                for group in self.groups
-            ],
-            "ties": [_tie(each) for each in self.ties],
-            "provenance": dict(self.provenance),
-        }
+        from flexarm.diagnosis.plan_file import plan_dict
+
+        return plan_dict(self)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """The matrix of expected log Bayes factors.
@@ -320,55 +246,8 @@ class Plan:
 
         return draw_matrix(self, ax)
 
-    def save(self, directory: str | Path, force: bool = False) -> None:
-        """Writes plan.json, plan.html and the figures, all of them or none.
-
-        Parameters
-        ----------
-        directory : str or Path
-            A new or empty directory.
-        force : bool
-            Write into a directory that holds files.
-
-        Raises
-        ------
-        InvalidFile
-            If the directory holds files, or cannot be written.
-        """
-        from flexarm.output import output_directory
+    def write(self, directory: Path) -> None:
+        """Writes plan.json, plan.html and the figures into a directory that is there."""
         from flexarm.report.plan_page import write  # draws this; so it is imported when it is asked for
 
-        with output_directory(directory, force) as place:
-            write(self, place)
-
-
-def _tie_words(tie: Tie) -> str:
-    pair, best = f"{place_words(*tie.one)} | {place_words(*tie.other)}", tie.cheapest
-    if best is None:
-        return f"{pair}: nothing on the menu"
-    before, after = number(tie.log_bayes_factor, 2), number(best.log_bayes_factor)
-    return f"{pair}: {best.addition}, ln B {before} -> {after}"
-
-
-def _tie(tie: Tie) -> dict[str, Any]:
-    return {
-        "effects": [{"name": name, "at": at} for name, at in (tie.one, tie.other)],
-        "log_bayes_factor": _finite(tie.log_bayes_factor),
-        "additions": [
-            {
-                "addition": each.addition,
-                "minutes": each.minutes,
-                "log_bayes_factor": _finite(each.log_bayes_factor),
-                "parts": each.parts,
-            }
-            for each in tie.partings
-        ],
-    }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
-
-
-def _missing(name: str, at: str) -> PlannedEffect:
-    raise KeyError(f"{name} at {at} was not planned for")
+        write(self, directory)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from flexarm.diagnosis.pooled_gap import PooledGap, pooled_gap
+from flexarm.output import SavedAsDirectory
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -135,7 +136,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Diagnosis:
+class Diagnosis(SavedAsDirectory):
     """What `diagnose` found.
 
     Attributes
@@ -261,26 +262,11 @@ class Diagnosis:
 
         return plot(self, ax, record)
 
-    def save(self, directory: str | Path, force: bool = False) -> None:
-        """Writes report.json, report.html, updated.toml and the figures, all of them or none.
-
-        Parameters
-        ----------
-        directory : str or Path
-            A new or empty directory.
-        force : bool
-            Write into a directory that holds files.
-
-        Raises
-        ------
-        InvalidFile
-            If the directory holds files, or cannot be written.
-        """
-        from flexarm.output import output_directory
+    def write(self, directory: Path) -> None:
+        """Writes report.json, report.html, updated.toml and the figures into a directory that is there."""
         from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
 
-        with output_directory(directory, force) as place:
-            write(self, place)
+        write(self, directory)
 
     def __repr__(self) -> str:
         return self.summary()
