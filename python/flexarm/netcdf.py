@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.errors import InvalidFile
+from flexarm.output import output_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,17 +68,8 @@ def save(contents: Contents, path: str | Path) -> None:
     InvalidFile
         If the file cannot be written.
     """
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise InvalidFile(path, "output", f"cannot be written: there is no directory {target.parent}")
-    partial = target.with_name(f".{target.name}.partial")
-    try:
+    with output_file(path) as partial:
         _write(contents, partial)
-        partial.replace(target)
-    except OSError as error:
-        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _write(contents: Contents, path: Path) -> None:

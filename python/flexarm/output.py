@@ -58,6 +58,38 @@ def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
         raise
 
 
+@contextmanager
+def output_file(path: str | Path) -> Iterator[Path]:
+    """A file to write, which becomes `path` when the block ends well and vanishes when it does not.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the output shall be, in a directory that is there; a file of that name is replaced.
+
+    Yields
+    ------
+    Path
+        A hidden file beside `path`, with the same ending.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be written.
+    """
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise InvalidFile(path, "output", f"cannot be written: there is no directory {target.parent}")
+    partial = target.with_name(f".{target.stem}.partial{target.suffix}")
+    try:
+        yield partial
+        partial.replace(target)
+    except OSError as error:
+        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
 class SavedAsDirectory(ABC):
     """A result of several files."""
 

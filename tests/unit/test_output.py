@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from flexarm.errors import InvalidFile
-from flexarm.output import output_directory
+from flexarm.output import output_directory, output_file
 
 
 def test_output_appears_when_the_block_ends(tmp_path: Path) -> None:
@@ -59,3 +59,33 @@ def test_a_file_in_the_way_is_told(tmp_path: Path) -> None:
         pass
     with pytest.raises(InvalidFile, match="cannot be written"), output_directory("/proc/flexarm"):
         pass
+
+
+def test_a_file_appears_when_the_block_ends(tmp_path: Path) -> None:
+    target = tmp_path / "run.nc"
+    target.write_text("old")
+    with output_file(target) as partial:
+        partial.write_text("new")
+        assert (target.read_text(), partial.suffix) == ("old", ".nc")
+    assert target.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit])
+def test_no_file_is_left_behind_when_the_block_fails(tmp_path: Path, error: type[BaseException]) -> None:
+    with pytest.raises(error), output_file(tmp_path / "run.nc") as partial:
+        partial.write_text("half")
+        raise error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "absent" / "run.nc", tmp_path / "file" / "run.nc"):
+        message = r"run\.nc: output: cannot be written: there is no directory"
+        with pytest.raises(InvalidFile, match=message), output_file(place) as partial:
+            partial.write_text("")
+    full = OSError(28, "No space left on device")
+    message = "output: cannot be written: No space left"
+    with pytest.raises(InvalidFile, match=message), output_file(tmp_path / "run.nc"):
+        raise full

@@ -15,6 +15,7 @@ import numpy as np
 
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents
+from flexarm.output import output_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,19 +31,11 @@ def save(contents: Contents, path: str | Path) -> None:
     """
     from scipy.io import savemat
 
-    target = Path(path)
-    partial = target.with_name(f".{target.name}.partial")
     arrays = {**{name: values for name, (_, values, _) in contents.variables.items()}, **contents.labels}
-    try:
-        with partial.open("wb") as file:
-            columns = {name: _column(values) for name, values in arrays.items()}
-            texts = {_identifier(name): text for name, text in contents.attributes.items()}
-            savemat(file, {**columns, **texts}, long_field_names=True)
-        partial.replace(target)
-    except OSError as error:
-        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
-    finally:
-        partial.unlink(missing_ok=True)
+    columns = {name: _column(values) for name, values in arrays.items()}
+    texts = {_identifier(name): text for name, text in contents.attributes.items()}
+    with output_file(path) as partial, partial.open("wb") as file:
+        savemat(file, {**columns, **texts}, long_field_names=True)
 
 
 def load(path: str | Path) -> xr.Dataset:

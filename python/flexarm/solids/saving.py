@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidParameter
+from flexarm.output import output_file
 from flexarm.solids.cell_types import CELL_TYPES
 
 if TYPE_CHECKING:
@@ -33,12 +34,8 @@ def save(mesh: SolidMesh, path: Path, *, force: bool) -> Path:
             for name, group in mesh.cell_groups.items()
         },
     )
-    partial = path.with_name(f".{path.name}.part.vtu")
-    try:
+    with output_file(path) as partial:
         meshlane.vtu.write(str(partial), written)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
     return path
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.output import output_file
 
 FORMAT = "flexarm-state/1"
 
@@ -124,16 +125,8 @@ class State:
         InvalidFile
             If the file cannot be written.
         """
-        target = Path(path)
-        partial = target.with_name(f".{target.name}.partial")
-        try:
-            with partial.open("wb") as file:
-                np.savez(file, format=FORMAT, key=self._key, **self.stored.flat())
-            partial.replace(target)
-        except OSError as error:
-            raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
-        finally:
-            partial.unlink(missing_ok=True)
+        with output_file(path) as partial, partial.open("wb") as file:
+            np.savez(file, format=FORMAT, key=self._key, **self.stored.flat())
 
     @classmethod
     def load(cls, path: str | Path) -> State:

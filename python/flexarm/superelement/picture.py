@@ -10,6 +10,7 @@ import numpy as np
 
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile
+from flexarm.output import output_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,19 +76,13 @@ def save_picture(figure: Figure, path: str | Path, force: bool = False) -> None:
     InvalidFile
         If the file exists and `force` is not set, or cannot be written.
     """
-    target = Path(path)
-    if target.exists() and not force:
+    if Path(path).exists() and not force:
         raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
-    partial = target.with_name(f".{target.stem}.partial{target.suffix}")
-    try:
-        figure.savefig(partial, dpi=150)
-        partial.replace(target)
-    except ValueError as error:  # an ending that matplotlib does not know
-        raise InvalidFile(path, "output", f"cannot be written: {error}") from None
-    except OSError as error:
-        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
-    finally:
-        partial.unlink(missing_ok=True)
+    with output_file(path) as partial:
+        try:
+            figure.savefig(partial, dpi=150)
+        except ValueError as error:  # an ending that matplotlib does not know
+            raise InvalidFile(path, "output", f"cannot be written: {error}") from None
 
 
 def _cycle(n: int) -> list[str]:
