@@ -23,14 +23,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
 from flexarm.measurement.outliers import outliers
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 KEPT = 0.9
 """Share of a prior's sigma that is left where the data say nothing."""

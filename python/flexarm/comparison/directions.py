@@ -15,13 +15,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.measurement.frames import Registration
 from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
-
-Floats = NDArray[np.float64]
 
 SPAN = 0.02
 """Greatest part of a direction outside of the measured axes: about one degree."""

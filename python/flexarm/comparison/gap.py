@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.bands import Band, band_edges, band_split
 from flexarm.comparison.directions import base_directions, joint_directions, project
 from flexarm.comparison.subject import Placement, Subject
@@ -23,8 +23,6 @@ from flexarm.measurement.sampling import sample
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 JITTER_STEP = 1e-4
 """Half the difference of time for the rate in (2) [s]."""

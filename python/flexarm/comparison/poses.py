@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
+from flexarm.arrays import Floats
 from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
 from flexarm.errors import InvalidParameter
 from flexarm.held_arm import Held, HeldArm, Turning
@@ -29,8 +29,6 @@ from flexarm.sensitivity import Sensitivities, entry_of
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record, Signal
-
-Floats = NDArray[np.float64]
 
 
 def is_input(record: Record, signal: Signal) -> bool:

@@ -19,8 +19,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import IDENTITY, Registration
@@ -30,8 +30,6 @@ from flexarm.measurement.tracker import base_position
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 OVERLAP = 0.25
 """Least share of the samples that must fall into the run."""

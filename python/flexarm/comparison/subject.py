@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
@@ -23,8 +24,6 @@ from flexarm.measurement.sampling import CannotMeasure
 
 if TYPE_CHECKING:
     from flexarm.record import Record, Signal
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

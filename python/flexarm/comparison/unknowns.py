@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
@@ -21,7 +21,6 @@ from flexarm.measurement.frames import Registration
 if TYPE_CHECKING:
     from flexarm.record import Record
 
-Floats = NDArray[np.float64]
 KINDS = ("translation", "rotation")
 
 

@@ -23,14 +23,13 @@ from math import cos, sin
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm.names import link_of
+from flexarm.arrays import Floats
 from flexarm.measurement.deformation import gauged
 from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
-Floats = NDArray[np.float64]
 IDENTITY = np.eye(3)
 
 

@@ -22,7 +22,6 @@ from flexarm.diagnosis.conditions import conditions
 from flexarm.diagnosis.gap_parts import Part
 from flexarm.diagnosis.gap_rows import GapRows
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 ALARM = 1e-3

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.curves import BINS, SAMPLES, Groups, intervals
 from flexarm.diagnosis.joint_states import States
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 ZONES = 5

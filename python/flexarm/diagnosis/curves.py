@@ -24,7 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flexarm.arrays import Floats
+
 Groups = NDArray[np.intp]
 
 BINS = 25

@@ -20,8 +20,8 @@ from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside, beside
 from flexarm.diagnosis.floor_table import Floor, SignalFloor
 from flexarm.diagnosis.noise import drive_noise, effective_samples, estimated_noise
@@ -30,8 +30,6 @@ from flexarm.errors import InvalidParameter, NotConverged
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 
 def floor(

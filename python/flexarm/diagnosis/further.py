@@ -18,9 +18,9 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.diagnosis.additions import Addition, menu, with_points
 from flexarm.diagnosis.candidates import Candidate
 from flexarm.diagnosis.choose import REACH, Choice, Rival
@@ -34,8 +34,6 @@ from flexarm.diagnosis.unknowns import Unknown, nominal
 from flexarm.diagnosis.wording import listed, number, place_words
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
-
-Floats = NDArray[np.float64]
 
 ENOUGH = 10.0
 """Of additions that all promise so much ln B, the cheapest is proposed."""

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm.consistency import missing
+from flexarm.arrays import Floats
 from flexarm.diagnosis.wording import scale
 from flexarm.errors import InvalidParameter
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from flexarm.comparison.gap import SignalGap
     from flexarm.diagnosis.result import Diagnosis
-
-Floats = NDArray[np.float64]
 
 BEFORE, AFTER, NOISE = "#D55E00", "#0072B2", "#d9d9d9"
 LOOKS: dict[str, dict[str, Any]] = {

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.diagnosis.gap_curves import AFTER, BEFORE, NOISE
 from flexarm.diagnosis.wording import scale
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.gap_rows import GapRows
     from flexarm.diagnosis.joint_states import States
     from flexarm.diagnosis.locate import Located
-
-Floats = NDArray[np.float64]
 
 RECORDS = 4
 """Most records that are drawn against time."""

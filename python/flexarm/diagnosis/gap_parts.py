@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.bands import band_parts
 from flexarm.diagnosis.joint_states import States
 from flexarm.diagnosis.motor_harmonics import MotorWaves, harmonic_parts, harmonics_of
-
-Floats = NDArray[np.float64]
 
 PER_TURN = "per motor turn"
 """What a harmonic's name holds."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
 from flexarm.diagnosis.gap_bands import named_bands
@@ -20,8 +21,6 @@ from flexarm.measurement.torque import gear_ratio
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside
 from flexarm.comparison.gap import drive_angles
 from flexarm.diagnosis.conditions import tiers
@@ -32,8 +33,6 @@ from flexarm.diagnosis.joint_states import States, joined, states_of
 from flexarm.diagnosis.wording import with_unit
 from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.sampling import columns
-
-Floats = NDArray[np.float64]
 
 ITERATIONS = 60
 NAMED = 0.02

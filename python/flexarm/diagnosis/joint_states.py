@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 STILL = 1e-3

@@ -21,12 +21,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside
 from flexarm.diagnosis.joint_states import States
-
-Floats = NDArray[np.float64]
 
 MULTIPLES = (1, 2, 3, 4)
 """Periods a turn of the motor that are looked for."""

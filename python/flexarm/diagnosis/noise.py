@@ -19,14 +19,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.bands import band_split
 from flexarm.comparison.beside import Beside
 from flexarm.measurement.outliers import outliers
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 BANDS = 16
 SINES = 8

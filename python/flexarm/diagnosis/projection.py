@@ -14,9 +14,8 @@ vectors then. Source: variable projection, [Golub2003].
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flexarm.arrays import Floats
 
 
 class Projection:

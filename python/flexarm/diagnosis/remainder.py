@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.bands import band_split
 from flexarm.diagnosis.curves import CONSTANT
 from flexarm.diagnosis.gap_bands import SLOW
@@ -26,8 +27,6 @@ from flexarm.diagnosis.gap_parts import PER_TURN, Part
 from flexarm.diagnosis.gap_rows import GapRows
 from flexarm.diagnosis.locate import Located
 from flexarm.diagnosis.wording import number, with_unit
-
-Floats = NDArray[np.float64]
 
 DOMINANT = 0.25
 """Share of the squares that a band or a state must hold to be named."""

@@ -9,11 +9,9 @@ only the true frequency is high in both. What moves with the drive, below `LOWES
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.observed import Observed
-
-Floats = NDArray[np.float64]
 
 LOWEST, HIGHEST = 0.3, 15.0
 """Frequencies that are looked at [Hz]."""

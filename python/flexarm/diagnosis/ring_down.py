@@ -19,12 +19,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside
 from flexarm.diagnosis.wording import number, with_unit
-
-Floats = NDArray[np.float64]
 
 PERIODS = 3.0
 """Of a piece that (1) is fitted to."""

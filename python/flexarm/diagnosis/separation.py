@@ -25,13 +25,12 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates import Candidate
 from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.projection import Projection
 from flexarm.diagnosis.screen import RIDGE, Probed
 from flexarm.diagnosis.unknowns import Unknowns
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,12 +20,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.left_out import joint_slopes
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.projection import Projection
-
-Floats = NDArray[np.float64]
 
 PARTS = 5
 """Of a single record."""

@@ -24,16 +24,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, Measured, SignalEffect, Vector
 from flexarm.arm.vocabulary import order_of
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 from flexarm.quantities import channel_names
-
-Floats = NDArray[np.float64]
 
 SUBSTITUTIONS = 200
 """Most repetitions of the inverse of (1); an eccentricity of half the scale takes 50."""

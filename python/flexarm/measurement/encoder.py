@@ -10,11 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
-
-Floats = NDArray[np.float64]
 
 
 def joint_angle(simulation: Any, what: Described, instants: Floats) -> Floats:

@@ -14,9 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flexarm.arrays import Floats
 
 
 def rotation_matrix(vector: Floats) -> Floats:

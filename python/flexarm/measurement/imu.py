@@ -12,12 +12,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.measurement.sampling import Described, columns, point_index, sample, stored
 from flexarm.measurement.tracker import base_orientation
-
-Floats = NDArray[np.float64]
 
 
 def angular_rate(simulation: Any, what: Described, instants: Floats) -> Floats:

@@ -14,15 +14,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import IDENTITY, inverted
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.frames import rotation_from_rpy
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

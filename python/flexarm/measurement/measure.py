@@ -16,8 +16,8 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import effects_of
@@ -28,8 +28,6 @@ from flexarm.measurement.predict import read
 if TYPE_CHECKING:
     from flexarm.arm.sensor import Sensor
     from flexarm.record import Clock, Frame, Record, Signal
-
-Floats = NDArray[np.float64]
 
 
 def measure(

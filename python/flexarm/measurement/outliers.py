@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
+
 if TYPE_CHECKING:
     from flexarm.effects.outliers import Outliers
-
-Floats = NDArray[np.float64]
 
 NEIGHBOURS = 7
 NOISE, SPREAD = 100.0, 20.0

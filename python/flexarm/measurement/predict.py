@@ -10,16 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flexarm.arrays import Floats
 from flexarm.measurement import deformation, encoder, imu, torque, tracker
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.sampling import CannotMeasure, Described
 
-Floats = NDArray[np.float64]
 Reading = Callable[[Any, Described, Floats], Floats]
 FramedReading = Callable[[Any, Described, Floats, Registration], Floats]
 

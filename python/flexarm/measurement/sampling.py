@@ -18,9 +18,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
-
-Floats = NDArray[np.float64]
 
 
 class CannotMeasure(InvalidParameter):

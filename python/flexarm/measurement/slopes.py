@@ -19,9 +19,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm.parameter import Parameter, neighbours, path_of
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import encoder, torque, tracker
 from flexarm.measurement.clocks import EXACT, ClockError
@@ -29,8 +29,6 @@ from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import predict, read
 from flexarm.measurement.sampling import columns
-
-Floats = NDArray[np.float64]
 
 _LINEAR: dict[str, Callable[[Any, Any, Floats], Floats]] = {
     "joint_angle": encoder.joint_angle,

@@ -9,11 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
-
-Floats = NDArray[np.float64]
 
 
 def gear_ratio(arm: Any, joint: str) -> float:

@@ -10,12 +10,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.measurement.frames import Registration
 from flexarm.measurement.sampling import Described, columns, point_index, sample, stored
-
-Floats = NDArray[np.float64]
 
 
 def position(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:

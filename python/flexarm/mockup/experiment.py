@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
@@ -25,8 +26,6 @@ from flexarm.measurement.measure import measure
 from flexarm.mockup.models import mock_up
 from flexarm.record import Clock, Frame, Record
 from flexarm.simulation import Progress, Simulation, simulate
-
-Floats = NDArray[np.float64]
 
 CLOCK_SIGMA = 5e-4
 """1 sigma of the tracker's clock against the controller's [s]."""

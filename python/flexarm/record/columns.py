@@ -11,12 +11,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.tables.toml import read_text
-
-Floats = NDArray[np.float64]
 
 
 class CsvFile:

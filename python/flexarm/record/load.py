@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arm.consistency import missing
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, Problem
-from flexarm.record.columns import CsvFile, Floats
+from flexarm.record.columns import CsvFile
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.record.table import Clock, RecordTable, SignalTable

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.report.rendered import Part, rendered
 from flexarm.report.scene import Surface
 from flexarm.report.tables import Table
@@ -16,8 +16,6 @@ from flexarm.report.variants import HINGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Floats = NDArray[np.float64]
 
 ARM_SCALE, HINGE_SCALE = 10.0, 50.0
 """Displacements are drawn so many times as large, the whole arm and its hinge."""

@@ -8,16 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.report.scene import Surface
 from flexarm.report.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-Floats = NDArray[np.float64]
 
 RIGID, MODEL, MEASURED, SINE = "#000000", "#0072B2", "#D55E00", "#009E73"
 """Okabe and Ito's colours, told apart by everyone; line styles and markers differ too."""

@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.analytic import rigid_tip
 from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.statics import static
-
-Floats = NDArray[np.float64]
 
 POSES = 25
 """Equilibria behind a quasi-static curve; the cubic spline through them is within 0.1 um."""

@@ -15,11 +15,9 @@ from __future__ import annotations
 from math import log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.report.study import Study
-
-Floats = NDArray[np.float64]
 
 GRID = 2e-2
 """Step of curves that are drawn and filtered [s]: 20 samples a period of the first mode."""

@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flexarm.arrays import Floats
+
 Part = tuple[Floats, tuple[tuple[int, ...], ...], Floats | None]
 """Points (n, 3), faces, and a value at each point to colour by; None: grey and seen through."""
 

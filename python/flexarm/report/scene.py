@@ -17,16 +17,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.mockup.design import TUBE_RADIUS
 from flexarm.report.variants import Models, tube_of
 from flexarm.solids import SolidMesh
 from flexarm.solids.shape import surface
 from flexarm.statics import Statics, static
-
-Floats = NDArray[np.float64]
 
 RINGS, AROUND = 25, 24
 """Cross-sections of the tube and points on each."""

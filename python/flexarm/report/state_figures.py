@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.diagnosis.gap_curves import LOOKS, NOISE
 from flexarm.diagnosis.wording import scale
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.joint_states import States
     from flexarm.diagnosis.locate import Located
     from flexarm.diagnosis.result import Diagnosis
-
-Floats = NDArray[np.float64]
 
 KINDS = ("angle", "rate", "torque")
 MOST_JOINTS = 3

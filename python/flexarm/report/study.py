@@ -11,11 +11,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.analytic import LinearModal, NonlinearModal, OneLinkArm, rigid_tip
 from flexarm.analytic import simulate as simulate_modal
 from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.drive import Drive, JointDrive
 from flexarm.mockup import Experiment, virtual_measurement
 from flexarm.modal import modes
@@ -24,7 +24,6 @@ from flexarm.report.offset import Plane, StaticOffset
 from flexarm.report.variants import CONTRIBUTORS, HINGE, RUNS, Models
 from flexarm.simulation import Simulation, simulate
 
-Floats = NDArray[np.float64]
 Report = Callable[[float, str], None]
 
 MODAL_STEP = 2e-2

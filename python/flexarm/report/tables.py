@@ -12,13 +12,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.drive import Drive
 from flexarm.report.oscillation import grid
 from flexarm.report.study import Study
 from flexarm.report.variants import tube_of
 from flexarm.simulation import simulate
-
-Floats = NDArray[np.float64]
 
 SHAPE_POINTS = 13
 """Places along the tube at which its deformed shape is computed."""

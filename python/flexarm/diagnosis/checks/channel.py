@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import drive_clock
 from flexarm.diagnosis.checks.regression import Fit, scatter_at, slope_of
@@ -30,8 +31,6 @@ from flexarm.record.against_arm import reach
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
-
-Floats = NDArray[np.float64]
 
 TURN = 0.05
 """S of (2) [rad]."""

@@ -24,11 +24,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.checks.channel import Channel
 from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
 from flexarm.diagnosis.checks.regression import scatter_at
 
-Floats = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 FEWEST = 5

@@ -22,9 +22,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flexarm.arrays import Floats
 
 INDEPENDENT = 20
 """N of (2) at most: a motion of half a minute swings about ten times to and fro."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.checked import Removed
 from flexarm.diagnosis.checks.channel import channels
 from flexarm.diagnosis.checks.plateaus import SLOW
@@ -26,8 +27,6 @@ from flexarm.measurement.predict import read
 if TYPE_CHECKING:
     from flexarm.comparison.subject import Placement, Subject
     from flexarm.record import Record, Signal
-
-Floats = NDArray[np.float64]
 
 NOISE, SPREAD, NEARBY = 15.0, 12.0, 6.0
 RINGING, PERIOD = 3.0, 0.6

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.checks.channel import Channel
 from flexarm.diagnosis.checks.drives import DriveFinding, disturbed, moves
 from flexarm.diagnosis.checks.finding import Finding
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record, Signal
 
-Floats = NDArray[np.float64]
 Run = tuple[int, int]
 
 SHORTEST = 0.01
