@@ -44,7 +44,7 @@ class PlannedEffect:
     log_bayes_factor : float
         Expected, of the effect at `value` over no effect.
     hidden : str
-        Why it moves nothing that is measured, whatever its size; empty where it does.
+        Why it is not seen at any plausible size; empty where it is.
     """
 
     name: str

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.candidates import SPRINGS, value_of
 from flexarm.diagnosis.choose import STRONG
-from flexarm.diagnosis.plan_result import PlannedEffect
+from flexarm.diagnosis.plan_result import FAR, PlannedEffect
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -52,15 +52,20 @@ def planned_effect(
         least = 1.0 / (1.0 / there + times * change)
     else:
         there, least = null, null + times * (value - null)
-    why = hidden(arm, *candidate.place) if seen < NOTHING else ""
+    why = hidden(arm, *candidate.place, seen)
     return PlannedEffect(*candidate.place, name, units[name], value, there, least, seen, why)
 
 
-def hidden(arm: Arm, name: str, at: str) -> str:
-    """Why an effect leaves no trace: a torque on a joint that cannot give way is taken by the drive."""
-    if name in TORQUES and arm.effect("joint_compliance", at) is None:
-        return f"{at} is rigid in the model, so that its drive takes the torque, which no sensor shows"
-    return "it moves nothing that is measured"
+def hidden(arm: Arm, name: str, at: str, seen: float) -> str:
+    """Why an effect is not seen at any plausible size; empty where it is.
+
+    A torque on a joint that cannot give way is taken by the drive.
+    """
+    if name in TORQUES and seen < NOTHING and arm.effect("joint_compliance", at) is None:
+        return f"{at} is rigid in the model: its drive takes the torque, which no sensor shows"
+    if not seen > 0:
+        return "it moves nothing that is measured"
+    return f"not seen at {FAR:g} times that size either" if FAR**2 * seen < STRONG else ""
 
 
 def _parameter(candidate: Candidate, size: Effect) -> str:

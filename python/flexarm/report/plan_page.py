@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.diagnosis.plan_curves import draw_matrix, draw_sizes
+from flexarm.diagnosis.plan_curves import draw_matrix, draw_sizes, near_effects
 from flexarm.diagnosis.wording import listed, number, place_words
 from flexarm.report.diagnosis_page import effect_law
 from flexarm.report.files import Drawing, drawn, write_files
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 FILE, PAGE = "plan.json", "plan.html"
 """Names of the files beside the figures."""
+MOST_RIVALS = 3
+"""Effects that one could be taken for which are written out; the rest is counted."""
 ROW = 0.19
 """Height of an effect in a figure [in]."""
 
@@ -62,20 +64,24 @@ def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
         "Grey: not seen at a plausible size.",
         figure,
     )
-    figure, axes = sheet(1, 1, 6.4 - margin - 0.14 + margin, left=margin, legend=False)
+    margin = margin_for([labels[i] for i in near_effects(plan)] or labels, 7)
+    figure, axes = sheet(1, 1, 6.4 - 0.14, left=margin, legend=False)
     draw_matrix(plan, axes[0, 0])
     axes[0, 0].set_anchor("N")
     yield (
         "matrix",
         "matrix",
         "If the effect of a row is there, could that of a column be named? Red: they cannot be told apart "
-        "(expected ln Bayes factor below ln 20); pale: hardly; blue: well. Grey: the effect is not seen.",
+        "(expected ln Bayes factor below ln 20); pale: hardly; blue: well. Grey: itself, or not seen. "
+        "Effects that are told well from all others are left out.",
         figure,
     )
 
 
 def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
     for i, each in enumerate(plan.effects):
+        rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
+        more = len(rivals) - MOST_RIVALS if len(rivals) > MOST_RIVALS + 1 else 0
         yield {
             "title": place_words(*each.place),
             "what": effect_law(each.name),
@@ -84,7 +90,9 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "evidence": number(each.log_bayes_factor),
             "seen": each.seen,
             "hidden": each.hidden,
-            "rivals": [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else [],
+            "rivals": rivals,
+            "more": more,
+            "shown": ", ".join(rivals[:MOST_RIVALS]) + f" and {more} more" if more else ", ".join(rivals),
         }
 
 

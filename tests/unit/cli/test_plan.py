@@ -9,6 +9,8 @@ from arms import TUBE, arm, beam, hinge, point
 
 import flexarm
 from flexarm.cli.run import run
+from flexarm.diagnosis.plan_curves import near_effects
+from flexarm.diagnosis.plan_result import Plan, PlannedEffect
 
 
 @pytest.fixture(scope="module")
@@ -129,3 +131,24 @@ def test_help_tells_what_it_is_for(capsys):
     told = capsys.readouterr().out
     assert "the day before a campaign" in told
     assert "flexarm plan arm.toml --drive swing.csv" in told
+
+
+def test_the_matrix_shows_those_that_are_near_another():
+    """Of four effects two are tied, one is told well from all, and one is not seen, nor taken for another."""
+    effects = [
+        PlannedEffect(name, "hinge", "x", "", 1.0, 0.0, 0.1, b)
+        for name, b in zip("abcd", (50, 50, 50, 1), strict=True)
+    ]
+    factors = np.full((4, 4), 1e4)
+    factors[0, 1] = factors[1, 0] = 0.5
+    np.fill_diagonal(factors, 0.0)
+    plan = Plan(None, ("run",), tuple(effects), factors, ((0, 1),), ())
+    assert near_effects(plan) == [0, 1]
+    factors[2, 3] = 1.0  # c would be taken for d, which alone would not be seen
+    assert near_effects(plan) == [0, 1, 2, 3]
+
+
+def test_a_header_is_printed_again_on_every_page(bench, tmp_path):
+    assert run(command(bench, "--out", str(tmp_path / "plan"))) == 0
+    html = (tmp_path / "plan" / "plan.html").read_text()
+    assert html.count("<thead>") == html.count("<table")
