@@ -13,9 +13,11 @@ turn apart); `Candidate.sized` turns the alphas into parameters that start a fit
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import atan2, exp, hypot, isinf, log, pi
 from typing import Any
+
+import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect, effect_class
@@ -55,6 +57,8 @@ GROWTH = (60.0, 600.0)
 """Time constants of a growing bow that are probed [s]."""
 WIDTHS = (1.0, 4.0)
 """Widths of a hysteresis loop that are probed, times its typical one."""
+OF_READING, OF_NOISE = 0.1, 10.0
+"""Offset that 95 % of sensors stay below: part of their greatest reading, but at least this often its noise."""
 SOFTER = (1.0, 30.0, 300.0)
 """How much softer than typical a spring is probed: once it moves a mode by itself, it is no small step."""
 
@@ -77,6 +81,8 @@ class Candidate:
         Values at which the model is what it is without.
     needs : Effect or None
         What the model must have besides, and has not.
+    priors : dict of str to Prior
+        Those that the records state better than the effect does, which does not know them.
     """
 
     effect: Effect
@@ -85,6 +91,7 @@ class Candidate:
     null: Mapping[str, float]
     without: Effect | None = None
     needs: Effect | None = None
+    priors: Mapping[str, Prior] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -100,6 +107,10 @@ class Candidate:
     def place(self) -> tuple[str, str]:
         """Name and place: candidates of one place are variants of one effect."""
         return self.name, self.at
+
+    def priors_in(self, arm: Arm) -> dict[str, Prior]:
+        """Of all parameters in a model."""
+        return {**self.effect.priors(arm), **self.priors}
 
     def base(self, arm: Arm) -> Arm:
         """The model that a probe differs from: with what the effect needs."""
@@ -170,7 +181,8 @@ def candidates(
         if name in LEFT_OUT or (poses and name in IN_MOTION):
             continue
         for at in _places(name, observed, arm):
-            found += _at_place(name, at, arm, rhythm, softer)
+            stated = _offsets(at, observed) if name == "sensor_offset" else {}
+            found += _at_place(name, at, arm, rhythm, softer, stated)
     return [_of_poses(candidate) for candidate in found] if poses else found
 
 
@@ -180,7 +192,12 @@ def _of_poses(candidate: Candidate) -> Candidate:
 
 
 def _at_place(
-    name: str, at: str, arm: Arm, rhythm: Sequence[float], softer: Sequence[float]
+    name: str,
+    at: str,
+    arm: Arm,
+    rhythm: Sequence[float],
+    softer: Sequence[float],
+    stated: Mapping[str, Prior],
 ) -> Iterator[Candidate]:
     """Variants of an effect at a place; none where the model refuses it."""
     without = arm.effect(name, at)
@@ -198,16 +215,17 @@ def _at_place(
     for fixed in _variants(name, typical, rhythm, softer if without is None else ()):
         effect = typical.with_parameters(fixed)
         held = {*fixed} - {"width", "frequency", "stiffness"}
-        free = tuple(key for key in effect.priors(there) if key not in held and _has(effect, key))
+        priors = {**effect.priors(there), **stated}
+        free = tuple(key for key in priors if key not in held and _has(effect, key))
         null = nulls(effect, without, arm)
-        probes = tuple(_probes(name, effect, without, free, null, there))
+        probes = tuple(_probes(name, effect, without, free, null, priors))
         try:
             for probe in probes:
                 there.with_effect(probe)
         except InvalidParameter:
             continue
         if probes:
-            yield Candidate(effect, free, probes, null, without, needs)
+            yield Candidate(effect, free, probes, null, without, needs, stated)
 
 
 def _variants(
@@ -236,10 +254,9 @@ def _probes(
     without: Effect | None,
     free: tuple[str, ...],
     null: Mapping[str, float],
-    arm: Arm,
+    priors: Mapping[str, Prior],
 ) -> Iterator[Effect]:
     """One for each direction; see the head of this file."""
-    priors = effect.priors(arm)
     if name in SPRINGS:
         stiffness = value_of(without, "stiffness") if without is not None else float("inf")
         there = value_of(effect, "stiffness") if isinf(stiffness) else stiffness / 1.2
@@ -262,6 +279,16 @@ def _probes(
         for key in free:
             rest = {other: null[other] for other in free if other != key}
             yield effect.with_parameters({**rest, key: _probe_value(priors[key], null[key])})
+
+
+def _offsets(signal: str, observed: Observed) -> dict[str, Prior]:
+    """What the zero of a sensor may be off: its range is at least what it read."""
+    rows = [row for row in observed.rows if row.signal == signal]
+    readings = [np.abs(observed.records[row.record].signals[signal].values[:, row.channel]) for row in rows]
+    most = max(float(np.nanmax(each)) for each in readings)
+    high = max(OF_READING * most, OF_NOISE * max(row.sigma for row in rows))
+    source = f"{100 * OF_READING:g} % of the greatest reading in the records"
+    return {"offset": Prior(-high, high, 0.0, "linear", "SI", source)}
 
 
 def _probe_value(prior: Prior, null: float) -> float:

@@ -256,7 +256,7 @@ class Fitter:
         coordinates = tuple(
             Coordinate(k, name, prior)
             for k, member in enumerate(members)
-            for name, prior in member.effect.priors(arm).items()
+            for name, prior in member.priors_in(arm).items()
             if name in member.free
         )
         left, projection = self.eliminated(members)
