@@ -1,0 +1,21 @@
+"""How far a sensor's zero may be off, as the records say."""
+
+import numpy as np
+import pytest
+from planted import run_of
+
+from flexarm.diagnosis.candidates import OF_READING, candidates
+from flexarm.diagnosis.observed import Observed
+
+
+def test_the_zero_of_a_sensor_may_be_off_by_a_part_of_what_it_reads():
+    """Newton metres of a torque and metres of a deflection have no range in common."""
+    run = run_of("one joint")
+    record = run.showing({}, 1).record
+    observed = Observed(run.simulation.arm, {"run": record})
+    torque = next(s for s in record.signals.values() if s.quantity == "motor_torque")
+    found = next(c for c in candidates(observed, observed.arm) if c.place == ("sensor_offset", torque.name))
+    prior = found.priors_in(observed.arm)["offset"]
+    assert prior.high == pytest.approx(OF_READING * np.nanmax(np.abs(torque.values)))
+    assert (prior.low, prior.typical) == (-prior.high, 0.0)
+    assert found.free == ("offset",)
