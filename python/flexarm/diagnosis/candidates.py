@@ -58,7 +58,7 @@ GROWTH = (60.0, 600.0)
 WIDTHS = (1.0, 4.0)
 """Widths of a hysteresis loop that are probed, times its typical one."""
 OF_READING, OF_NOISE = 0.1, 10.0
-"""Offset that 95 % of sensors stay below: part of their greatest reading, but at least this often its noise."""
+"""Below which 95 % of offsets are: part of the greatest reading, but at least this often the noise."""
 SOFTER = (1.0, 30.0, 300.0)
 """How much softer than typical a spring is probed: once it moves a mode by itself, it is no small step."""
 

@@ -6,13 +6,17 @@ an interval. The coefficients minimise the squared misfit,
     sum_i (y_i - s(t_i))^2 -> min,        B^T B c = B^T y                                            (1)
 
 with B^T B of half band width 3, so that Cholesky's factorisation costs 16 operations a coefficient. A spline
-that starts at rest, s'(t_0) = 0, has c_0 = c_1: the first two columns of B are added up.
+that starts at rest, s'(t_0) = 0, has c_0 = c_1; one that stands in an interval, where the B-splines add up to
+one, has its four coefficients equal. With c = E d, E of zeros and ones, d of fewer,
+
+    E^T B^T B E d = E^T B^T y                                                                        (2)
 
 Units: those of the samples. Source: [deBoor2001], chapters IX and XIV.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,12 +25,15 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
 DEGREE = 3
 
 
 def fit_spline(
-    time: NDArray[np.float64], values: NDArray[np.float64], breaks: NDArray[np.intp], at_rest: bool = False
-) -> tuple[BSpline, NDArray[np.float64]]:
+    time: Floats, values: Floats, breaks: Indices, at_rest: bool = False, standing: Sequence[int] = ()
+) -> tuple[BSpline, Floats]:
     """Least-squares cubic spline (1) whose breaks are samples.
 
     Parameters
@@ -38,6 +45,8 @@ def fit_spline(
         least two apart: there must be no more coefficients than samples.
     at_rest : bool
         Whether the slope at the first break is zero.
+    standing : sequence of int
+        Intervals, from 0 to m - 1, in which the spline is constant.
 
     Returns
     -------
@@ -52,24 +61,43 @@ def fit_spline(
     at = time[breaks]
     knots = np.concatenate([np.repeat(at[0], DEGREE), at, np.repeat(at[-1], DEGREE)])
     design = BSpline.design_matrix(time, knots, DEGREE)
-    rows = design.data.reshape(-1, DEGREE + 1).T.copy()  # the four that are not zero at a sample
+    rows = design.data.reshape(-1, DEGREE + 1).T  # the four that are not zero at a sample
     first = design.indices[:: DEGREE + 1]
-    if at_rest:
-        start = first == 0
-        rows[1, start] += rows[0, start]
-        rows[0, start] = 0.0
     band, right = _normal_equations(rows, np.searchsorted(first, np.arange(len(at) - 1)), values)
-    if at_rest:
-        band[0, 0] = 1.0
-    coefficients = solveh_banded(band, right, lower=True, check_finite=False)  # eq. (1)
-    if at_rest:
-        coefficients[0] = coefficients[1]
+    equal = _equal(len(right), at_rest, standing)
+    if equal[-1] + 1 < len(right):
+        band, right = _reduced(band, right, equal)
+    coefficients = solveh_banded(band, right, lower=True, check_finite=False)[equal]  # eq. (2)
     return BSpline(knots, coefficients, DEGREE), design @ coefficients
 
 
-def _normal_equations(
-    rows: NDArray[np.float64], interval_start: NDArray[np.intp], values: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _equal(count: int, at_rest: bool, standing: Sequence[int]) -> Indices:
+    """Which d of (2) every coefficient is."""
+    rises = np.ones(count, dtype=np.intp)
+    rises[0] = 0
+    if at_rest:
+        rises[1] = 0
+    for interval in standing:
+        rises[interval + 1 : interval + DEGREE + 1] = 0
+    return np.cumsum(rises)
+
+
+def _reduced(band: Floats, right: Floats, equal: Indices) -> tuple[Floats, Floats]:
+    """Both sides of (2); coefficients that are equal follow one another, so that the band grows no wider."""
+    count = int(equal[-1]) + 1
+    fewer, less = np.zeros((DEGREE + 1, count)), np.zeros(count)
+    np.add.at(less, equal, right)
+    for below in range(DEGREE + 1):
+        column = np.arange(len(right) - below)
+        row, lower = equal[column + below], band[below, : len(column)]
+        np.add.at(fewer, (row - equal[column], equal[column]), lower)
+        if below:  # an element above the diagonal falls onto it
+            onto = row == equal[column]
+            np.add.at(fewer[0], equal[column][onto], lower[onto])
+    return fewer, less
+
+
+def _normal_equations(rows: Floats, interval_start: Indices, values: Floats) -> tuple[Floats, Floats]:
     """B^T B as a lower band and B^T y of eq. (1), summed interval by interval."""
     intervals = len(interval_start)
     band = np.zeros((DEGREE + 1, intervals + DEGREE))

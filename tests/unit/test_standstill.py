@@ -1,0 +1,89 @@
+"""Drives that stand: found in noise, kept still, and nothing else taken for one."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline, PPoly
+
+from flexarm.measurement.least_squares_spline import fit_spline
+from flexarm.measurement.smoothing import smooth
+from flexarm.measurement.standstill import BLOCK, stands
+
+NOISE = 2e-6
+TIME = np.arange(0, 12, 0.004)
+
+
+def moves_and_stands(time):
+    """Half a radian up from 2 to 3 s, back from 7 to 8 s; rate and acceleration start at zero."""
+
+    def rise(x):
+        x = np.clip(x, 0.0, 1.0)
+        return x**3 * (10 - 15 * x + 6 * x**2)
+
+    return 0.5 * (rise(time - 2) - rise(time - 7))
+
+
+def noisy(values, seed, noise=NOISE):
+    return values + noise * np.random.default_rng(seed).standard_normal(len(values))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_motor_that_stands_does_not_creep(seed):
+    """Noise alone would turn it to and fro by hundreds of its sigmas in four seconds."""
+    breaks, coefficients = smooth(TIME, noisy(moves_and_stands(TIME), seed), NOISE)
+    drive = PPoly(coefficients, breaks)
+    rate = drive(np.arange(3.2, 6.8, 1e-3), 1)
+    assert np.abs(rate).max() < 1e-12
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_stands_end_where_motions_begin(seed):
+    """Within the blocks in which the motion is below the noise: 0.1 s of a move that starts smoothly."""
+    found = stands(TIME, noisy(moves_and_stands(TIME), seed) / NOISE)
+    times = [(TIME[first], TIME[last]) for first, last in found]
+    assert len(times) == 3
+    for seen, true in zip(np.ravel(times), [0, 2, 3, 7, 8, 12], strict=True):
+        assert seen == pytest.approx(true, abs=0.1)
+
+
+def test_what_moves_is_not_held():
+    """A wave, a ramp and a creep by one sigma a second, of which no part stands longer than some blocks."""
+    for motion in (0.1 * np.sin(TIME), 1e-3 * TIME, 2 * NOISE * TIME):
+        assert stands(TIME, noisy(motion, 3) / NOISE) == []
+
+
+def test_an_encoder_of_coarse_steps_does_not_stand_between_them():
+    """A slow motion read in steps: constant for 0.4 s each, though nothing stands."""
+    step = 1e-5
+    reading = step * np.round(2.5e-5 * TIME / step)
+    assert stands(TIME, reading / (step / np.sqrt(12))) == []
+
+
+def test_a_slow_top_of_a_wave_is_met_within_the_noise():
+    """Where it is held for a moment, for want of motion above the noise, nothing is lost by it."""
+    time = np.arange(0, 60, 1e-3)
+    motion = 0.1 * np.sin(0.2 * time)
+    drive = PPoly(*smooth(time, noisy(motion, 4, 1e-5), 1e-5)[::-1])
+    assert np.abs(drive(time) - motion).max() < 1e-5
+
+
+def test_equal_coefficients_are_those_of_least_squares():
+    """Against dense algebra: B E d = y with the columns of equal coefficients added up."""
+    rng = np.random.default_rng(6)
+    time, values = np.linspace(0, 1, 80), rng.standard_normal(80)
+    breaks = np.array([0, 8, 20, 31, 50, 64, 79])
+    spline, fitted = fit_spline(time, values, breaks, at_rest=True, standing=(2, 4))
+    knots = np.concatenate([np.repeat(time[0], 3), time[breaks], np.repeat(time[-1], 3)])
+    B = BSpline.design_matrix(time, knots, 3).toarray()
+    E = np.zeros((9, 3))
+    for column, members in enumerate(([0, 1], [2, 3, 4, 5, 6, 7], [8])):
+        E[members, column] = 1
+    d = np.linalg.lstsq(B @ E, values, rcond=None)[0]
+    np.testing.assert_allclose(spline.c, E @ d, atol=1e-12)
+    np.testing.assert_allclose(fitted, B @ E @ d, atol=1e-12)
+    inside = np.linspace(time[20], time[31], 7)
+    np.testing.assert_allclose(spline(inside), spline.c[2], atol=1e-12)
+
+
+def test_a_stand_needs_some_blocks():
+    assert stands(np.arange(3.0 * BLOCK), np.zeros(3 * BLOCK)) == []
+    assert stands(np.arange(5.0 * BLOCK), np.zeros(5 * BLOCK)) == [(0, 5 * BLOCK - 1)]
