@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
-from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, rigid_inertia
+from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
 from flexarm.superelement.shape import problems_of_shape
 
 if TYPE_CHECKING:
@@ -96,11 +96,7 @@ class SuperElement:
                 given = inertia_load(self.mass, len(self.interfaces))
             if name != "recovery" or given is not None:
                 object.__setattr__(self, name, frozen(given))
-        if problems := problems_of_shape(self):
-            first = problems[0]
-            raise InvalidParameter(
-                first.what, where=f"super-element {self.name!r}: {first.where}", problems=tuple(problems)
-            )
+        self._refuse(problems_of_shape(self))
 
     @property
     def n_interfaces(self) -> int:
@@ -175,12 +171,16 @@ class SuperElement:
         from flexarm.superelement.checks import TOLERANCE, doubts, refusals
 
         limit = TOLERANCE if tolerance is None else tolerance
-        if problems := refusals(self, mass, limit):
+        self._refuse(refusals(self, mass, limit))
+        return doubts(self)
+
+    def _refuse(self, problems: list[Problem]) -> None:
+        """An error with all problems, if there are any."""
+        if problems:
             first = problems[0]
             raise InvalidParameter(
                 first.what, where=f"super-element {self.name!r}: {first.where}", problems=tuple(problems)
             )
-        return doubts(self)
 
     def moved(self, rotation: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SuperElement:
         """The same part seen from a frame in which its own stands at (rotation, translation).
@@ -192,23 +192,9 @@ class SuperElement:
         translation : (3,)
             Where the old origin stands in the new frame [m].
         """
-        R, p = np.asarray(rotation, dtype=float), np.asarray(translation, dtype=float)
-        T = np.eye(self.n_dof)
-        for at in range(0, PER_INTERFACE * self.n_interfaces, 3):
-            T[at : at + 3, at : at + 3] = R
-        recovery = None
-        if self.recovery is not None:
-            shapes = self.recovery.reshape(-1, 3, self.n_dof)
-            recovery = (R @ shapes @ T.T).reshape(-1, self.n_dof)
-        return self.replace(
-            positions=self.positions @ R.T + p,
-            rotations=R @ self.rotations,
-            stiffness=T @ self.stiffness @ T.T,
-            mass=T @ self.mass @ T.T,
-            damping=T @ self.damping @ T.T,
-            inertia_load=T @ self.inertia_load @ R.T,
-            recovery=recovery,
-        )
+        from flexarm.superelement.moved import moved
+
+        return moved(self, rotation, translation)
 
     def replace(self, **changes: Any) -> SuperElement:
         """A copy with some fields changed."""
@@ -305,12 +291,3 @@ class SuperElement:
             f"<SuperElement {self.name}: interfaces {', '.join(self.interfaces)}; {self.n_modes} modes, "
             f"{self.mass_total:.6g} kg>"
         )
-
-
-def inertia_load(mass: ArrayLike, n_interfaces: int) -> Floats:
-    """Generalised force for unit acceleration of the frame, M R_t; translations ask for no positions."""
-    M = np.asarray(mass, dtype=float)
-    if M.ndim != 2 or len(M) < PER_INTERFACE * n_interfaces:
-        return np.zeros((len(M), 3))  # the shape of M itself is what will be reported
-    columns = [M[:, k : PER_INTERFACE * n_interfaces : PER_INTERFACE].sum(axis=1) for k in range(3)]
-    return np.column_stack(columns)

@@ -19,7 +19,8 @@ from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
-from flexarm.superelement.element import SuperElement, inertia_load
+from flexarm.superelement.element import SuperElement
+from flexarm.superelement.rigid_motion import inertia_load
 from flexarm.superelement.variables import Variables, read_variables, texts
 
 FORMAT = "flexarm-superelement/1"

@@ -84,6 +84,15 @@ def rigid_inertia(mass_matrix: Floats, positions: Floats) -> RigidInertia:
     return RigidInertia(mass, centre, block[3:, 3:] + mass * arm @ arm)  # Steiner: J_0 = J + m ~c^T ~c
 
 
+def inertia_load(mass: ArrayLike, n_interfaces: int) -> Floats:
+    """Generalised force for unit acceleration of the frame, M R_t; translations ask for no positions."""
+    M = np.asarray(mass, dtype=float)
+    if M.ndim != 2 or len(M) < PER_INTERFACE * n_interfaces:
+        return np.zeros((len(M), 3))  # the shape of M itself is what will be reported
+    columns = [M[:, k : PER_INTERFACE * n_interfaces : PER_INTERFACE].sum(axis=1) for k in range(3)]
+    return np.column_stack(columns)
+
+
 def freedom(index: int, interfaces: tuple[str, ...]) -> str:
     """A freedom in words: which interface and direction, or which internal mode."""
     at, component = divmod(index, PER_INTERFACE)
