@@ -16,8 +16,10 @@ template <int D>
   for (const auto& beam : system.beams()) {
     const int n1 = n * beam.node1(), n2 = n * beam.node2();
     elements::TwoTwists<D> v, v_dot;
-    v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
-    v_dot << state.v_dot.template segment<n>(n1), state.v_dot.template segment<n>(n2);
+    v.template head<n>() = state.v.template segment<n>(n1);
+    v.template tail<n>() = state.v.template segment<n>(n2);
+    v_dot.template head<n>() = state.v_dot.template segment<n>(n1);
+    v_dot.template tail<n>() = state.v_dot.template segment<n>(n2);
     const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
                                         v.template head<n>(), v.template tail<n>(), state.elapsed());
     const elements::TwoTwists<D> inertia = beam.inertia_forces(v, v_dot);
@@ -265,7 +267,7 @@ typename SystemIn<D>::TwistD SystemIn<D>::point_velocity(const StateD& state, in
                                   state.v.template segment<n>(n * beam.node1()),
                                   state.v.template segment<n>(n * beam.node2()), at.xi);
   }
-  return adjoint<D>(at.offset.inverse()) * v;
+  return adjoint_product<D>(at.offset.inverse(), v);
 }
 
 template <int D>

@@ -20,6 +20,7 @@ JointConstraintIn<D>::JointConstraintIn(JointType type, int node_a, const FrameD
       coordinate_(coordinate),
       X_b_(X_b),
       X_a_inverse_(X_a.inverse()),
+      X_b_inverse_(X_b.inverse()),
       Ad_a_(adjoint<D>(X_a.inverse())),
       Ad_b_(adjoint<D>(X_b.inverse())),
       twist_(twist) {}

@@ -1,6 +1,9 @@
 #include "flexarm/solvers/tangent_changes.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
+
+#include "flexarm/solvers/elimination.hpp"
 
 namespace flexarm::solvers {
 namespace {
@@ -71,8 +74,20 @@ void TangentChangesIn<D>::find_turning_joints() {
 template <int D>
 typename TangentChangesIn<D>::Turned TangentChangesIn<D>::turned(const TurningJoint& joint,
                                                                  double theta) const {
-  const Twist<D>& motion = system_.constraints()[joint.constraint].twist();
-  return joint.P.transpose() * adjoint<D>(exponential<D>(-theta * motion)) * joint.P;
+  const auto& constraint = system_.constraints()[joint.constraint];
+  if constexpr (D == 2) {
+    return adjoint<2>(exponential<2>(-theta * constraint.twist()));
+  } else {
+    Turned T = Turned::Identity();  // eq. (4)
+    if (constraint.type() == joints::JointType::revolute) {
+      const double c = std::cos(theta), s = std::sin(theta);
+      T << c, s, 0, 0, -s, c, 0, 0, 0, 0, c, s, 0, 0, -s, c;
+    } else {
+      T(0, 3) = theta;
+      T(1, 2) = -theta;
+    }
+    return T;
+  }
 }
 
 template <int D>
@@ -105,6 +120,8 @@ void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly
   factor.solve(W_);
   G_.resize(W_.cols(), W_.cols());
   for (Eigen::Index k = 0; k < W_.cols(); ++k) G_.col(k) = along(W_.col(k));
+  packed_W_ = PackedMatrix(W_);
+  Wy_.resize(packed_W_.filled_rows());
 }
 
 /// C of this state. @return whether anything has changed
@@ -149,27 +166,42 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
   return Ux;
 }
 
+/// One joint, by far the most frequent case: the blocks of (3) without their zeros, sizes known when
+/// compiled.
 template <int D>
-template <int Size>
-void TangentChangesIn<D>::correct_sized(VectorXd& x) const {
-  const Eigen::Index size = C_.cols();
-  Eigen::Matrix<double, Size, Size> small(size, size);
-  small.noalias() = C_.template topLeftCorner<Size, Size>(size, size)
-                        .lazyProduct(G_.template topLeftCorner<Size, Size>(size, size));
-  small.diagonal().array() += 1;
-  const Eigen::Matrix<double, Size, 1> Ux = along(x);
-  const Eigen::Matrix<double, Size, 1> change =
-      small.partialPivLu().solve(C_.template topLeftCorner<Size, Size>(size, size).lazyProduct(Ux));
-  x.noalias() -= W_ * change;  // eq. (1)
+void TangentChangesIn<D>::correct_for_one_joint(VectorXd& x) {
+  constexpr int size = 2 * across;
+  const TurningJoint& joint = joints_.front();
+  const Eigen::Map<const Eigen::Matrix<double, size, size>> G(G_.data());
+  const Turned E = C_.template bottomLeftCorner<across, across>();
+  Eigen::Matrix<double, size, size, Eigen::RowMajor> A;  // I + C G
+  A.template topRows<across>() = E.transpose().lazyProduct(G.template bottomRows<across>());
+  A.template bottomRows<across>() = E.lazyProduct(G.template topRows<across>());
+  A.diagonal().array() += 1;
+  const Eigen::Matrix<double, across, 1> on_node = joint.on_parent.transpose() * x.segment<n>(joint.node_row);
+  const Eigen::Matrix<double, across, 1> on_row = joint.P.transpose() * x.segment<n>(joint.first_row);
+  Eigen::Matrix<double, size, 1> y;
+  y.template head<across>() = E.transpose() * on_row;
+  y.template tail<across>() = E * on_node;
+  eliminate(A, y);
+  packed_W_.multiply(y.data(), Wy_.data());
+  x -= Wy_.head(x.size());  // eq. (1)
+}
+
+template <int D>
+void TangentChangesIn<D>::correct_for_all(VectorXd& x) const {
+  MatrixXd A = C_ * G_;
+  A.diagonal().array() += 1;
+  x.noalias() -= W_ * A.partialPivLu().solve(C_ * along(x));  // eq. (1)
 }
 
 template <int D>
 void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x) {
   if (W_.cols() == 0 || !update(state)) return;
-  if (W_.cols() == 2 * across) {  // one joint, by far the most frequent case
-    correct_sized<2 * across>(x);
+  if (joints_.size() == 1 && n_laws_ == 0) {
+    correct_for_one_joint(x);
   } else {
-    correct_sized<Eigen::Dynamic>(x);
+    correct_for_all(x);
   }
 }
 

@@ -48,6 +48,8 @@ TEST_CASE("Exponential, logarithm and products of SE(2) are those of SE(3) in a 
     CHECK(tilt(full, c.axes, c.axes) < 1e-15);
     CHECK(error(logarithm<2>(H), c.h) < 1e-14);
     CHECK(error(c.P.transpose() * adjoint(full) * c.P, adjoint<2>(H)) < 1e-14);
+    CHECK(error(adjoint_product<2>(H, c.u), adjoint<2>(H) * c.u) < 1e-15);
+    CHECK(error(adjoint_transpose_product<2>(H, c.f), adjoint<2>(H).transpose() * c.f) < 1e-15);
 
     const FrameIn<2> G = exponential<2>(c.u);
     const Frame back = in_space(relative<2>(H, G), 0, c.axes, c.axes);

@@ -94,6 +94,8 @@ TEST_CASE("The adjoint action is a homomorphism, and its derivative is ad") {
   const Frame A = exp6(h), B = exp6(u);
   CHECK(error(adjoint(A * B), adjoint(A) * adjoint(B)) < 1e-14);
   CHECK(error(adjoint(A), power_series(ad(h), false)) < 1e-13);
+  CHECK(error(adjoint_product<3>(A, u), adjoint(A) * u) < 1e-15);
+  CHECK(error(adjoint_transpose_product<3>(A, f), adjoint(A).transpose() * f) < 1e-15);
   CHECK(error(ad(h) * u, -ad(u) * h) < 1e-15);
   CHECK(error(ad_product(h, u), ad(h) * u) < 1e-15);
   CHECK(error(ad_transpose(h, f), ad(h).transpose() * f) < 1e-15);

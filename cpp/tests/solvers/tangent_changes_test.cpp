@@ -73,6 +73,28 @@ TEST_CASE("So they do in a plane, and with laws whose tangents change") {
   CHECK(corrected < 1e-9);
 }
 
+TEST_CASE("One joint alone, which has a shorter way, in space and in a plane") {
+  flexarm::model::Arm arm = two_link_arm();
+  for (auto& link : arm.links) std::get<flexarm::model::BeamLink>(link).up = Vector3d::UnitZ();
+  const auto check = [](const std::pair<double, double>& errors) {
+    const auto [corrected, kept] = errors;
+    CHECK(kept > 0.01);
+    CHECK(corrected < 1e-9);
+  };
+  for (const JointType type : {JointType::revolute, JointType::prismatic}) {
+    CAPTURE(static_cast<int>(type));
+    arm.joints[1].type = type;
+    const System system(arm, {{"shoulder", DriveKind::motor_angle}, {"elbow", DriveKind::free}});
+    const State then = system.rigid_state({0.2, 0.1}), now = system.rigid_state({0.4, 1.7});
+    check(compare<3>(system, then, now));
+    if (type == JointType::prismatic) continue;  // slides out of the plane
+    const Loads weightless{.gravity = Vector3d::Zero()};
+    const auto plane = flexarm::assembly::PlanarSystem::about(system, then, weightless).system;
+    REQUIRE(plane);
+    check(compare<2>(*plane, plane->part(then), plane->part(now)));
+  }
+}
+
 TEST_CASE("An arm folds at its elbow with one factorisation, in little more than one iteration a step") {
   flexarm::model::Arm arm = two_link_arm();
   for (auto& link : arm.links)

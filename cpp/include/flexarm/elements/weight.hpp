@@ -25,7 +25,8 @@ struct WeightIn {
   geometry::Twist<D> force(const Rotation& R, const Point& gravity) const {
     const Point gamma = R.transpose() * gravity;
     geometry::Twist<D> f;
-    f << mass * gamma, geometry::moment_of<D>(moment, gamma);
+    f.template head<D>() = mass * gamma;
+    f.template tail<geometry::turns<D>>() = geometry::moment_of<D>(moment, gamma);
     return f;
   }
 

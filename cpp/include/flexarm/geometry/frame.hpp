@@ -8,9 +8,11 @@
 ///     a = sin φ/φ,  b = (1 − cos φ)/φ²,  c = (φ − sin φ)/φ³,   φ = |ω|
 ///     V⁻¹ = I − ½ ω~ + A₁(φ²) ω~²,   A₁ = (1 − (φ/2) cot(φ/2))/φ²                                    (2)
 ///     Ad_H = [R  x~R; 0  R]                twist in H's axes -> twist in the parent's                 (3)
+///     Ad_H u = (R σ − R τ × x, R τ)                                  u = (σ, τ)                       (4)
+///     Ad_Hᵀ f = (Rᵀ n, Rᵀ (m − x × n))     wrench in the parent's axes -> wrench in H's  f = (n, m)   (5)
 ///
-/// In the plane the rotation in (3) is 1. Small angles use the power series in φ². Sources: [Bullo1995],
-/// [Sonneville2014]; docs/theory.md, section "Frames".
+/// In the plane the rotation of rotations in (3)-(5) is 1. Small angles use the power series in φ². Sources:
+/// [Bullo1995], [Sonneville2014]; docs/theory.md, section "Frames".
 #pragma once
 
 #include <cmath>
@@ -54,6 +56,29 @@ TwistMatrix<D> adjoint(const FrameIn<D>& H) {
     Ad.template bottomRightCorner<3, 3>() = H.R;
   }
   return Ad;
+}
+
+/// Equation (4), without the matrix.
+template <int D>
+Twist<D> adjoint_product(const FrameIn<D>& H, const Twist<D>& u) {
+  Turn<D> turn = u.template tail<turns<D>>();
+  if constexpr (D == 3) turn = H.R * turn;
+  Twist<D> out;
+  out.template head<D>() = H.R * u.template head<D>() - turn_cross<D>(turn, H.x);
+  out.template tail<turns<D>>() = turn;
+  return out;
+}
+
+/// Equation (5), without the matrix.
+template <int D>
+Twist<D> adjoint_transpose_product(const FrameIn<D>& H, const Twist<D>& f) {
+  const Point<D> force = f.template head<D>();
+  Turn<D> moment = f.template tail<turns<D>>() - moment_of<D>(H.x, force);
+  if constexpr (D == 3) moment = H.R.transpose() * moment;
+  Twist<D> out;
+  out.template head<D>() = H.R.transpose() * force;
+  out.template tail<turns<D>>() = moment;
+  return out;
 }
 
 namespace series {

@@ -118,7 +118,8 @@ Twist<D> ad_product(const Twist<D>& h, const Twist<D>& u) {
     const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
     const Vector3d s = u.template head<3>(), t = u.template tail<3>();
     Vector6d out;
-    out << omega.cross(s) + rho.cross(t), omega.cross(t);
+    out.head<3>() = omega.cross(s) + rho.cross(t);
+    out.tail<3>() = omega.cross(t);
     return out;
   }
 }
@@ -132,7 +133,8 @@ Twist<D> ad_transpose(const Twist<D>& h, const Twist<D>& f) {
     const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
     const Vector3d n = f.template head<3>(), m = f.template tail<3>();
     Vector6d out;
-    out << n.cross(omega), n.cross(rho) + m.cross(omega);
+    out.head<3>() = n.cross(omega);
+    out.tail<3>() = n.cross(rho) + m.cross(omega);
     return out;
   }
 }

@@ -104,7 +104,7 @@ class JointConstraintIn {
 
   JointType type_;
   int node_a_, node_b_, coordinate_;
-  FrameD X_b_, X_a_inverse_;
+  FrameD X_b_, X_a_inverse_, X_b_inverse_;
   TwistMatrix<D> Ad_a_, Ad_b_;  // of X_a⁻¹ and X_b⁻¹
   TwistD twist_;
 };
@@ -123,9 +123,10 @@ typename JointConstraintIn<D>::Response JointConstraintIn<D>::respond(const Fram
   if (coordinate_ >= 0) {
     const FrameD turned = back(theta);
     apart = turned * apart;
-    on_parent = geometry::adjoint<D>(turned).transpose() * multipliers;
+    on_parent = geometry::adjoint_transpose_product<D>(turned, multipliers);
   }
-  return {{-Ad_a_.transpose() * on_parent, Ad_b_.transpose() * multipliers},
+  return {{-geometry::adjoint_transpose_product<D>(X_a_inverse_, on_parent),
+           geometry::adjoint_transpose_product<D>(X_b_inverse_, multipliers)},
           geometry::logarithm<D>(apart)};  // eq. (1), (2)
 }
 

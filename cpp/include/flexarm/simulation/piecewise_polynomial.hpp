@@ -5,10 +5,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace flexarm::simulation {
 
+/// Copies share the numbers: a drive of a long record is handed on several times before it is read.
 class PiecewisePolynomial {
  public:
   PiecewisePolynomial() = default;  ///< zero at all times
@@ -23,8 +25,11 @@ class PiecewisePolynomial {
   std::array<double, 3> operator()(double t, std::size_t& piece) const;
 
  private:
-  std::vector<double> breaks_;
-  Eigen::MatrixXd coefficients_;
+  struct Pieces {
+    std::vector<double> breaks;
+    Eigen::MatrixXd coefficients;
+  };
+  std::shared_ptr<const Pieces> pieces_;  // null: zero
 };
 
 }  // namespace flexarm::simulation

@@ -15,16 +15,20 @@
 ///
 ///     U = [e_a Ad_aᵀ P,  e_λ P],   C = [0  Eᵀ; E  0],   E = −s Pᵀ (Ad(exp(−ξ θ)) − Ad(exp(−ξ θ₀))) P (3)
 ///
+/// Of these directions, T = Pᵀ Ad(exp(−ξ θ)) P is a turn or a slide, with J = [0 1; −1 0]
+///
+///     revolute: T = diag(t, t), t = cos θ I + sin θ J          prismatic: T = [I  θ J; 0  I]         (4)
+///
 /// Without (3) the iteration of an arm with an inner hinge contracts by some 0.3 a radian that the hinge has
 /// turned since the factors were made. A joint on the base has no such term. Sources: [Hager1989] for (1);
 /// docs/theory.md, section "Time stepping".
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <vector>
 
 #include "flexarm/assembly/equations.hpp"
+#include "flexarm/solvers/packed_matrix.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
 
 namespace flexarm::solvers {
@@ -51,15 +55,15 @@ class TangentChangesIn {
     int constraint, first_row, node_row;  // of the multipliers, of the parent's node
     Across P, on_parent;                  // P, Ad_aᵀ P
     double kept_angle = 0;
-    Turned kept = Turned::Zero();  // Pᵀ Ad(exp(−ξ θ₀)) P
+    Turned kept = Turned::Zero();  // T(θ₀)
   };
 
   void find_turning_joints();
-  Turned turned(const TurningJoint& joint, double theta) const;  // Pᵀ Ad(exp(−ξ θ)) P
+  Turned turned(const TurningJoint& joint, double theta) const;  // T
   bool update(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
-  template <int Size>
-  void correct_sized(Eigen::VectorXd& x) const;
+  void correct_for_one_joint(Eigen::VectorXd& x);
+  void correct_for_all(Eigen::VectorXd& x) const;
   Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
 
   const assembly::SystemIn<D>& system_;
@@ -68,6 +72,8 @@ class TangentChangesIn {
   assembly::TangentFactors factors_{};
   Eigen::VectorXd kept_laws_;
   Eigen::MatrixXd W_, G_, C_;  // G = Uᵀ W
+  PackedMatrix packed_W_;
+  Eigen::VectorXd Wy_;
 };
 
 }  // namespace flexarm::solvers
