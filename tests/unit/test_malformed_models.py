@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from flexarm import Arm
+from flexarm.arm.section import General, contradiction
 from flexarm.errors import InvalidFile
 
 # what is replaced, by what, where the error stands, what it says besides
@@ -67,6 +68,10 @@ MISTAKES = {
     "effect without a place": ('at = "hinge"\nstiffness', "stiffness", "effects.joint_compliance.at",
                                "is missing; needed is name of a joint, link"),
     "uncertainty of nothing": ("load.mass", "lead.mass", "uncertainty.payloads.lead.mass", "there are load"),
+    "uncertainty in a table": ('[uncertainty]\n"links.rod.material.youngs_modulus"', '[uncertainty.links.rod.material]\nyoungs_modulus',
+                               "uncertainty.links.rod.material.youngs_modulus (line ",
+                               'got 0.02; write the key in quotes, in one piece, under [uncertainty]: "links.rod.material.youngs_modulus" = 0.02'),
+    "uncertainty without quotes": ('"payloads.load.mass" =', "payloads.load.mass =", "uncertainty.payloads.load.mass", 'write the key in quotes'),
     "relative vector": ("position_m", "position", "uncertainty.points.tip.position", "write position_m"),
     "wrong format": ("flexarm-arm/1", "flexarm-arm/9", "format", "is 'flexarm-arm/9'; allowed is 'flexarm-arm/1'"),
     "no format": ("format =", "formatted =", "format", "is missing"),
@@ -134,3 +139,28 @@ def test_a_file_that_is_no_model_is_told_apart(content: bytes | None, what: str,
 def test_a_directory_is_no_model(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="is a directory, a file is needed"):
         Arm.from_toml(tmp_path)
+
+
+def test_a_table_within_uncertainty_is_named_with_its_line(model_text: str, tmp_path: Path) -> None:
+    """And a key in quotes that stands below it by mistake is told as it is."""
+    file = tmp_path / "arm.toml"
+    text = model_text.replace(
+        '[uncertainty]\n"links.rod.material.youngs_modulus"',
+        "[uncertainty.links.rod.material]\nyoungs_modulus",
+    )
+    file.write_text(text)
+    with pytest.raises(InvalidFile) as caught:
+        Arm.from_toml(file)
+    first, second, _ = caught.value.problems
+    assert text.splitlines()[first.line - 1] == "youngs_modulus = 0.02"
+    assert '"payloads.load.mass" = 0.005' in second.what
+    assert text.splitlines()[second.line - 1] == '"payloads.load.mass" = 0.005'
+
+
+def test_a_wall_that_no_round_section_of_that_area_can_have_is_said() -> None:
+    """A = pi r2 of a solid bar: 5.8e-4 m2 have r = 13.59 mm; I = pi r4/4 = 2.3e-7 m4 has r = 23.3 mm."""
+    section = General(area=5.8e-4, second_moment=2.3e-7, torsion_constant=4e-7, thickness=0.05)
+    said = contradiction(section)
+    assert said is not None
+    assert said.startswith("wall 0.05 m contradicts area 0.00058 m2")
+    assert said.endswith("its radius is 0.0136 m, and a wall must be less than that")

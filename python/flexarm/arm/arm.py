@@ -17,7 +17,7 @@ from flexarm.arm.link import Link
 from flexarm.arm.motor import Motor
 from flexarm.arm.part_files import found_from, part_problems, seen_from
 from flexarm.arm.sensor import Sensor
-from flexarm.arm.uncertainty import sigma_of, uncertainty_problems
+from flexarm.arm.uncertainty import flat_keys, sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
 from flexarm.arm.warnings import doubts
 from flexarm.errors import InvalidParameter, Problem
@@ -36,7 +36,7 @@ from flexarm.tables import (
 
 Entry = TypeVar("Entry", Joint, Link, Payload, Point)
 AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(read_effect)]
-Sigmas = Annotated[dict[str, Number], AfterValidator(FrozenDict)]
+Sigmas = Annotated[dict[str, Number], BeforeValidator(flat_keys), AfterValidator(FrozenDict)]
 
 
 def _last_of_each(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

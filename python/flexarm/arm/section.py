@@ -11,7 +11,7 @@ with width w along the local y and height h along the local z. I_y resists bendi
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -155,6 +155,12 @@ def contradiction(section: General) -> str | None:
     area = pi * t * mean  # eq. (3)
     if abs(area - section.area) <= 0.01 * area:  # tables print areas to two or three digits
         return None
+    solid = min(sqrt(section.area / pi), (4 * inertia / pi) ** 0.25)
+    if t > solid:
+        return (
+            f"wall {t:g} m contradicts area {section.area:g} m2 and second moment {inertia:g} m4: as a "
+            f"solid round bar its radius is {solid:.3g} m, and a wall must be less than that"
+        )
     from_area = section.area / (pi * t)
     agree = pi * t * from_area * (from_area**2 + t**2) / 8  # eq. (3)
     return (

@@ -7,11 +7,12 @@ have absolute ones only.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from flexarm.tables.table import Path, Table, unit_of
+from flexarm.tables.messages import shown
+from flexarm.tables.table import Inconsistent, Path, Table, unit_of
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -75,6 +76,40 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
                     + (f"write {options}" if options else "it cannot have an uncertainty")
                 ),
             )
+
+
+def flat_keys(given: Any) -> Any:
+    """Refuses tables within `[uncertainty]`, which TOML makes of dots without quotes; says what to write.
+
+    Raises
+    ------
+    Inconsistent
+        For every number in such a table.
+    """
+    if not isinstance(given, Mapping):
+        return given
+    nested = {key: value for key, value in given.items() if isinstance(value, Mapping)}
+    if nested:
+        raise Inconsistent(*(_in_quotes(path, value) for path, value in _leaves(nested)))
+    return given
+
+
+def _leaves(table: Mapping[str, Any], above: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping) and value:
+            yield from _leaves(value, (*above, key))
+        else:
+            yield (*above, key), value
+
+
+def _in_quotes(path: tuple[str, ...], value: Any) -> tuple[Path, str]:
+    whole = path[-1].partition(".")[0] in _TABLES  # a key in quotes that stands below the wrong header
+    key = path[-1] if whole else ".".join(path)
+    what = (
+        f"stands in a table of its own, got {shown(value)}; write the key in quotes, in one piece, under "
+        f'[uncertainty]: "{key}" = {shown(value)}'
+    )
+    return path, what
 
 
 @dataclass(frozen=True)

@@ -89,13 +89,29 @@ def line_in(text: str, path: Path) -> int | None:
     if not path:
         return None
     lines = text.splitlines()
-    begin, end, rest = _block(lines, path)
+    begin, end, rest = _nested_block(lines, path) or _block(lines, path)
     for key in rest[:1]:
         pattern = re.compile(rf"""^\s*["']?{re.escape(str(key))}["']?\s*(=|\.)""")
         for number in range(begin, end):
             if pattern.match(lines[number]):
                 return number + 1
     return begin if begin else None
+
+
+def _nested_block(lines: list[str], path: Path) -> tuple[int, int, Path] | None:
+    """As `_block`, under the header of a table within a table such as `[a.b]`; None if there is none."""
+    for depth in range(len(path) - 1, 1, -1):
+        wanted = ".".join(map(str, path[:depth]))
+        for number, line in enumerate(lines):
+            header = _HEADER.match(line)
+            if header and header[2] == wanted:
+                below = range(number + 1, len(lines))
+                return (
+                    number + 1,
+                    next((n for n in below if _HEADER.match(lines[n])), len(lines)),
+                    path[depth:],
+                )
+    return None
 
 
 def _block(lines: list[str], path: Path) -> tuple[int, int, Path]:
