@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.arrays import Floats, frozen
 from flexarm.held_arm import Held
+from flexarm.measurement.states import States
 from flexarm.sensitivity import Sensitivities
 
 if TYPE_CHECKING:
@@ -26,44 +27,15 @@ SEEN = ("position", "rotation", "joint_torque", "link_angle", "section_forces")
 
 
 @dataclass(frozen=True, eq=False)
-class PoseSequence:
-    """Equilibria of an arm, one a pose, with the arrays that sensors read of a simulation.
+class PoseSequence(States):
+    """Equilibria of an arm, one a pose: nothing moves, and torques are the drives', output side [N m].
 
     Attributes
     ----------
-    arm : Arm
-        The model.
-    time : ndarray, shape (n,)
-        Numbers of the poses: 0, 1, 2, ...
-    points, joints : tuple of str
-        Names, in the order of the arrays.
-    position, velocity : ndarray, shape (n, point, 3)
-        Places [m]; nothing moves.
-    orientation, angular_rate, acceleration : ndarray, shapes (n, point, 4) and (n, point, 3)
-        Quaternions x, y, z, w; no rate; specific force in body axes [m/s2].
-    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
-        Angles [rad] and the drive's torques, output side [N m].
-    section_forces : ndarray, shape (n, link, 2, 6)
-        At both ends of each link [N, N m].
     sensitivities : Sensitivities or None
         Derivatives of the arrays by parameters of the model; of those that are zero at rest there are none.
     """
 
-    arm: Any
-    time: Floats
-    points: tuple[str, ...]
-    joints: tuple[str, ...]
-    position: Floats
-    velocity: Floats
-    orientation: Floats
-    angular_rate: Floats
-    acceleration: Floats
-    joint_angle: Floats
-    joint_rate: Floats
-    drive_angle: Floats
-    drive_rate: Floats
-    motor_torque: Floats
-    section_forces: Floats
     sensitivities: Sensitivities | None = None
 
 
@@ -77,8 +49,6 @@ def sequence(arm: Arm, found: Sequence[Held]) -> PoseSequence:
     return PoseSequence(
         arm=arm,
         time=np.arange(float(len(found))),
-        points=tuple(point.name for point in arm.points),
-        joints=tuple(joint.name for joint in arm.joints),
         position=arrays["position"],
         velocity=still,
         orientation=turns.as_quat().reshape(*still.shape[:2], 4),

@@ -16,51 +16,12 @@ from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.measurement.predict import read
+from flexarm.measurement.states import States
 
 
 @dataclass(frozen=True, eq=False)
-class Instants:
-    """What measurements take from a `Simulation`; the first axis is the state.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    time : ndarray, shape (n,)
-        Number of the state.
-    position, velocity, angular_rate, acceleration : ndarray, shape (n, point, 3)
-        Of the points: base axes [m], [m/s]; body axes: rate [rad/s] and specific force [m/s2].
-    orientation : ndarray, shape (n, point, 4)
-        Quaternion x, y, z, w.
-    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
-        As in `Simulation`.
-    section_forces : ndarray, shape (n, link, 2, 6)
-        As in `Simulation`.
-    """
-
-    arm: Arm
-    time: Floats
-    position: Floats
-    velocity: Floats
-    orientation: Floats
-    angular_rate: Floats
-    acceleration: Floats
-    joint_angle: Floats
-    joint_rate: Floats
-    drive_angle: Floats
-    drive_rate: Floats
-    motor_torque: Floats
-    section_forces: Floats
-
-    @property
-    def points(self) -> tuple[str, ...]:
-        """Names of the points."""
-        return tuple(point.name for point in self.arm.points)
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints."""
-        return tuple(joint.name for joint in self.arm.joints)
+class Instants(States):
+    """States of an assembled system."""
 
     @classmethod
     def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> Instants:
