@@ -34,7 +34,8 @@ def evidence_sentence(
     text += "".join(f"; {said}" for said in _strained(choice.null))
     if rivals:
         rival = rivals[0]
-        text += f"; next is {place_words(*rival.candidate.place)}, ln {rival.behind:.1f} behind"
+        who = place_words(*rival.candidate.place)
+        text += f"; next is {who}, behind by a ln Bayes factor of {rival.behind:.1f}"
     if open_gap:
         text += (
             f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "

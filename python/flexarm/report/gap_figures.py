@@ -13,6 +13,7 @@ from flexarm.diagnosis.wording import number, scale
 from flexarm.report.sheets import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from flexarm.comparison.gap import SignalGap
@@ -68,12 +69,21 @@ def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
         if noise:
             ax.axhline(factor * noise, color="black", lw=0.8, ls="--", label="noise, all bands")
         ax.set(xticks=np.arange(len(labels)), xticklabels=labels, xlabel="band [Hz]", title=name)
-        floor = 0.1 * (noise or 0.0)  # nobody needs to see what lies that far below the noise
-        log_if_wide(ax, "y", [factor * max(b.rms, floor) for gap in gaps.values() for b in gap.bands])
-        ax.set_ylim(bottom=factor * floor if ax.get_yscale() == "log" and floor else None)
+    _share_heights(axes[0, 0], [gap for gaps in shown.values() for gap in gaps.values()], factor)
     axes[0, 0].set_ylabel(f"rms of {d.main_signal} [{unit}]")
     legend_below(figure, axes[0, 0])
     return figure
+
+
+def _share_heights(ax: Axes, gaps: Sequence[SignalGap], factor: float) -> None:
+    """One axis for all records, which holds the highest bar; nobody needs to see far below the noise."""
+    floor = 0.1 * max((gap.noise_rms or 0.0 for gap in gaps), default=0.0)
+    heights = [factor * max(band.rms, floor) for gap in gaps for band in gap.bands]
+    log_if_wide(ax, "y", heights)
+    if ax.get_yscale() == "log":
+        ax.set_ylim(factor * floor if floor else None, 1.6 * max(heights))
+    else:
+        ax.set_ylim(0.0, 1.05 * max(heights))
 
 
 def waterfall(d: Diagnosis) -> Figure | None:

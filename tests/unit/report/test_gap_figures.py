@@ -1,0 +1,17 @@
+"""Claims about the figures of the gap: bars of all records fit, whatever their order."""
+
+import diagnoses
+import pytest
+
+from flexarm.report.figures import style
+from flexarm.report.gap_figures import by_band
+
+
+@pytest.mark.parametrize("order", [("slow", "fast", "other"), ("other", "fast", "slow")])
+def test_no_bar_is_cut_off(order):
+    """Records share one axis; the highest bar may belong to any of them."""
+    with style():
+        figure = by_band(diagnoses.of_effects(), order)
+    tops = [patch.get_height() for ax in figure.axes for patch in ax.patches]
+    assert len({ax.get_ylim() for ax in figure.axes}) == 1
+    assert max(tops) < figure.axes[0].get_ylim()[1]
