@@ -11,7 +11,7 @@ from flexarm.diagnosis.wording import listed
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.files import Drawing, drawn
 from flexarm.report.gap_figures import by_band, gap_along, waterfall
-from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints
+from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +58,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
         "rotations",
         "where",
         "The gap of all positions as small rotations of the joints, of the nominal model, each against its "
-        "own angle, rate and torque: the joint where the cause sits, if it sits in one.",
+        "own states: the joint where the cause sits, if it sits in one.",
         rotations(d),
     )
     yield (
@@ -86,13 +86,14 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
 
 def _of_states(d: Diagnosis) -> str:
     """What stands below the gap against the states of the joints."""
-    joints = [states.joint for states in shown_joints(d)]
+    shown = shown_joints(d)
+    joints, states = [each.joint for each in shown], listed(states_drawn(shown))
     if not joints:
         return ""
     whose = f"of {joints[0]}" if len(joints) == 1 else f"of {listed(joints)}, a row each"
     return (
         f"The gap of {d.main_signal}, {main_direction(d)} (where it is greatest), in all of the training, "
-        f"against angle, rate and torque {whose}. A curve over the torque is a spring, two branches by sense "
+        f"against {states} {whose}. A curve over the torque is a spring, two branches by sense "
         "of motion are friction, a wave over the angle is a gear or an encoder."
     )
 

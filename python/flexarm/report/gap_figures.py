@@ -76,14 +76,16 @@ def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
 
 
 def _share_heights(ax: Axes, gaps: Sequence[SignalGap], factor: float) -> None:
-    """One axis for all records, which holds the highest bar; nobody needs to see far below the noise."""
-    floor = 0.1 * max((gap.noise_rms or 0.0 for gap in gaps), default=0.0)
+    """One axis for all records, which holds the highest bar and the noise, and little below the noise."""
+    noise = max((gap.noise_rms or 0.0 for gap in gaps), default=0.0)
+    floor = 0.1 * noise
     heights = [factor * max(band.rms, floor) for gap in gaps for band in gap.bands]
+    top = max(*heights, factor * noise)
     log_if_wide(ax, "y", heights)
     if ax.get_yscale() == "log":
-        ax.set_ylim(factor * floor if floor else None, 1.6 * max(heights))
+        ax.set_ylim(factor * floor if floor else None, 1.6 * top)
     else:
-        ax.set_ylim(0.0, 1.05 * max(heights))
+        ax.set_ylim(0.0, 1.05 * top)
 
 
 def waterfall(d: Diagnosis) -> Figure | None:

@@ -45,7 +45,7 @@ def against_states(d: Diagnosis) -> Figure | None:
     shown = shown_joints(d)
     if d.located is None or not shown:
         return None
-    kinds = KINDS if any(states.moves for states in shown) else ("angle", "torque")
+    kinds = states_drawn(shown)
     direction = main_direction(d)
     tall = 1.6 if len(shown) == 1 else 1.25
     figure, axes = sheet(len(shown), len(kinds), tall, between=(0.3, BOTTOM), sharey=True)
@@ -70,6 +70,11 @@ def shown_joints(d: Diagnosis) -> list[States]:
     moving = [each.joint for each in rows.states]
     order = dict.fromkeys([*(joint for joint in ranked if joint in moving), *moving])
     return [_of(rows.states, joint) for joint in list(order)[:MOST_JOINTS]]
+
+
+def states_drawn(joints: Sequence[States]) -> Sequence[str]:
+    """States that joints have: no rate in poses."""
+    return KINDS if any(states.moves for states in joints) else ("angle", "torque")
 
 
 def main_direction(d: Diagnosis) -> str:
@@ -124,7 +129,7 @@ def rotations(d: Diagnosis) -> Figure | None:
         return None
     shown = list(zip(found.joints, found.states, strict=True))[:MOST_JOINTS]
     factor, unit = scale([float(np.abs(each.angle).max()) for each, _ in shown], shown[0][0].unit)
-    kinds = KINDS if any(states.moves for _, states in shown) else ("angle", "torque")
+    kinds = states_drawn([states for _, states in shown])
     figure, axes = sheet(len(shown), len(kinds), 1.1, between=(0.3, BOTTOM), legend=False, sharey=True)
     for row, (rotation, states) in zip(axes, shown, strict=True):
         _draw_rotation(dict(zip(kinds, row, strict=True)), rotation, states, factor)

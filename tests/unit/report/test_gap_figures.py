@@ -15,3 +15,11 @@ def test_no_bar_is_cut_off(order):
     tops = [patch.get_height() for ax in figure.axes for patch in ax.patches]
     assert len({ax.get_ylim() for ax in figure.axes}) == 1
     assert max(tops) < figure.axes[0].get_ylim()[1]
+
+
+def test_the_noise_is_inside_where_nothing_exceeds_it():
+    with style():
+        figure = by_band(diagnoses.adequate(), ["slow", "fast"])
+    for ax in figure.axes:
+        [noise] = {float(line.get_ydata()[0]) for line in ax.get_lines()}
+        assert noise < ax.get_ylim()[1]

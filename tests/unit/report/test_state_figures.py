@@ -131,3 +131,11 @@ def test_an_effect_is_shown_in_the_signal_that_it_repairs():
 )
 def test_an_effect_is_drawn_against_what_its_law_speaks_of(effect, state):
     assert state_of(effect) == state
+
+
+def test_poses_have_no_rate_in_figure_and_caption():
+    [(text, figure)] = [
+        (text, figure) for name, _, text, figure in _figures(diagnoses.of_poses()) if name == "states"
+    ]
+    assert not [ax for ax in figure.axes if ax.get_xlabel().startswith("rate")]
+    assert "against angle and torque of elbow and shoulder" in text
