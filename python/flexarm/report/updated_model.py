@@ -6,7 +6,7 @@ them; 90 % intervals of refined nominal values are those of a normal distributio
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from pathlib import Path
 from textwrap import wrap
@@ -38,9 +38,9 @@ def _head(d: Diagnosis) -> Iterator[str]:
     files = [name for name in known["inputs_sha256"] if name.endswith(".toml") and "/" not in name]
     model = f"{files[0]}, {d.arm.name!r}" if files else repr(d.arm.name)
     yield f"Made by flexarm diagnose {known['version']}, seed {known['seed']}: verdict {d.verdict}"
-    yield f"from the model {model} and the records {listed(d.training) or 'none'}"
+    yield f"from the model {model} and {_records(d.training)}"
     if d.held_out and d.hold_out_kind != "blocks":
-        yield f"tried on the record {listed(d.held_out)}, which was not fitted"
+        yield f"tried on {_records(d.held_out)}, which no fit has seen"
     kept = [effect for effect in d.effects if _in(d, effect)]
     moved = list(refinements(d))
     changed = [each for each in moved if each.refined.value != each.refined.nominal]
@@ -64,6 +64,10 @@ def _head(d: Diagnosis) -> Iterator[str]:
     left = [each.refined.parameter for each in moved if each.refined.value == each.refined.nominal]
     if left:
         yield f"as they were, since the data do not determine them: {listed(left)}"
+
+
+def _records(names: Sequence[str]) -> str:
+    return f"the record{'s' if len(names) > 1 else ''} {listed(names)}"
 
 
 def _in(d: Diagnosis, effect: NamedEffect) -> bool:

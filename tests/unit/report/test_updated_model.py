@@ -20,7 +20,7 @@ def test_what_was_added_is_told_with_its_interval(tmp_path):
     told, model = head(diagnoses.of_effects(), tmp_path / "updated.toml")
     assert model == diagnoses.with_spring()
     assert "Made by flexarm diagnose 1.0, seed 0: verdict effects" in told
-    assert "the records slow and fast tried on the record other, which was not fitted" in told
+    assert "the records slow and fast tried on the record other, which no fit has seen" in told
     assert "joint compliance at hinge, probability 0.93" in told
     assert "stiffness = 140000 N m/rad, 137697 to 142303" in told  # 1 %, 1.645 sigma
     assert "cannot tell it from link stiffness at rod" in told
@@ -38,6 +38,7 @@ def test_a_value_that_went_back_is_told_as_it_was(tmp_path):
 def test_a_model_that_was_not_touched_says_so(tmp_path):
     told, model = head(diagnoses.unusable(), tmp_path / "updated.toml")
     assert model == diagnoses.nominal()
+    assert "and the record slow nothing" in told
     assert told.endswith("nothing is changed: this is the nominal model")
 
 
