@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "flexarm/solvers/dissection.hpp"
 
@@ -12,10 +14,14 @@ namespace {
 constexpr int part_size = 20;
 // Largest error of a known solution of ones.
 constexpr double half_of_the_digits = 1e-8;
+// A pivot so many times the rest of its row and column grows no error.
+constexpr double outweighs = 10;
 
 }  // namespace
 
-bool DissectedInverse::invert(const Eigen::SparseMatrix<double>& A) {
+bool DissectedInverse::invert(const Eigen::SparseMatrix<double>& whole) {
+  leaves_ = find_leaves(whole);
+  const Eigen::SparseMatrix<double> A = leaves_.empty() ? whole : without_leaves(whole);
   reorder(A);
   const Eigen::Index n = A.rows(), n_s = n_separated_;
   b_.resize(n);
@@ -24,9 +30,80 @@ bool DissectedInverse::invert(const Eigen::SparseMatrix<double>& A) {
   for (Part& part : parts_) eliminate(part, full, schur);
   separator_ = PackedMatrix(n_s > 0 ? MatrixXd(schur.partialPivLu().inverse()) : MatrixXd(0, 0));
   x_s_.resize(separator_.filled_rows());
-  VectorXd ones = A * VectorXd::Ones(n);
+  if (!leaves_.empty()) {
+    for (int& k : order_) k = rest_[static_cast<std::size_t>(k)];
+  }
+  VectorXd ones = whole * VectorXd::Ones(whole.cols());
   solve(ones);
   return ((ones.array() - 1).abs() < half_of_the_digits).all();  // false for what is not a number, too
+}
+
+/// Unknowns of (4), in rising order.
+std::vector<DissectedInverse::Leaf> DissectedInverse::find_leaves(
+    const Eigen::SparseMatrix<double>& A) const {
+  const Eigen::SparseMatrix<double> transposed = A.transpose();
+  VectorXd pivot = A.diagonal(), in_row = -pivot.cwiseAbs(), in_column = in_row;
+  for (int k = 0; k < A.outerSize(); ++k) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(A, k); it; ++it) {
+      in_row[it.row()] += std::abs(it.value());
+      in_column[k] += std::abs(it.value());
+    }
+  }
+  std::vector<Leaf> leaves;
+  std::vector<bool> taken(static_cast<std::size_t>(A.cols()), false);
+  for (int i = 0; i < A.cols(); ++i) {
+    if (!(std::abs(pivot[i]) > outweighs * std::max(in_row[i], in_column[i]))) continue;
+    std::map<int, Leaf::Entry> entries;
+    for (Eigen::SparseMatrix<double>::InnerIterator it(A, i); it; ++it) {
+      const int other = static_cast<int>(it.row());
+      entries[other] = {other, 0, it.value() / pivot[i]};
+    }
+    for (Eigen::SparseMatrix<double>::InnerIterator it(transposed, i); it; ++it) {
+      const int other = static_cast<int>(it.row());
+      entries.try_emplace(other, Leaf::Entry{other, 0, 0}).first->second.in_row = it.value() / pivot[i];
+    }
+    entries.erase(i);
+    const bool touches = std::any_of(entries.begin(), entries.end(),
+                                     [&](const auto& entry) { return taken[entry.second.other]; });
+    if (touches) continue;
+    taken[i] = true;
+    Leaf leaf{i, 1 / pivot[i], {}};
+    for (const auto& [other, entry] : entries) {
+      if (entry.in_row != 0 || entry.in_column != 0) leaf.entries.push_back(entry);
+    }
+    leaves.push_back(std::move(leaf));
+  }
+  return leaves;
+}
+
+/// A' of (4), and what is left in it.
+Eigen::SparseMatrix<double> DissectedInverse::without_leaves(const Eigen::SparseMatrix<double>& A) {
+  std::vector<int> place(static_cast<std::size_t>(A.cols()), 0);  // among the rest; −1: a leaf
+  for (const Leaf& leaf : leaves_) place[leaf.unknown] = -1;
+  rest_.clear();
+  for (int k = 0; k < A.cols(); ++k) {
+    if (place[k] < 0) continue;
+    place[k] = static_cast<int>(rest_.size());
+    rest_.push_back(k);
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < A.outerSize(); ++k) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(A, k); it; ++it) {
+      if (place[it.row()] >= 0 && place[k] >= 0) entries.emplace_back(place[it.row()], place[k], it.value());
+    }
+  }
+  for (const Leaf& leaf : leaves_) {
+    for (const auto& j : leaf.entries) {
+      for (const auto& k : leaf.entries) {
+        const double change = -j.in_column * k.in_row / leaf.per_pivot;  // eq. (4)
+        entries.emplace_back(place[j.other], place[k.other], change);
+      }
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(rest_.size());
+  Eigen::SparseMatrix<double> rest(n, n);
+  rest.setFromTriplets(entries.begin(), entries.end());
+  return rest;
 }
 
 /// Parts, their boundaries and the new order of the unknowns.
@@ -70,6 +147,19 @@ void DissectedInverse::eliminate(Part& part, const MatrixXd& A, MatrixXd& schur)
 }
 
 void DissectedInverse::solve(VectorXd& x) {
+  for (const Leaf& leaf : leaves_) {
+    const double b = x[leaf.unknown];
+    for (const auto& entry : leaf.entries) x[entry.other] -= entry.in_column * b;  // eq. (4)
+  }
+  solve_rest(x);
+  for (const Leaf& leaf : leaves_) {
+    double known = leaf.per_pivot * x[leaf.unknown];
+    for (const auto& entry : leaf.entries) known -= entry.in_row * x[entry.other];
+    x[leaf.unknown] = known;  // eq. (4)
+  }
+}
+
+void DissectedInverse::solve_rest(VectorXd& x) {
   for (Eigen::Index k = 0; k < b_.size(); ++k) b_[k] = x[order_[static_cast<std::size_t>(k)]];
   auto b_s = b_.tail(n_separated_);
   for (Part& part : parts_) {

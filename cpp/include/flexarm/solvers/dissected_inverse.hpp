@@ -13,8 +13,15 @@
 /// before. It multiplies more numbers: for a chain n (m + 2 b) + (n b/m)², with parts of m and boundaries of
 /// b unknowns, so it suits up to a few hundred unknowns.
 ///
-/// Pivots are looked for inside the parts only. Whether that was good enough is tried on a solution that is
-/// known.
+/// Before all that go unknowns i whose pivot outweighs the rest of its row and of its column, as amplitudes
+/// of inner modes have it at steps longer than their periods. Those that do not touch one another leave
+///
+///     A'_jk = A_jk − A_ji A_ik/A_ii,   b'_j = b_j − A_ji b_i/A_ii,   x_i = (b_i − Σ A_ik x_k)/A_ii  (4)
+///
+/// to the parts. Left among them, they would tie parts together and make pieces of multipliers alone.
+///
+/// Pivots are otherwise looked for inside the parts only. Whether that was good enough is tried on a solution
+/// that is known.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -45,9 +52,25 @@ class DissectedInverse {
     VectorXd beyond, from_it;    // x_s on the boundary, and its product with `from_boundary`
   };
 
+  /// An unknown of (4), with its row and column over its pivot.
+  struct Leaf {
+    struct Entry {
+      int other;
+      double in_row, in_column;
+    };
+    int unknown;
+    double per_pivot;
+    std::vector<Entry> entries;
+  };
+
+  std::vector<Leaf> find_leaves(const Eigen::SparseMatrix<double>& A) const;
+  Eigen::SparseMatrix<double> without_leaves(const Eigen::SparseMatrix<double>& A);
   void reorder(const Eigen::SparseMatrix<double>& A);
+  void solve_rest(VectorXd& x);
   void eliminate(Part& part, const MatrixXd& A, MatrixXd& schur) const;
 
+  std::vector<Leaf> leaves_;
+  std::vector<int> rest_;   // all unknowns but the leaves; empty without leaves
   std::vector<int> order_;  // parts one after the other, then the separator
   std::vector<Part> parts_;
   Eigen::Index n_separated_ = 0;
