@@ -22,9 +22,16 @@ TIED, PARTED, CLEAR, UNSEEN = "#d55e00", "#f0c08a", "#0072b2", "#dddddd"
 
 
 def near_effects(plan: Plan) -> list[int]:
-    """Effects, by number, that are not told well from some other one; all if there is none such."""
+    """Effects, by number, that are not told well from some other one; all if there is none such.
+
+    Of an effect that is hardly seen every wrong name is hardly told: it is near those only that explain more
+    than half of the evidence for it, or that are tied with it.
+    """
+    own = np.array([each.log_bayes_factor for each in plan.effects])
     seen = np.array([each.seen for each in plan.effects], dtype=bool)
-    near = seen[:, None] & ((plan.log_bayes_factor < REACH) | (plan.log_bayes_factor < HARDLY) & seen)
+    factors = plan.log_bayes_factor
+    hardly = (factors < HARDLY) & (factors < own[:, None] / 2) & seen
+    near = seen[:, None] & ((factors < REACH) | hardly)
     np.fill_diagonal(near, False)
     found = np.flatnonzero(near.any(axis=0) | near.any(axis=1))
     return found.tolist() if len(found) else list(range(len(seen)))

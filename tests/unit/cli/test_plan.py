@@ -144,6 +144,8 @@ def test_the_matrix_shows_those_that_are_near_another():
     np.fill_diagonal(factors, 0.0)
     plan = Plan(None, ("run",), tuple(effects), factors, ((0, 1),), ())
     assert near_effects(plan) == [0, 1]
+    factors[2, 0] = 28.0  # hardly told, yet a explains less than half of the 50 that speak for c
+    assert near_effects(plan) == [0, 1]
     factors[2, 3] = 1.0  # c would be taken for d, which alone would not be seen
     assert near_effects(plan) == [0, 1, 2, 3]
 
