@@ -137,8 +137,12 @@ void HhtStepperIn<D>::remember(StateIn<D>& state) const {
   for (std::size_t k = 0; k < state.laws.size(); ++k) {
     const auto& law = system_.laws()[k];
     const double x = system_.deflection(law, state.s);
-    const double rate = system_.deflection(law, state.v.tail(system_.n_scalars()));
-    state.laws[k] = {x, joints::respond(law.law, x, rate, state.laws[k]).z};
+    double z = 0;
+    if (!joints::acts_at_rest(law.law)) {  // friction alone has an internal state
+      const double rate = system_.deflection(law, state.v.tail(system_.n_scalars()));
+      z = joints::respond(law.law, x, rate, state.laws[k]).z;
+    }
+    state.laws[k] = {x, z};
   }
 }
 
@@ -147,10 +151,17 @@ template <int D>
 void HhtStepperIn<D>::predict(StateIn<D>& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const int n = system_.n_free(), n_driven = system_.n_velocities() - n;
-  const auto v0 = before_.v.head(n), a0 = before_.a.head(n), v_dot0 = before_.v_dot.head(n);
-  exponent_ = h * v0 + h * h * (0.5 - beta) * a0 + h * h * beta * v_dot0;  // eq. (3)
-  state.v.head(n) = v0 + h * (1 - gamma) * a0 + h * gamma * v_dot0;        // eq. (4)
-  state.v_dot.head(n) = state.a.head(n) = v_dot0;
+  const double h2_a = h * h * (0.5 - beta), h2_v_dot = h * h * beta, h_a = h * (1 - gamma),
+               h_v_dot = h * gamma;
+  const double *__restrict v0 = before_.v.data(), *__restrict a0 = before_.a.data(),
+               *__restrict v_dot0 = before_.v_dot.data();
+  double *__restrict x = exponent_.data(), *__restrict v = state.v.data(), *__restrict a = state.a.data(),
+         *__restrict v_dot = state.v_dot.data();
+  for (int k = 0; k < n; ++k) {  // in one pass: the vectors are short, and setting out takes its time
+    x[k] = h * v0[k] + h2_a * a0[k] + h2_v_dot * v_dot0[k];  // eq. (3)
+    v[k] = v0[k] + h_a * a0[k] + h_v_dot * v_dot0[k];        // eq. (4)
+    v_dot[k] = a[k] = v_dot0[k];
+  }
   state.s.tail(n_driven) = drive_.s.tail(n_driven);
   state.v.tail(n_driven) = drive_.v.tail(n_driven);
   state.v_dot.tail(n_driven) = drive_.v_dot.tail(n_driven);
@@ -163,11 +174,16 @@ void HhtStepperIn<D>::correct(StateIn<D>& state, double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   const int n = system_.n_free();
   const double per_h2 = 1 / (beta * h * h);
-  const auto dx = dx_.head(n);
-  exponent_ += dx;
-  state.a.head(n) += per_h2 * dx;
-  state.v.head(n) += gamma * h * per_h2 * dx;
-  state.v_dot.head(n) += per_h2 / (1 + alpha) * dx;
+  const double per_h = gamma * h * per_h2, per_h2_v_dot = per_h2 / (1 + alpha);
+  const double* __restrict dx = dx_.data();
+  double *__restrict x = exponent_.data(), *__restrict v = state.v.data(), *__restrict a = state.a.data(),
+         *__restrict v_dot = state.v_dot.data();
+  for (int k = 0; k < n; ++k) {
+    x[k] += dx[k];
+    a[k] += per_h2 * dx[k];
+    v[k] += per_h * dx[k];
+    v_dot[k] += per_h2_v_dot * dx[k];
+  }
   state.multipliers += mass_scale_ * per_h2 * dx_.tail(system_.n_constraints());
   place(state);
 }
@@ -194,7 +210,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
     system_.evaluate(state, loads_, r_, phi_);
     solve(state, h);  // eq. (5)
     ++statistics_.iterations;
-    if (!dx_.allFinite()) return false;
+    if (!std::isfinite(dx_.sum())) return false;  // as is the sum of what is not
     const double size = increment_norm(system_, dx_);
 
     correct(state, h);
