@@ -107,7 +107,7 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
             continue
         j = places[name]
         coordinate, z = fit.coordinates[j], float(fit.z[j])
-        reach = max(REACH, abs(z))
+        reach = max(REACH[coordinate.prior.scale], abs(z))
         values = np.array([coordinate.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
         low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
         found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), unit))

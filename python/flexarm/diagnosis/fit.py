@@ -1,12 +1,12 @@
 r"""Effects fitted through the full simulation, with everything uncertain eliminated along.
 
-    min over u of  C(r(u)) + sum_i (z_i/3)^2,    z_i = (u_i - m_i)/s_i                                 (1)
+    min over u of  C(r(u)) + sum_i ln(1 + (z_i/3)^2),    z_i = (u_i - m_i)/s_i                         (1)
 
 u are the effects' parameters, logarithms where their priors are logarithmic, C the residual that clocks,
 frames and nominal values cannot explain (`flexarm.diagnosis.projection`), m and s mode and sigma of a prior.
-The prior is widened to a third of its weight, since it need not know this machine: it keeps what the data do
-not determine, such as a damping, at plausible values. SciPy's least_squares solves (1) within bounds. Its
-derivatives come from finite steps, as laws that are not smooth need them, and from there on from Broyden's
+The prior is widened to a third of its weight and has Student's wide tails, since it need not know this
+machine: it keeps what the data do not determine, such as a damping, at plausible values, and hardly moves what
+they do. SciPy's least_squares solves (1) within bounds. Its derivatives come from finite steps, as laws that are not smooth need them, and from there on from Broyden's
 update [Broyden1965] while that foretells what a step does,
 
     J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                         (2)
@@ -41,8 +41,8 @@ CENTRED, LESS = 3, 0.98
 """Rounds in which nominal values are centred, and the part of the gap below which one was worth while."""
 CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
 """Laws with corners."""
-REACH = 8.0
-"""Bounds of a parameter in sigmas of its prior."""
+REACH = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
+"""Bounds of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +276,7 @@ class Fitter:
             )
         problem = _Problem(self, members, coordinates, projection)
         problem.raw(start)  # an error here is the caller's
-        reach = np.where([c.prior.scale == "uniform" for c in coordinates], 40.0, REACH)
+        reach = np.array([REACH[c.prior.scale] for c in coordinates])
         start = np.clip(start, -0.99 * reach, 0.99 * reach)
         found = least_squares(
             problem.rows,
@@ -366,7 +366,7 @@ class _Problem:
             rest = self.projection.rest(self.raw(z))
         except (NotConverged, InvalidParameter):
             return np.full(len(self.fitter.observed) + self.projection.added + len(z), 1e4)
-        return np.concatenate([rest, self._weight() * z])
+        return np.concatenate([rest, self._prior(z)[0]])
 
     def slopes_at(self, z: Floats) -> Floats:
         """Derivatives of the residuals by z, eq. (2) where that is enough."""
@@ -429,7 +429,13 @@ class _Problem:
 
     def jacobian(self, z: Floats) -> Floats:
         """Derivatives of the rows."""
-        return np.vstack([self.projection.rest(self.slopes_at(z)), np.diag(self._weight())])
+        return np.vstack([self.projection.rest(self.slopes_at(z)), np.diag(self._prior(z)[1])])
 
-    def _weight(self) -> Floats:
-        return np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in self.coordinates])
+    def _prior(self, z: Floats) -> tuple[Floats, Floats]:
+        """The priors' rows of (1) and their derivatives."""
+        weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in self.coordinates])
+        x = weak * z
+        rows = np.sign(x) * np.sqrt(np.log1p(x**2))
+        near = np.abs(x) < 1e-4  # where the row is x
+        slopes = np.where(near, 1.0, x / (1 + x**2) / np.where(near, 1.0, rows))
+        return rows, weak * slopes
