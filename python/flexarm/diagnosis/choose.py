@@ -57,6 +57,8 @@ FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
+SETTLED = 1.0
+"""Least fall of C in a round of `settled`: that of one sigma."""
 ALIKE = 2
 """Rounds in which the model without effects is fitted about itself."""
 OVERTAKEN = 3
@@ -175,6 +177,7 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
         value = worth(best.rest, observed)
         path = [*path[:-1], best]
         rivals = [_rivals(about, probed, best, null, k, tried, value) for k in range(len(best.members))]
+    best, about = settled(best, about)
     gains = [(f, log_bayes_factor(f, null, observed, value)) for f in tried]
     return Choice(null, best, about, value, rivals, gains, path)
 
@@ -350,6 +353,22 @@ def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
         idle = 0 if fit.cost < BETTER * best.cost else idle + 1
         if fit.cost < best.cost:
             best, there = fit, about
+    return best, there
+
+
+def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
+    """A fit repeated about itself until C falls by less than one: until its values are those of the least C.
+
+    What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
+    they act alike.
+    """
+    best, there = fit, about
+    for _ in range(ROUNDS if fit.members else 0):
+        about = about.about(fit)
+        fit = about.fit(fit.members)
+        if fit.cost > best.cost - SETTLED:
+            return min((best, there), (fit, about), key=lambda pair: pair[0].cost)
+        best, there = fit, about
     return best, there
 
 

@@ -5,9 +5,10 @@ r"""Effects fitted through the full simulation, with everything uncertain elimin
 u are the effects' parameters, logarithms where their priors are logarithmic, C the residual that clocks,
 frames and nominal values cannot explain (`flexarm.diagnosis.projection`), m and s mode and sigma of a prior.
 The prior is widened to a third of its weight and has Student's wide tails, since it need not know this
-machine: it keeps what the data do not determine, such as a damping, at plausible values, and hardly moves what
-they do. SciPy's least_squares solves (1) within bounds. Its derivatives come from finite steps, as laws that are not smooth need them, and from there on from Broyden's
-update [Broyden1965] while that foretells what a step does,
+machine: it keeps what the data do not determine, such as a damping, at plausible values, and hardly moves
+what they do. SciPy's least_squares solves (1) within bounds. Its derivatives come from finite steps, as laws
+that are not smooth need them, and from there on from Broyden's update [Broyden1965] while that foretells what
+a step does,
 
     J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                         (2)
 """

@@ -37,6 +37,8 @@ RELIEF = 1.0
 """Squared sigmas that a set without a share must spare."""
 AMONG = 16
 """Places that are tried in sets of three."""
+HARDLY = 0.02
+"""Part of the greatest move below which a component of a vector is not fitted."""
 KEPT = 100
 """Sets of which a size is worked out."""
 NONE: Mapping[str, str] = MappingProxyType({})
@@ -86,10 +88,25 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
                 before, *after = [observed.residual(model) for model in models]
             except (InvalidParameter, NotConverged):
                 continue
-            probed.append(Probed(candidate, np.stack([r - before for r in after], axis=1)))
+            moves = np.stack([r - before for r in after], axis=1)
+            probed.append(_seen(Probed(candidate, moves)))
             if report is not None:
                 report((k + 1) / len(found))
     return probed
+
+
+def _seen(probed: Probed) -> Probed:
+    """Without components of a vector that hardly move anything: across the plane of a planar arm."""
+    candidate, moves = probed.candidate, probed.moves
+    size = np.linalg.norm(moves, axis=0)
+    if len(candidate.free) != len(size) or not all("." in name for name in candidate.free):
+        return probed
+    keep = [k for k in range(len(size)) if size[k] > HARDLY * size.max()]
+    if not 0 < len(keep) < len(size):
+        return probed
+    free = tuple(candidate.free[k] for k in keep)
+    probes = tuple(candidate.probes[k] for k in keep)
+    return Probed(replace(candidate, free=free, probes=probes), moves[:, keep])
 
 
 def screen(
