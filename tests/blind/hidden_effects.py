@@ -254,7 +254,7 @@ _KINDS = {
 }
 _LEAST = {"link_stiffness": 1.0, "link_length": 0.8, "payload_mass": 0.5, "reflector_offset": 0.8}
 _LEAST |= {"time_delay": 1.2, "frame_registration": 1.0}
-_MOST = {"link_damping": 10.0, "payload_offset": 3.0, "payload_inertia": 2.0}
+_MOST = {"joint_hysteresis": 40.0, "link_damping": 10.0, "payload_offset": 3.0, "payload_inertia": 2.0}
 HIDDEN = {
     hide.__name__: Hidden(
         hide, place, least=_LEAST.get(hide.__name__, 0.0), most=_MOST.get(hide.__name__, inf)
