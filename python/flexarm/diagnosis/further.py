@@ -12,10 +12,12 @@ from itertools import groupby
 
 import numpy as np
 
+from flexarm.diagnosis.acceptance import REACH
 from flexarm.diagnosis.additions import Addition
-from flexarm.diagnosis.choose import REACH, Choice, Rival
+from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.gains import gains
 from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.rivals import Rival
 from flexarm.diagnosis.wording import listed, number, place_words
 from flexarm.record import Record
 

@@ -22,12 +22,13 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.additions import Addition, menu, with_points
 from flexarm.diagnosis.candidates import Candidate
-from flexarm.diagnosis.choose import Choice, Rival
+from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.experiment import Experiment
 from flexarm.diagnosis.experiment_from import from_record
 from flexarm.diagnosis.fit import STEP, Fit
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.projection import Projection
+from flexarm.diagnosis.rivals import Rival
 from flexarm.diagnosis.separation import expected_log_bayes_factor
 from flexarm.diagnosis.unknowns import Unknown, nominal
 from flexarm.errors import InvalidParameter, NotConverged

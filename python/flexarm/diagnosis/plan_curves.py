@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.plan_result import FAR
 from flexarm.diagnosis.wording import place_words
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.plan_result import FAR
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.wording import with_unit
 from flexarm.output import SavedAsDirectory
 

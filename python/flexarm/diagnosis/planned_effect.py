@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from math import inf, sqrt
 from typing import TYPE_CHECKING
 
+from flexarm.diagnosis.acceptance import STRONG
 from flexarm.diagnosis.candidates import SPRINGS, value_of
-from flexarm.diagnosis.choose import STRONG
 from flexarm.diagnosis.plan_result import FAR, PlannedEffect
 
 if TYPE_CHECKING:

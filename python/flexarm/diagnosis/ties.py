@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.acceptance import REACH, STRONG
 
 
 def ties(factors: Floats, seen: Floats) -> NDArray[np.bool_]:

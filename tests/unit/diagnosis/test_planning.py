@@ -11,7 +11,7 @@ from pytest import approx
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.choose import REACH, STRONG
+from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.experiment_from import NOISE, from_drive, from_record
 from flexarm.record import Clock, Frame
 
