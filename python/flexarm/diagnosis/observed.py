@@ -142,6 +142,20 @@ class Observed:
         found._runs, found._residuals = OrderedDict(), OrderedDict()
         return found
 
+    def with_drives(self, records: Mapping[str, Record]) -> Observed:
+        """The same rows against simulations along the drives of other records."""
+        found = self.with_step(self.step)
+        found.records, found._drives = records, {}
+        return found
+
+    def with_noise(self, times: Floats) -> Observed:
+        """The same rows with more noise, times as much in each of `rows`."""
+        found = self.with_step(self.step)
+        found.rows = tuple(
+            replace(each, sigma=each.sigma * float(t)) for each, t in zip(self.rows, times, strict=True)
+        )
+        return found
+
     def __len__(self) -> int:
         """Number of residuals."""
         return int(self.rows[-1].where.stop)

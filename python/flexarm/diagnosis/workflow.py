@@ -22,6 +22,7 @@ from flexarm.diagnosis.candidates import SOFTER, candidates
 from flexarm.diagnosis.check import check, named_records
 from flexarm.diagnosis.checked import Checked
 from flexarm.diagnosis.choose import Choice, choose
+from flexarm.diagnosis.coarse_encoders import with_coarse_encoders
 from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import estimates
 from flexarm.diagnosis.fit import Fitter
@@ -109,15 +110,19 @@ def diagnose(
     named = parted.training
     tell(0.1, "simulating")
     observed = Observed(arm, named, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
+    observed, coarse = with_coarse_encoders(observed, seed)
     choice = _chosen(observed, tell)
     tell(0.8, "intervals")
     sizes = estimates(choice.best, observed, seed)
     open_gap = leaves_gap(choice.best, choice.null, observed)
     drifts = constancy(choice.best, observed, choice.value)
-    effects = named_effects(choice, sizes, drifts, open_gap, observed)
+    effects = (
+        *(encoder.named() for encoder in coarse),
+        *named_effects(choice, sizes, drifts, open_gap, observed),
+    )
     verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
     keep = not open_gap or worth_keeping(choice, observed)
-    updated = repaired(arm, choice.best, sizes) if keep else arm
+    updated = repaired(observed.arm, choice.best, sizes) if keep else observed.arm
     tell(0.83, "next experiment")
     further = next_experiment(choice, observed, open_gap)
     tell(0.85, "verifying")

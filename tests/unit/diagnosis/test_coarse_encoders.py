@@ -1,0 +1,73 @@
+"""Encoders whose steps no record tells of: seen in readings, and counted as noise of what they drive."""
+
+import numpy as np
+import pytest
+from planted import run_of
+
+from flexarm.diagnosis.coarse_encoders import coarse_encoders, lattice_step, with_coarse_encoders
+from flexarm.diagnosis.observed import Observed
+
+STEP, ENCODER_NOISE = 8e-4, 2e-6
+
+
+def read(step, noise=ENCODER_NOISE, seed=2):
+    """A record whose encoder has noise and then rounds, and what it drives has noise."""
+    shown = run_of("one joint").showing({}, seed).record
+    encoder = shown.signals["hinge encoder"]
+    noisy = encoder.values + noise * np.random.default_rng(seed).standard_normal(encoder.values.shape)
+    values = np.round(noisy / step) * step if step else noisy
+    encoder = encoder.replace(values=values, noise_std=noise)
+    return shown.replace(signals=[encoder, *(s for s in shown.signals.values() if s.name != encoder.name)])
+
+
+@pytest.mark.parametrize("scale", [1.0, 1 / 120, np.pi / 180])
+def test_the_step_of_a_lattice_is_found_in_any_unit(scale):
+    counts = np.round(900 * np.sin(np.arange(0, 20, 0.004)))
+    assert lattice_step(counts * 7e-4 * scale) == pytest.approx(7e-4 * scale, rel=1e-9)
+
+
+def test_readings_that_are_not_rounded_are_on_no_lattice():
+    rng = np.random.default_rng(3)
+    wave = np.sin(np.arange(0, 20, 0.004))
+    assert lattice_step(wave + 1e-6 * rng.standard_normal(len(wave))) == 0.0
+    assert lattice_step(np.full(50, 0.3)) == 0.0  # nothing moves: nothing is known of steps
+    assert lattice_step(np.array([np.nan, 0.1])) == 0.0
+
+
+def test_what_a_record_states_or_a_model_knows_is_not_found_again():
+    arm, record = run_of("one joint").simulation.arm, read(STEP)
+    (found,) = coarse_encoders(arm, {"run": record})
+    assert (found.at, found.step) == ("hinge encoder", pytest.approx(STEP, rel=1e-6))
+    assert coarse_encoders(arm.with_effect(found), {"run": record}) == ()
+    encoder = record.signals["hinge encoder"].replace(noise_std=STEP / np.sqrt(12))
+    told = [encoder, *(s for s in record.signals.values() if s.name != encoder.name)]
+    assert coarse_encoders(arm, {"run": record.replace(signals=told)}) == ()
+    assert coarse_encoders(arm, {"run": read(0.0)}) == ()
+
+
+def test_the_noise_that_steps_add_is_what_they_leave():
+    """With it residuals are about one in places, where without it they were many; within a factor of two,
+    since one rounding is one draw."""
+    arm = run_of("one joint").simulation.arm
+    observed = Observed(arm, {"run": read(STEP)}, step=4e-3)
+    noisier, (encoder,) = with_coarse_encoders(observed, seed=0)
+    assert encoder.effect.step == pytest.approx(STEP, rel=1e-6)
+
+    def left(of):
+        residual = of.residual(of.arm)
+        return {(r.signal, r.channel): np.sqrt(np.mean(residual[r.where] ** 2)) for r in of.rows}
+
+    before, after = left(observed), left(noisier)
+    assert before["tip", 0] > 5
+    assert 0.5 < after["tip", 0] < 2
+    named = encoder.named()
+    assert (named.name, named.at) == ("encoder_quantisation", "hinge encoder")
+    assert named.parameters[0].low90 < STEP < named.parameters[0].high90
+
+
+def test_steps_that_nothing_shows_are_left_alone():
+    """Of 4 urad, eight times the noise of the encoder: all moves by less than half of its own noise."""
+    arm = run_of("one joint").simulation.arm
+    observed = Observed(arm, {"run": read(4e-6, noise=5e-7)}, step=4e-3)
+    assert len(coarse_encoders(arm, observed.records)) == 1
+    assert with_coarse_encoders(observed, seed=0) == (observed, ())
