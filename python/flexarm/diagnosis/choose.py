@@ -15,7 +15,8 @@ from dataclasses import dataclass, field, replace
 from flexarm.diagnosis.acceptance import accepted, explained
 from flexarm.diagnosis.companions import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, worth
-from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.polish import polished, settled, without_effects
 from flexarm.diagnosis.promising import larger_fits
 from flexarm.diagnosis.ranking import best_of

@@ -28,15 +28,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.evidence import DISCREPANCY
-from flexarm.diagnosis.fit import REACH, Fit
+from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.left_out import groups, joint_slopes, left_out, poses
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.result import Estimate, Nuisance, Refined
-
-Floats = NDArray[np.float64]
 
 DRAWS = 600
 
@@ -107,7 +105,7 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
             continue
         j = places[name]
         coordinate, z = fit.coordinates[j], float(fit.z[j])
-        reach = max(REACH[coordinate.prior.scale], abs(z))
+        reach = max(coordinate.bound, abs(z))
         values = np.array([coordinate.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
         low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
         found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), unit))

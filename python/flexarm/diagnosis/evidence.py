@@ -46,12 +46,11 @@ from collections.abc import Mapping
 from math import log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.observed import Observed, Rows
 
-Floats = NDArray[np.float64]
 Channel = tuple[str, str, int]
 
 LAGS = 12

@@ -25,7 +25,8 @@ from flexarm.diagnosis.candidates import Candidate
 from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.experiment import Experiment
 from flexarm.diagnosis.experiment_from import from_record
-from flexarm.diagnosis.fit import STEP, Fit
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.least_squares import STEP
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.projection import Projection
 from flexarm.diagnosis.rivals import Rival
@@ -35,7 +36,7 @@ from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 
 PRIOR = 3.0
-"""Sigma of z in (1), as in `fit`."""
+"""Sigma of z in (1), as in `least_squares`."""
 
 
 def gains(

@@ -17,7 +17,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.additions import Addition, with_points
 from flexarm.diagnosis.candidates import Candidate, candidates
 from flexarm.diagnosis.experiment import Experiment
-from flexarm.diagnosis.fit import Fitter
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.plan_result import Parting
 from flexarm.diagnosis.screen import probe

@@ -23,17 +23,16 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.observed import Observed
-
-Floats = NDArray[np.float64]
 
 BLOCKS = 24
 """Blocks a record."""
 FORETOLD, ODDS = 0.2, log(200.0)
 """What is clearly better: part of what is missed, and least ln B of (2); for 24 blocks the same."""
 HELD = 1.0 / 9.0
-"""Weight of an effect's prior, as in `fit`."""
+"""Weight of an effect's prior, as in `least_squares`."""
 
 
 def left_out(fit: Fit, observed: Observed) -> Floats:

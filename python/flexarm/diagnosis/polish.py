@@ -9,7 +9,8 @@ rounds.
 from __future__ import annotations
 
 from flexarm.diagnosis.evidence import above_noise
-from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.fitter import Fitter
 
 ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
 """Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""

@@ -14,7 +14,8 @@ import numpy as np
 
 from flexarm.diagnosis.acceptance import STRONG, leaves_gap
 from flexarm.diagnosis.evidence import log_bayes_factor, worth
-from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.polish import polished

@@ -20,7 +20,8 @@ from math import exp
 from flexarm.diagnosis.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.candidates import Candidate
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
-from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.left_out import foretells_better
 from flexarm.diagnosis.polish import polished
 from flexarm.diagnosis.promising import PAIRS, TRIED, one_variant

@@ -19,14 +19,14 @@ from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates import SPRINGS, Candidate
-from flexarm.diagnosis.fit import Fit, Fitter
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.simulation import Progress, reported
 
-Floats = NDArray[np.float64]
 Ranked = tuple[float, tuple[int, ...]]
 """Share that a set explains, and which candidates are in it."""
 

@@ -25,7 +25,7 @@ from flexarm.diagnosis.choose import Choice, choose
 from flexarm.diagnosis.coarse_encoders import with_coarse_encoders
 from flexarm.diagnosis.constancy import constancy
 from flexarm.diagnosis.estimates import estimates
-from flexarm.diagnosis.fit import Fitter
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.floor import floor
 from flexarm.diagnosis.further import next_experiment
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why

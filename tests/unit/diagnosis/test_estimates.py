@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.coordinate import Coordinate
 from flexarm.diagnosis.estimates import draws, estimates, surrogates
-from flexarm.diagnosis.fit import Coordinate, Fit
+from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.left_out import blocks
 from flexarm.diagnosis.projection import Projection
 from flexarm.effects import PayloadMass

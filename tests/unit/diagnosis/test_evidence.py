@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import lfilter
 
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.coordinate import Coordinate
 from flexarm.diagnosis.evidence import above_noise, autocovariance, occam, worth
-from flexarm.diagnosis.fit import Coordinate
 from flexarm.diagnosis.projection import Projection
 
 RNG = np.random.default_rng(5)

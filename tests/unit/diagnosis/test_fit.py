@@ -5,10 +5,10 @@ import pytest
 from planted import run_of
 
 import flexarm
-import flexarm.diagnosis.fit as fit_module
+import flexarm.diagnosis.least_squares as problem
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.fit import Fitter
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.unknowns import unknowns
 from flexarm.effects import JointCompliance
@@ -74,8 +74,8 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
     there = JointCompliance(at="hinge", stiffness=1.0e5, damping=400.0)
     record = seen(run, nominal.with_effect(there))
     found, runs = [], []
-    for part in (0.0, fit_module.FORETOLD):
-        monkeypatch.setattr(fit_module, "FORETOLD", part)
+    for part in (0.0, problem.FORETOLD):
+        monkeypatch.setattr(problem, "FORETOLD", part)
         both = observed(nominal, record)
         fitter = Fitter.nominal(both, unknowns(both))
         first = [c for c in candidates(both, fitter.unknowns.arm) if c.name == "joint_compliance"]

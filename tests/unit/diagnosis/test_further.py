@@ -10,7 +10,7 @@ from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
 from flexarm.diagnosis.experiment_from import from_drive
-from flexarm.diagnosis.fit import Fitter
+from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.further import ENOUGH, next_experiment
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.rivals import Rival
