@@ -49,7 +49,8 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.observed import Observed, Rows
+from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.observed_rows import Rows
 
 Channel = tuple[str, str, int]
 

@@ -81,7 +81,7 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
         first = [c for c in candidates(both, fitter.unknowns.arm) if c.name == "joint_compliance"]
         fit = fitter.fit(first, tolerance=1e-4)
         found.append([fit.members[0].effect.stiffness, fit.members[0].effect.damping])
-        runs.append(both.runs_made)
+        runs.append(both.runs.made)
     assert found[0] == pytest.approx([1.0e5, 400.0], rel=0.05)  # steps of 8 ms, corrected for another spring
     assert found[1] == pytest.approx(found[0], rel=1e-2)  # the damping is known to a few per cent
     assert runs[1] < runs[0]

@@ -1,0 +1,99 @@
+"""Rows of a residual: which values of a record are evidence, and over what noise.
+
+    r_i = (y_i - f_i)/sigma                                                                            (1)
+
+A channel of a signal gives a row for every value y that is finite while all drives are known: what is
+measured later says nothing about the model. sigma is the stated noise or, where none is stated, what second
+differences show of it, robustly, which a smooth motion hardly has: the variance of r_(i-1) - 2 r_i + r_(i+1)
+is six times that of white r,
+
+    sigma = median |r_(i-1) - 2 r_i + r_(i+1)| / (0.6745 sqrt 6).                                      (2)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.record import Record, Signal
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """The rows of (1) that belong to one channel of one signal of one record.
+
+    Attributes
+    ----------
+    record, signal : str
+        Names.
+    channel : int
+        Of the signal.
+    where : slice
+        In the vector.
+    kept : ndarray of bool, shape (n,)
+        Rows of the signal that are in it.
+    sigma : float
+        1 sigma of the noise [SI].
+    time : ndarray
+        Stamps of the kept rows [s], or numbers of poses.
+    """
+
+    record: str
+    signal: str
+    channel: int
+    where: slice
+    kept: NDArray[np.bool_]
+    sigma: float
+    time: Floats
+
+
+def rows_of(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
+    """Rows of all channels of a record, beside any simulation; the first one is `start` of the residual."""
+    for signal in pair.evidence.values():
+        for each in _channels(name, pair, placement, signal, start):
+            yield each
+            start = each.where.stop
+
+
+def _channels(name: str, pair: Subject, placement: Placement, signal: Signal, start: int) -> Iterator[Rows]:
+    residual = pair.residual(signal, placement, hold=True)
+    noise = pair.noise(signal)
+    stamps = pair.stamps[signal.name]
+    driven = pair.instants(signal, placement) <= _last_drive(pair.record) + 1e-9
+    for channel in range(residual.shape[1]):
+        kept = np.isfinite(residual[:, channel]) & driven
+        count = int(kept.sum())
+        if count == 0:
+            continue
+        sigma = float(noise[channel]) or shown_noise(residual[kept, channel])
+        if sigma > 0:
+            yield Rows(name, signal.name, channel, slice(start, start + count), kept, sigma, stamps[kept])
+            start += count
+
+
+def _last_drive(record: Record) -> float:
+    """Last instant at which all drives are known."""
+    if record.kind == "static" or not record.drive:
+        return float(np.inf)
+    return min(float(record.signals[drive].time[-1]) for drive in record.drive)
+
+
+def shown_noise(residual: Floats) -> float:
+    """Eq. (2); zero of too few values."""
+    if len(residual) < 8:
+        return 0.0
+    return float(1.4826 * np.median(np.abs(np.diff(residual, 2))) / np.sqrt(6.0))  # eq. (2)
+
+
+def put_over_noise(found: Floats, rows: Iterable[Rows], values: Callable[[str], Floats]) -> None:
+    """Writes eq. (1) into some rows of a residual, or derivatives of it, from the values of each signal."""
+    by_signal: dict[str, Floats] = {}
+    for each in rows:
+        if each.signal not in by_signal:
+            by_signal[each.signal] = values(each.signal)
+        found[each.where] = by_signal[each.signal][each.kept, each.channel] / each.sigma  # eq. (1)

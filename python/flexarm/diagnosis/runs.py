@@ -1,0 +1,111 @@
+"""Simulations of a model beside records, remembered: one that differs by its sensors alone costs none."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from copy import copy
+from typing import Any
+
+from flexarm.arm import Arm
+from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
+from flexarm.comparison.beside import last_needed
+from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
+from flexarm.comparison.subject import Subject, subject
+from flexarm.drive import Drive
+from flexarm.record import Record
+
+KEPT_RUNS = 8
+"""Number of runs that are remembered."""
+
+
+class Runs:
+    """Runs of models in the motions and poses of some records.
+
+    Attributes
+    ----------
+    records : dict of str to Record
+        What was measured.
+    step, alpha : float
+        Of all simulations [s], [-].
+    made : int
+        Number of simulations so far.
+    """
+
+    def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:
+        self.records, self.step, self.alpha = records, step, alpha
+        self.made = 0
+        self._runs: OrderedDict[Any, Any] = OrderedDict()
+        self._drives: dict[Any, Drive] = {}
+
+    def with_step(self, step: float) -> Runs:
+        """The same with other steps; drives stay as they are."""
+        found = copy(self)
+        found.step, found._runs = step, OrderedDict()
+        return found
+
+    def beside(self, name: str, arm: Arm) -> Subject:
+        """A run of the model, beside the record that it repeats."""
+        record = self.records[name]
+        carried = record.applied_to(arm)
+        if record.kind == "static":
+            inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
+            return subject(self._run(name, carried), record, pose_numbers(record), inputs, carried)
+        return subject(self._run(name, carried), record, arm=carried)
+
+    def _run(self, name: str, arm: Arm) -> Any:
+        """The simulation, made or remembered."""
+        record = self.records[name]
+        key = (name, *_mechanics(record, arm))
+        run = self._runs.get(key)
+        if run is not None:
+            return run
+        self.made += 1
+        run = solve_poses(arm, record) if record.kind == "static" else self._simulated(name, arm)
+        self._runs[key] = run
+        while len(self._runs) > KEPT_RUNS:
+            self._runs.popitem(last=False)
+        return run
+
+    def _simulated(self, name: str, arm: Arm) -> Any:
+        from flexarm.simulation import simulate
+
+        record = self.records[name]
+        drive = self._drive(name, arm)
+        return simulate(
+            arm,
+            drive,
+            step=self.step,
+            alpha=self.alpha,
+            rotations=True,
+            forces=any(signal.quantity == "strain" for signal in record.signals.values()),
+            end=last_needed(record, arm, drive.start),
+        )
+
+    def _drive(self, name: str, arm: Arm) -> Drive:
+        record = self.records[name]
+        key = (name, _driving(record, arm))
+        if key not in self._drives:
+            self._drives[key] = Drive.from_record(record, arm)
+        return self._drives[key]
+
+
+def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """What a run depends on: everything but effects on sensors that do not drive."""
+    moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
+    loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
+    return (arm.joints, arm.links, arm.payloads, arm.points, moving, _driving(record, arm), loop)
+
+
+def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """Effects of the model on signals and clocks that drive a record."""
+    places = {*record.drive, *(record.signals[name].clock for name in record.drive)}
+    return tuple(e for e in arm.effects if isinstance(e, SignalEffect | ClockEffect) and e.at in places)
+
+
+def _read_by_controllers(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """Effects on sensors whose readings move the arm, in a closed loop."""
+    if all(record.signals[name].quantity != "joint_command" for name in record.drive):
+        return ()
+    sensors = {sensor.name for sensor in arm.sensors}
+    return tuple(e for e in arm.effects if isinstance(e, SignalEffect) and e.at in sensors)
