@@ -25,7 +25,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import stated
-from flexarm.diagnosis.observed_rows import Rows, put_over_noise, rows_of
+from flexarm.diagnosis.observed_rows import Rows, evidence_rows, put_over_noise
 from flexarm.diagnosis.residual_slopes import differences, pose_slopes
 from flexarm.diagnosis.runs import Runs
 from flexarm.errors import InvalidParameter, NotConverged
@@ -77,7 +77,7 @@ class Observed:
             pair = self.runs.beside(name, self.arm)
             self.placement[name] = first_guess(pair, stated(record))
             self.skipped |= {f"{name}: {signal}": why for signal, why in pair.skipped.items()}
-            rows.extend(rows_of(name, pair, self.placement[name], rows[-1].where.stop if rows else 0))
+            rows.extend(evidence_rows(name, pair, self.placement[name], rows[-1].where.stop if rows else 0))
         self.rows = tuple(rows)
         if not rows:
             reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())

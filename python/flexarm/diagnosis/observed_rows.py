@@ -52,7 +52,7 @@ class Rows:
     time: Floats
 
 
-def rows_of(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
+def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
     """Rows of all channels of a record, beside any simulation; the first one is `start` of the residual."""
     for signal in pair.evidence.values():
         for each in _channels(name, pair, placement, signal, start):
