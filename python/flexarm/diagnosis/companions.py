@@ -15,7 +15,7 @@ from flexarm.arm import Arm
 from flexarm.arm.link import RigidLink
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.candidates import Candidate
+    from flexarm.diagnosis.candidate import Candidate
     from flexarm.record import Record
 
 

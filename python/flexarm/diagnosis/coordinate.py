@@ -17,7 +17,7 @@ from math import exp, log, log1p
 
 from flexarm.arm import Arm
 from flexarm.arm.prior import QUANTILE, Prior
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.coordinate import Coordinate
 from flexarm.diagnosis.projection import Projection
 from flexarm.diagnosis.unknowns import Unknowns

@@ -19,7 +19,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates import Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.coordinate import coordinates_of
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.least_squares import LeastSquares

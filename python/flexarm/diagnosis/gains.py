@@ -21,7 +21,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.additions import Addition, menu, with_points
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.experiment import Experiment
 from flexarm.diagnosis.experiment_from import from_record

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.additions import Addition, with_points
-from flexarm.diagnosis.candidates import Candidate, candidates
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.experiment import Experiment
 from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.observed import Observed

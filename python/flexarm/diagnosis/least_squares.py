@@ -22,7 +22,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.coordinate import Coordinate
 from flexarm.diagnosis.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexarm.diagnosis.acceptance import REACH
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.estimates import Estimates
 from flexarm.diagnosis.evidence import log_bayes_factor

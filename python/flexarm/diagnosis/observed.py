@@ -168,14 +168,3 @@ class Observed:
     def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
         """The same from the derivatives of equilibria; None where they have none."""
         return pose_slopes(self, arm, keys)
-
-
-def weighed(record: Record, key: str) -> bool:
-    """Whether a parameter is the mass of a payload that a record weighed: it has no effect there."""
-    table, name, *rest = key.split(".")
-    if table == "effects" and name == "payload_mass":
-        name, rest = rest[0], ["mass"]
-    elif table != "payloads":
-        return False
-    carried = record.payloads.get(name)
-    return carried is not None and rest == ["mass"] and carried.mass is not None

@@ -7,13 +7,13 @@ from math import inf, sqrt
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.acceptance import STRONG
-from flexarm.diagnosis.candidates import SPRINGS, value_of
+from flexarm.diagnosis.candidate import SPRINGS, value_of
 from flexarm.diagnosis.plan_result import FAR, PlannedEffect
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.arm.effect import Effect
-    from flexarm.diagnosis.candidates import Candidate
+    from flexarm.diagnosis.candidate import Candidate
     from flexarm.diagnosis.separation import Shown
 
 NOTHING = 1e-3

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from flexarm.diagnosis.acceptance import STRAINED, explained, strain
-from flexarm.diagnosis.candidates import SPRINGS, Candidate, value_of
+from flexarm.diagnosis.candidate import SPRINGS, Candidate, value_of
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.screen import NONE, Probed, Share, screen, sharpened, together

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates import SPRINGS
+from flexarm.diagnosis.candidate import SPRINGS
 from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.estimates import Estimates
 from flexarm.diagnosis.fit import Fit

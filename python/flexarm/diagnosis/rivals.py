@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from math import exp
 
 from flexarm.diagnosis.acceptance import REACH, leaves_gap
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fitter import Fitter

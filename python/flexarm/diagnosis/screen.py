@@ -21,7 +21,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates import SPRINGS, Candidate
+from flexarm.diagnosis.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.projection import Projection
 from flexarm.diagnosis.screen import RIDGE, Probed

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.comparison.comparison import Comparison
-from flexarm.diagnosis.candidates import SPRINGS, Candidate
+from flexarm.diagnosis.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.result import Stage
 from flexarm.record import Record
 

@@ -18,7 +18,8 @@ from flexarm.comparison.beside import Beside, beside
 from flexarm.comparison.compare import compare
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import leaves_gap
-from flexarm.diagnosis.candidates import SOFTER, candidates
+from flexarm.diagnosis.candidate_probes import SOFTER
+from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.check import check, named_records
 from flexarm.diagnosis.checked import Checked
 from flexarm.diagnosis.choose import Choice, choose
@@ -141,7 +142,7 @@ def diagnose(
         updated,
         effects,
         sizes.nuisances,
-        () if updated is arm else refined,
+        () if updated is observed.arm else refined,
         rejected(choice, observed),
         where=located.where if located else (),
         before=before,

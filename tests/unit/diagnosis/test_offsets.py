@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.candidates import OF_READING, candidates
+from flexarm.diagnosis.candidate_probes import OF_READING
+from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.observed import Observed
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.projection import Projection
 from flexarm.diagnosis.screen import RIDGE, Linear, Probed, screen, together
 from flexarm.effects import EncoderOffset

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from flexarm.diagnosis.candidates import Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.screen import RIDGE, Probed
 from flexarm.diagnosis.separation import (

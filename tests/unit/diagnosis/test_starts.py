@@ -3,7 +3,9 @@
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.candidates import SOFTER, candidates, value_of
+from flexarm.diagnosis.candidate import value_of
+from flexarm.diagnosis.candidate_probes import SOFTER
+from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.unknowns import Unknown, unknowns
 
