@@ -1,0 +1,129 @@
+"""An effect at a place, with what is free in it and how it is probed.
+
+A candidate is probed by finite steps: the model with the effect at a plausible size, one probe for each
+direction in which its parameters can move the prediction,
+
+    f(model with probe_i) - f(model without) = d_i                                                    (1)
+
+and how much of it is there follows from least squares, measured - f ~ sum alpha_i d_i. Most laws are linear
+in their amplitudes, springs in their flexibility, waves in amplitude and phase (two probes a quarter of a
+turn apart); `Candidate.sized` turns the alphas into parameters that start a fit of the true, nonlinear law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import atan2, hypot, isinf
+
+from flexarm.arm import Arm
+from flexarm.arm.effect import Effect
+from flexarm.arm.prior import Prior
+
+WAVES = ("transmission_error", "encoder_eccentricity", "external_vibration")
+SPRINGS = ("joint_compliance", "base_compliance")
+POSITIVE = ("torque", "gap", "coefficient", "coulomb", "viscous", "cubic_stiffness", "damping_ratio")
+"""Parameters that cannot be negative."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect at a place, and how it may be there.
+
+    Attributes
+    ----------
+    effect : Effect
+        With what is not free at its value, and the rest at typical ones.
+    free : tuple of str
+        Parameters that are fitted.
+    probes : tuple of Effect
+        Of (1).
+    without : Effect or None
+        The nominal effect, if the model has it.
+    null : dict of str to float
+        Values at which the model is what it is without.
+    needs : Effect or None
+        What the model must have besides, and has not.
+    priors : dict of str to Prior
+        Those that the records state better than the effect does, which does not know them.
+    """
+
+    effect: Effect
+    free: tuple[str, ...]
+    probes: tuple[Effect, ...]
+    null: Mapping[str, float]
+    without: Effect | None = None
+    needs: Effect | None = None
+    priors: Mapping[str, Prior] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.effect.name
+
+    @property
+    def at(self) -> str:
+        """Its place."""
+        return self.effect.at
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """Name and place: candidates of one place are variants of one effect."""
+        return self.name, self.at
+
+    def priors_in(self, arm: Arm) -> dict[str, Prior]:
+        """Of all parameters in a model."""
+        return {**self.effect.priors(arm), **self.priors}
+
+    def base(self, arm: Arm) -> Arm:
+        """The model that a probe differs from: with what the effect needs."""
+        return arm if self.needs is None else arm.with_effect(self.needs)
+
+    def sized(self, alphas: Sequence[float]) -> Effect:
+        """The effect of the size that least squares give to its probes."""
+        if self.name in SPRINGS:
+            return self._spring(float(alphas[0]))
+        if self.name in WAVES:
+            sine, cosine = (float(a) for a in alphas)
+            size = value_of(self.probes[0], "amplitude")
+            return self._at(
+                {"amplitude": max(hypot(sine, cosine), 1e-3) * size, "phase": atan2(cosine, sine)}
+            )
+        if self.name == "cable_torque":
+            first, second = (float(a) for a in alphas)
+            k = (first + second) * value_of(self.probes[0], "stiffness")
+            size = value_of(self.probes[1], "stiffness") * value_of(self.probes[1], "rest_angle")
+            return self._at({"stiffness": k, "rest_angle": second * size / k if k else 0.0})
+        return self._linear(alphas)
+
+    def _linear(self, alphas: Sequence[float]) -> Effect:
+        values: dict[str, float] = {}
+        for name in self.free:
+            null = self.null[name]
+            moves = [value_of(probe, name) - null for probe in self.probes]
+            if not any(moves) or (self.name == "joint_hysteresis" and name == "width"):
+                continue
+            values[name] = null + sum(a * m for a, m in zip(alphas, moves, strict=True))
+            if name in POSITIVE:
+                values[name] = max(values[name], 0.02 * max(abs(m) for m in moves))
+            elif null > 0:
+                values[name] = max(values[name], 0.3 * null)
+        return self._at(values)
+
+    def _spring(self, alpha: float) -> Effect:
+        soft = 1.0 / value_of(self.probes[0], "stiffness")
+        there = value_of(self.without, "stiffness") if self.without is not None else float("inf")
+        nominal = 0.0 if isinf(there) else 1.0 / there
+        flexibility = max(nominal + alpha * (soft - nominal), 0.02 * soft)
+        stiffness = 1.0 / flexibility
+        return self._at({"stiffness": stiffness, "damping": 2e-3 * stiffness})
+
+    def _at(self, values: Mapping[str, float]) -> Effect:
+        return self.effect.with_parameters({k: v for k, v in values.items() if k in self.free})
+
+
+def value_of(effect: Effect | None, key: str) -> float:
+    """A parameter, as `Effect.parameters` spells it."""
+    field, _, axis = key.partition(".")
+    found = getattr(effect, field)
+    return float(found["xyz".index(axis)] if axis else found)
