@@ -22,6 +22,8 @@ from flexarm.arm.prior import Prior
 
 WAVES = ("transmission_error", "encoder_eccentricity", "external_vibration")
 SPRINGS = ("joint_compliance", "base_compliance")
+SHAPES = ("width", "time_constant")
+"""Parameters that shape what others size: they start a fit as they are probed."""
 POSITIVE = ("torque", "gap", "coefficient", "coulomb", "viscous", "cubic_stiffness", "damping_ratio")
 """Parameters that cannot be negative."""
 
@@ -101,7 +103,7 @@ class Candidate:
         for name in self.free:
             null = self.null[name]
             moves = [value_of(probe, name) - null for probe in self.probes]
-            if not any(moves) or (self.name == "joint_hysteresis" and name == "width"):
+            if not any(moves) or name in SHAPES:
                 continue
             values[name] = null + sum(a * m for a, m in zip(alphas, moves, strict=True))
             if name in POSITIVE:

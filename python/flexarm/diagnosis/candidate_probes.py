@@ -11,14 +11,14 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.prior import QUANTILE, Prior
-from flexarm.diagnosis.candidate import SPRINGS, WAVES, value_of
+from flexarm.diagnosis.candidate import SHAPES, SPRINGS, WAVES, value_of
 from flexarm.diagnosis.observed import Observed
 from flexarm.effects.joint_compliance import TYPICAL_STIFFNESS
 
 MULTIPLES = (1.0, 2.0, 3.0, 4.0)
 """Periods a motor turn that are probed; cycloidal and strain-wave reducers have small whole numbers."""
-GROWTH = (60.0, 600.0)
-"""Time constants of a growing bow that are probed [s]."""
+GROWTH = (10.0, 100.0)
+"""Time constants of a growing bow that are probed [s]; one of hours grows straight in a record."""
 WIDTHS = (1.0, 4.0)
 """Widths of a hysteresis loop that are probed, times its typical one."""
 OF_READING, OF_NOISE = 0.1, 10.0
@@ -75,8 +75,9 @@ def probes(
             other = {"coulomb": "viscous", "viscous": "coulomb"}[key]
             yield effect.with_parameters({key: priors[key].typical, other: 0.0})
     else:
-        for key in free:
-            rest = {other: null[other] for other in free if other != key}
+        sized = [key for key in free if key not in SHAPES]
+        for key in sized:
+            rest = {other: null[other] for other in sized if other != key}
             yield effect.with_parameters({**rest, key: _probe_value(priors[key], null[key])})
 
 

@@ -23,6 +23,8 @@ LEFT_OUT = (*FAULTS, "lugre_friction", "encoder_quantisation")
 """`lugre_friction` is no name of the shared vocabulary; steps of an encoder are noise."""
 ON_SPRING = ("joint_stiffening", "joint_hysteresis", "backlash")
 """Laws of the reducer's deflection, which need a joint_compliance."""
+STARTS = ("width", "time_constant", "frequency", "stiffness")
+"""Parameters of which variants are starts of a fit."""
 IN_MOTION = (
     "joint_hysteresis",
     "coulomb_friction",
@@ -89,7 +91,7 @@ def _at_place(
     typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
     for fixed in variants(name, typical, rhythm, softer if without is None else ()):
         effect = typical.with_parameters(fixed)
-        held = {*fixed} - {"width", "frequency", "stiffness"}
+        held = {key for key, value in fixed.items() if key not in STARTS or value == 0}
         priors = {**effect.priors(there), **stated}
         free = tuple(key for key in priors if key not in held and _has(effect, key))
         null = nulls(effect, without, arm)

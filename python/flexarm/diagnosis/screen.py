@@ -21,7 +21,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidate import SPRINGS, Candidate
+from flexarm.diagnosis.candidate import SHAPES, SPRINGS, Candidate
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
@@ -99,12 +99,14 @@ def _seen(probed: Probed) -> Probed:
     """Without components of a vector that hardly move anything: across the plane of a planar arm."""
     candidate, moves = probed.candidate, probed.moves
     size = np.linalg.norm(moves, axis=0)
-    if len(candidate.free) != len(size) or not all("." in name for name in candidate.free):
+    sized = [name for name in candidate.free if name not in SHAPES]
+    if len(sized) != len(size) or not all("." in name for name in sized):
         return probed
     keep = [k for k in range(len(size)) if size[k] > HARDLY * size.max()]
     if not 0 < len(keep) < len(size):
         return probed
-    free = tuple(candidate.free[k] for k in keep)
+    seen = {sized[k] for k in keep}
+    free = tuple(name for name in candidate.free if name in seen or name in SHAPES)
     probes = tuple(candidate.probes[k] for k in keep)
     return Probed(replace(candidate, free=free, probes=probes), moves[:, keep])
 

@@ -4,7 +4,7 @@ import pytest
 from planted import run_of
 
 from flexarm.diagnosis.candidate import value_of
-from flexarm.diagnosis.candidate_probes import SOFTER
+from flexarm.diagnosis.candidate_probes import GROWTH, SOFTER
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.unknowns import Unknown, unknowns
@@ -39,3 +39,19 @@ def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
     stiffness = [value_of(c.probes[0], "stiffness") for c in springs]
     assert [stiffness[0] / k for k in stiffness] == pytest.approx(SOFTER)
     assert all("stiffness" in c.free for c in springs)
+
+
+def test_a_bow_that_grows_starts_at_several_time_constants():
+    """Each is fitted from there; a probe grows as its start does, so that its size is what is asked for."""
+    observed = Observed(
+        run_of("one joint").simulation.arm, {"run": run_of("one joint").showing({}, 1).record}
+    )
+    bows = [c for c in candidates(observed, unknowns(observed).arm) if c.name == "link_bow"]
+    assert [value_of(c.effect, "time_constant") for c in bows] == [0.0, *GROWTH]
+    assert ["time_constant" in c.free for c in bows] == [False, True, True]
+    for bow in bows:
+        assert len(bow.probes) == 3
+        assert {value_of(p, "time_constant") for p in bow.probes} == {value_of(bow.effect, "time_constant")}
+        sized = bow.sized([2.0, 0.0, 0.0])
+        assert value_of(sized, "tip_offset.x") == pytest.approx(2 * value_of(bow.probes[0], "tip_offset.x"))
+        assert value_of(sized, "time_constant") == value_of(bow.effect, "time_constant")
