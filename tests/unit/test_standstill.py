@@ -66,6 +66,16 @@ def test_a_slow_top_of_a_wave_is_met_within_the_noise():
     assert np.abs(drive(time) - motion).max() < 1e-5
 
 
+def test_two_stands_with_a_short_move_between_them():
+    """Ten samples apart, each with close breaks beside it: they do not run into each other."""
+    step = 1e-3 * np.clip((TIME - 5) / 0.04, 0, 1)
+    drive = PPoly(*smooth(TIME, noisy(step, 7), NOISE)[::-1])
+    assert np.abs(drive(np.arange(0.1, 4.8, 0.01), 1)).max() < 1e-12
+    assert np.abs(drive(np.arange(5.3, 11.9, 0.01), 1)).max() < 1e-12
+    assert drive(11.0) - drive(1.0) == pytest.approx(1e-3, abs=NOISE)
+    assert np.abs(drive(TIME) - step).max() < 0.1e-3
+
+
 def test_equal_coefficients_are_those_of_least_squares():
     """Against dense algebra: B E d = y with the columns of equal coefficients added up."""
     rng = np.random.default_rng(6)

@@ -22,10 +22,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
+
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 DEGREE = 3

@@ -13,7 +13,7 @@ Windows of 2, 4, 8, ... intervals up to the whole record are tested from the nar
 one has explained being left out of the wider: a narrow window finds the sharp start of a move, a wide one a
 weak oscillation that lasts. Wherever E is above its limit for the false-alarm probability `ALARM`, breaks of
 step p are set; neighbouring intervals differ by about a factor of two. One last fit with all breaks gives f,
-which stands still where the samples do (`standstill`).
+which stands still where the samples do (`standing_breaks`).
 
 No property of the arm enters, and noise passes only while the motion itself is as quick as the arm's modes.
 Drives are held before their first sample: the fit starts at rest unless the samples contradict that.
@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexarm import _core
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.least_squares_spline import fit_spline
-from flexarm.measurement.standstill import Stand, stands
+from flexarm.measurement.standing_breaks import with_stands
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -41,10 +41,6 @@ ALARM = 1e-6
 """Probability that noise alone sets breaks in a window (2)."""
 REST_LIMIT = 25.0
 """Increase of chi-square, one degree of freedom, above which a drive does not start at rest: 5 sigma."""
-NEAR = 64
-"""Samples before and after a stand that show whether it is one."""
-BESIDE = np.array([0, 4, 8, 12, 16, 24, 32])
-"""Samples from a stand's end to the breaks beside it, through which the motion leaves it."""
 COARSEST = 8
 """Intervals of the coarsest spline, about."""
 
@@ -117,45 +113,8 @@ def _layout(
     if np.all(steps == 0):
         return None
     breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
-    breaks, standing = _without(breaks, _true_stands(t, y / noise_std, breaks))
+    breaks, standing = with_stands(t, y / noise_std, breaks)
     return breaks, _starts_at_rest(t, y, breaks, standing, noise_std), standing
-
-
-def _true_stands(
-    t: NDArray[np.float64], scaled: NDArray[np.float64], breaks: NDArray[np.intp]
-) -> list[Stand]:
-    """Stands that chi-square does not tell from the fit without them, there and just beside; `REST_LIMIT`."""
-    found = stands(t, scaled)
-    if not found:
-        return []
-    held, standing = _without(breaks, found)
-    free = (scaled - fit_spline(t, scaled, breaks)[1]) ** 2
-    more = np.cumsum((scaled - fit_spline(t, scaled, held, standing=standing)[1]) ** 2 - free)
-    kept = []
-    for first, last in found:
-        begin, end = max(first - NEAR, 0), min(last + NEAR, len(t) - 1)
-        fewer = np.count_nonzero((breaks >= begin) & (breaks <= end)) + 1
-        if more[end] - more[begin] < REST_LIMIT + fewer + 5 * np.sqrt(2 * fewer):
-            kept.append((first, last))
-    return kept
-
-
-def _without(breaks: NDArray[np.intp], standing: list[Stand]) -> tuple[NDArray[np.intp], tuple[int, ...]]:
-    """Breaks but those within stands, close ones beside them, and the intervals that stand then."""
-    keep = np.zeros(breaks[-1] + 1, dtype=bool)
-    keep[breaks] = True
-    middle = []
-    for first, last in standing:
-        if np.count_nonzero(keep[first : last + 1]) > 2:
-            beside = np.concatenate([first - BESIDE, last + BESIDE])
-            beside = beside[(beside > 1) & (beside < len(keep) - 2)]
-            keep[beside - 1] = keep[beside + 1] = False
-            keep[first : last + 1] = False
-            keep[beside] = keep[first] = keep[last] = True
-            middle.append((first + last) // 2)
-    keep[[0, -1]] = True
-    found = np.flatnonzero(keep)
-    return found, tuple(np.searchsorted(found, middle, side="right") - 1)
 
 
 def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:

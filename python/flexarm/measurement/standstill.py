@@ -15,9 +15,9 @@ stands: an encoder of coarse steps shows a slow motion like that.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flexarm.arrays import Floats
+
 Stand = tuple[int, int]
 """First and last sample."""
 
