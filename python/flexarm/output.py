@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import tempfile
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -165,3 +166,17 @@ def _move(partial: Path, target: Path, named: str | Path) -> None:
         shutil.rmtree(partial)
     except OSError as error:
         raise InvalidFile(named, "output", f"cannot be written: {error.strerror}") from None
+
+
+def stems(names: Sequence[str]) -> list[str]:
+    """Names that files may have, whatever the things are called, no two alike.
+
+    >>> stems(["slow", "day 1/slow", "day 1:slow"])
+    ['slow', 'day-1-slow', 'day-1-slow-2']
+    """
+    found: list[str] = []
+    for name in names:
+        plain = re.sub(r"[^\w.-]+", "-", name).strip(".-") or "unnamed"
+        count = 1 + sum(re.fullmatch(rf"{re.escape(plain)}(-\d+)?", other) is not None for other in found)
+        found.append(plain if count == 1 else f"{plain}-{count}")
+    return found

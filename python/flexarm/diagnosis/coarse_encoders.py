@@ -1,14 +1,11 @@
 """Encoders that count in steps their records do not tell of, and what those steps do to everything else.
 
-Readings of such an encoder lie on a lattice,
-
-    y_i = y_0 + k_i step,    k_i whole numbers                                                        (1)
-
-which is seen in the readings themselves. No fit can take the steps back: what the drive did between two
+Readings of such an encoder lie on a lattice (`flexarm.measurement.lattice`), which is seen in the readings
+themselves. No fit can take the steps back: what the drive did between two
 counts is lost, and moves everything it drives. How much follows from rounding once more: with f the smoothed
 drive,
 
-    y'_i = step round((f(t_i) + u)/step) - u,    u uniform within a step                              (2)
+    y'_i = step round((f(t_i) + u)/step) - u,    u uniform within a step                              (1)
 
 is as far from f as f is from the truth, and the difference of the simulations along both is an error of each
 channel, added to its noise.
@@ -27,15 +24,12 @@ from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.result import Estimate, NamedEffect
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.lattice import lattice_step
 from flexarm.measurement.smoothing import smooth
 from flexarm.record import Record
 
 COARSE = 5.0
 """Steps over the stated noise from which a record does not tell of them."""
-ON_LATTICE = 0.02
-"""Greatest distance of a reading from (1), in steps."""
-FEW = 8
-"""Different readings that show no lattice."""
 MATTERS = 0.5
 """Least error of some channel, over its noise, for which steps are named."""
 CERTAIN = 0.98
@@ -75,19 +69,6 @@ class CoarseEncoder:
         return NamedEffect("encoder_quantisation", self.effect.at, CERTAIN, (exact,), (), evidence)
 
 
-def lattice_step(values: Floats) -> float:
-    """Step of (1), 0 if readings are on no lattice or too few to tell."""
-    found = np.unique(np.round(values[np.isfinite(values)], 14))
-    if len(found) < FEW:
-        return 0.0
-    step = float(np.diff(found).min())
-    for _ in range(2):  # the first guess drifts over many steps
-        count = np.round((found - found[0]) / step)
-        step = float(count @ (found - found[0]) / (count @ count))
-    away = np.abs((found - found[0]) / step - np.round((found - found[0]) / step))
-    return step if away.max() < ON_LATTICE else 0.0
-
-
 def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQuantisation, ...]:
     """Of joint angles that drive, where neither the records nor the model state the steps."""
     steps: dict[str, list[float]] = {}
@@ -106,7 +87,7 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
 
 
 def with_coarse_encoders(observed: Observed, seed: int) -> tuple[Observed, tuple[CoarseEncoder, ...]]:
-    """The same with noise that holds the errors of (2), and the encoders whose steps matter."""
+    """The same with noise that holds the errors of (1), and the encoders whose steps matter."""
     found: list[CoarseEncoder] = []
     variance = np.zeros(len(observed.rows))
     arm = observed.arm
@@ -132,7 +113,7 @@ def with_coarse_encoders(observed: Observed, seed: int) -> tuple[Observed, tuple
 
 
 def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Record:
-    """A record whose encoder reads (2)."""
+    """A record whose encoder reads (1)."""
     from scipy.interpolate import PPoly
 
     signal = record.signals[effect.at]
@@ -140,7 +121,7 @@ def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: n
     breaks, coefficients = smooth(signal.time, signal.values[:, 0], noise)
     f = PPoly(coefficients, breaks)(signal.time)
     u = effect.step * rng.uniform()
-    values = effect.step * np.round((f + u) / effect.step) - u  # eq. (2)
+    values = effect.step * np.round((f + u) / effect.step) - u  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     rounded = {**record.signals, effect.at: signal.replace(values=values[:, None])}
     return record.replace(signals=list(rounded.values()))

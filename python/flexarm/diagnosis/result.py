@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from flexarm.diagnosis.pooled_gap import PooledGap, pooled_gap
-from flexarm.output import SavedAsDirectory
+from flexarm.output import SavedAsDirectory, stems
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -227,7 +227,8 @@ class Diagnosis(SavedAsDirectory):
 
     def figures_of(self, effect: NamedEffect) -> list[str]:
         """Names of the files that `save` draws for a named effect."""
-        return [f"{effect.name}-{effect.at}.png"] if self.has_gap else []
+        names = stems([f"{each.name}-{each.at}" for each in self.effects])
+        return [f"{names[self.effects.index(effect)]}.png"] if self.has_gap else []
 
     # ------------------------------------------------------------------- output
 

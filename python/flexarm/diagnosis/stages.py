@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.effect import Effect
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.result import Stage
@@ -40,6 +41,7 @@ def stages(
     beside: Callable[[Arm], Gaps],
     arm: Arm,
     updated: Arm,
+    encoders: Iterable[Effect],
     members: Iterable[Candidate],
     main: str,
     before: Gaps,
@@ -53,6 +55,8 @@ def stages(
         A model beside all records.
     arm, updated : Arm
         The nominal and the repaired model.
+    encoders : iterable of Effect
+        Steps of encoders that were seen in the readings; with them drives are smoothed more.
     members : iterable of Candidate
         The effects that were found; the repaired model need not have them.
     main : str
@@ -61,8 +65,11 @@ def stages(
         The nominal and the repaired model beside all records.
     """
     found = [Stage("nominal", _rms(before, main))]
-    if updated.effects != arm.effects:
-        model = arm
+    model = arm
+    for effect in encoders:
+        model = model.with_effect(effect)
+        found.append(Stage(f"{effect.name} at {effect.at}", _rms(beside(model), main)))
+    if updated.effects != model.effects:
         for member in sorted(members, key=lambda each: each.name not in SPRINGS):
             if member.needs is not None and model.effect(member.needs.name, member.needs.at) is None:
                 model = model.with_effect(member.needs)

@@ -133,6 +133,7 @@ def diagnose(
     updated, refined = left_open(arm, updated, tuple(filter(moved, sizes.refined)), in_training)
     before, after = in_all(arm), in_all(updated)
     main = main_signal(named, before)
+    steps = tuple(encoder.effect for encoder in coarse)
     pairs_before = {name: beside(arm, record, step=step) for name, record in named.items()}
     pairs_after = {name: beside(updated, record, step=step) for name, record in named.items()}
     located, located_after = _located(pairs_before), _located(pairs_after)
@@ -152,7 +153,7 @@ def diagnose(
         hold_out_kind=parted.kind,
         hold_out_why=parted.why,
         main_signal=main,
-        stages=stages(in_all, arm, updated, choice.best.members, main, before, after),
+        stages=stages(in_all, arm, updated, steps, choice.best.members, main, before, after),
         constancy=tuple(drifts),
         remainder=_remainder(pairs_before, located_after) if open_gap else "",
         remarks=(*remarks, *floor(pairs_after, step=step, alpha=alpha).notes),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.gap_curves import sides
 from flexarm.diagnosis.wording import listed
+from flexarm.output import stems
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.files import Drawing, drawn
 from flexarm.report.gap_figures import by_band, gap_along, waterfall
@@ -96,17 +96,3 @@ def _of_states(d: Diagnosis) -> str:
         f"against {states} {whose}. A curve over the torque is a spring, two branches by sense "
         "of motion are friction, a wave over the angle is a gear or an encoder."
     )
-
-
-def stems(names: Sequence[str]) -> list[str]:
-    """Names that files may have, whatever the records are called, no two alike.
-
-    >>> stems(["slow", "day 1/slow", "day 1:slow"])
-    ['slow', 'day-1-slow', 'day-1-slow-2']
-    """
-    found: list[str] = []
-    for name in names:
-        plain = re.sub(r"[^\w.-]+", "-", name).strip(".-") or "record"
-        count = 1 + sum(re.fullmatch(rf"{re.escape(plain)}(-\d+)?", other) is not None for other in found)
-        found.append(plain if count == 1 else f"{plain}-{count}")
-    return found

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.coarse_encoders import coarse_encoders, lattice_step, with_coarse_encoders
+import flexarm
+from flexarm.diagnosis.checks.spikes import clean_drives
+from flexarm.diagnosis.coarse_encoders import coarse_encoders, with_coarse_encoders
 from flexarm.diagnosis.observed import Observed
+from flexarm.measurement.lattice import lattice_step
 
 STEP, ENCODER_NOISE = 8e-4, 2e-6
 
@@ -71,3 +74,37 @@ def test_steps_that_nothing_shows_are_left_alone():
     observed = Observed(arm, {"run": read(4e-6, noise=5e-7)}, step=4e-3)
     assert len(coarse_encoders(arm, observed.records)) == 1
     assert with_coarse_encoders(observed, seed=0) == (observed, ())
+
+
+def test_counts_of_a_slow_drive_are_no_outliers():
+    """Between two counts nothing moves and each stands out of its neighbours; a false one still does."""
+    slow = read(STEP).signals["hinge encoder"]
+    time = slow.time
+    counts = np.round(0.05 * np.sin(0.4 * time) / STEP)
+    record = read(STEP)
+
+    def driven(counts):
+        encoder = slow.replace(values=(counts * STEP)[:, None])
+        return record.replace(signals={**record.signals, encoder.name: encoder})
+
+    assert clean_drives("run", driven(counts))[1] == []
+    false = np.zeros_like(counts)
+    false[len(false) // 2] = 60
+    [removed] = clean_drives("run", driven(counts + false))[1]
+    assert removed.rows == (len(false) // 2,)
+
+
+def test_a_diagnosis_that_names_steps_is_saved_with_them(tmp_path):
+    """The repaired model smooths its drive by the steps, and that is a stage of its own in the report."""
+    arm = run_of("one joint").simulation.arm
+    found = flexarm.diagnose(arm, {"a": read(STEP, seed=2), "b": read(STEP, seed=3)}, jobs=1)
+    assert (found.verdict, [e.name for e in found.effects]) == ("effects", ["encoder_quantisation"])
+    found.save(tmp_path / "out")
+    effect = flexarm.Arm.from_toml(tmp_path / "out" / "updated.toml").effect(
+        "encoder_quantisation", "hinge encoder"
+    )
+    assert effect.step == pytest.approx(STEP, rel=1e-3)
+    nominal, smoothed = found.stages[:2]
+    assert smoothed.label == "encoder_quantisation at hinge encoder"
+    assert all(smoothed.rms[name] < 0.8 * nominal.rms[name] for name in found.training)
+    assert "encoder_quantisation-hinge-encoder.png" in {p.name for p in (tmp_path / "out").iterdir()}

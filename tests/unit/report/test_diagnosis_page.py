@@ -13,8 +13,9 @@ from planted import run_of
 import flexarm
 from flexarm.diagnosis.locate import locate
 from flexarm.diagnosis.result import NamedEffect
+from flexarm.output import stems
 from flexarm.report.diagnosis import write
-from flexarm.report.diagnosis_drawings import _figures, stems
+from flexarm.report.diagnosis_drawings import _figures
 from flexarm.report.diagnosis_page import page
 from flexarm.report.figures import style
 from flexarm.report.files import Drawing

@@ -21,6 +21,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.checked import Removed
 from flexarm.diagnosis.checks.channel import channels
 from flexarm.diagnosis.checks.plateaus import SLOW
+from flexarm.measurement.lattice import lattice_step
 from flexarm.measurement.outliers import NEIGHBOURS, off_the_median, parabolas
 from flexarm.measurement.predict import read
 
@@ -41,6 +42,8 @@ MOST = 0.15
 """Share of the rows above which they are no outliers but what the signal shows."""
 DRIVE_NOISE = 30.0
 """As `NOISE`, of drives; parabolas have up to 4.4 times the noise of a sample."""
+COUNTS = 2.0
+"""Steps of an encoder that a drive may jump by: rounding moves it off the middle parabola by up to 4/3."""
 
 
 def clean_drives(name: str, record: Record) -> tuple[Record, list[Removed]]:
@@ -93,7 +96,8 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) > NEIGHBOURS:
         nearest = _off_the_parabolas(samples[rows][:, None])[:, 0]
-        found[rows] = nearest > max(DRIVE_NOISE * noise, 2 * SPREAD * float(np.median(nearest)))
+        usual = 2 * SPREAD * float(np.median(nearest))
+        found[rows] = nearest > max(DRIVE_NOISE * noise, usual, COUNTS * lattice_step(samples))
     return found
 
 
