@@ -1,18 +1,22 @@
-"""What the scripts beside measured data share: their command line, how files are read, `flexarm diagnose`."""
+"""What the scripts beside measured data share: their command line, how files are read, how pages are made."""
 
 from __future__ import annotations
 
 import argparse
 import csv
-import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm import InvalidFile, InvalidParameter
+from flexarm import Arm, InvalidFile, InvalidParameter, Record
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.result import Diagnosis
 
 
 def command_line(description: str, data: str, force: bool = False) -> argparse.ArgumentParser:
@@ -23,6 +27,19 @@ def command_line(description: str, data: str, force: bool = False) -> argparse.A
     if force:
         parser.add_argument("--force", action="store_true", help="write into a directory that holds files")
     return parser
+
+
+def page_command_line(description: str, data: str) -> argparse.ArgumentParser:
+    """That of the scripts that make pages: DATA_DIR, OUT_DIR, --jobs, --force."""
+    parser = command_line(description, data, force=True)
+    parser.add_argument("--jobs", type=_count, metavar="N", help="simulations at once; default one a core")
+    return parser
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1 on, got {text!r}")
+    return int(text)
 
 
 def exit_code(work: Callable[[], int | None]) -> int:
@@ -89,7 +106,24 @@ def _row(path: Path, number: int, cells: list[str], count: int) -> list[float]:
     return found
 
 
-def diagnosed(model: Path, training: Path, held_out: Path, page: Path) -> int:
-    """`flexarm diagnose` as from a shell; its exit code."""
-    words = ["diagnose", model, training, "--hold-out", held_out, "--out", page]
-    return subprocess.run([sys.executable, "-m", "flexarm", *map(str, words)], check=False).returncode
+def diagnosed(
+    model: Path, training: Sequence[Path], held_out: Path, page: Path, jobs: int | None
+) -> Diagnosis:
+    """The diagnosis of records, saved as a page: as `flexarm diagnose` makes it, told from start to end."""
+    import flexarm
+    from flexarm.cli.options import show_progress
+    from flexarm.cli.phases import phases
+    from flexarm.cli.records import record_names
+
+    *names, held = record_names([*training, held_out])
+    print(f"diagnosing {model.name} with {', '.join(names)}; held out: {held}", file=sys.stderr)
+    records = {name: Record.load(folder) for name, folder in zip(names, training, strict=True)}
+    began = time.process_time()
+    with phases(show_progress()) as tell:
+        progress = None if tell is None else lambda done, what: tell(what, done)
+        found: Diagnosis = flexarm.diagnose(
+            Arm.from_toml(model), records, hold_out=Record.load(held_out), jobs=jobs, progress=progress
+        )
+    found.save(page)
+    print(f"{found}\n\n{page.name}/report.html: {time.process_time() - began:.0f} s of CPU\n")
+    return found

@@ -1,6 +1,6 @@
 """Diagnoses of the GIRAF boom, with their pages, beside its data.
 
-    python make_page.py DATA_DIR OUT_DIR [--jobs N]
+    python make_page.py DATA_DIR OUT_DIR [--leave-one-out] [--jobs N] [--force]
 
 makes the records of `make_records.py` in OUT_DIR/records and then, as `flexarm diagnose` does,
 
@@ -20,7 +20,6 @@ from pathlib import Path
 
 import numpy as np
 
-import flexarm
 from flexarm import Arm, Record
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.result import Diagnosis
@@ -28,17 +27,13 @@ from flexarm.diagnosis.ring_down import RingDown, ring_downs
 from flexarm.output import output_directory
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from data_script import command_line, exit_code
+from data_script import diagnosed, exit_code, page_command_line
 from make_records import make_records
 
 
-def diagnosed(model: Path, folders: Sequence[Path], held: Path, jobs: int | None, out: Path) -> Diagnosis:
-    """The diagnosis with one record held out, saved."""
-    training = {folder.name: Record.load(folder) for folder in folders if folder != held}
-    found = flexarm.diagnose(Arm.from_toml(model), training, hold_out=Record.load(held), jobs=jobs)
-    found.save(out)
-    print(f"\n{out}\n{found}\n")
-    return found
+def without(model: Path, folders: Sequence[Path], held: Path, jobs: int | None, page: Path) -> Diagnosis:
+    """The diagnosis of all but one, which is held out."""
+    return diagnosed(model, [folder for folder in folders if folder != held], held, page, jobs)
 
 
 def left_out_table(found: Mapping[str, Diagnosis]) -> str:
@@ -95,23 +90,23 @@ def make_page(data: Path, out: Path, jobs: int | None, every: bool, force: bool)
         static = [records / folder.name for folder in folders if folder.name.startswith("static")]
         swings = [records / folder.name for folder in folders if folder.name.startswith("ringdown")]
         found = {
-            static[-1].name: diagnosed(records / "boom.toml", static, static[-1], jobs, directory / "static")
+            static[-1].name: without(records / "boom.toml", static, static[-1], jobs, directory / "static")
         }
         for held in static[:-1] if every else ():
-            found[held.name] = diagnosed(records / "boom.toml", static, held, jobs, directory / held.name)
+            found[held.name] = without(records / "boom.toml", static, held, jobs, directory / held.name)
         print(left_out_table(found))
         if swings:
-            diagnosed(records / "ringdown.toml", swings, swings[-1], jobs, directory / "ringdown")
+            without(records / "ringdown.toml", swings, swings[-1], jobs, directory / "ringdown")
             arm = Arm.from_toml(records / "ringdown.toml")
             rings = ring_downs({folder.name: beside(arm, Record.load(folder)) for folder in swings})
             ring_down_figure(rings, directory / "ringdown" / "ringdown.png")
             print("\n".join(map(str, rings)))
+    print(f"\nwritten to {out}: open {out / 'static/report.html'}")
 
 
 def main() -> int:
     """Command line; 0 if done, 2 if the input is at fault."""
-    parser = command_line("Pages of the GIRAF boom.", "static.csv and ringdown_*.csv", force=True)
-    parser.add_argument("--jobs", type=int, help="simulations at once; default one a core")
+    parser = page_command_line("Pages of the GIRAF boom.", "static.csv and ringdown_*.csv")
     parser.add_argument(
         "--leave-one-out", action="store_true", help="hold every length out once: eight times as long"
     )

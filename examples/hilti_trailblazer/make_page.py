@@ -1,10 +1,10 @@
 """The diagnosis of the Hilti construction robot, from the makers' files to the page.
 
-    python make_page.py DATA_DIR OUT_DIR [--every N]
+    python make_page.py DATA_DIR OUT_DIR [--every N] [--jobs N] [--force]
 
-writes OUT_DIR/records (see make_records.py) and OUT_DIR/page (`flexarm diagnose`: robot.toml, fitted to the
-level floor, with the pallet held out), and prints what neither fit nor page saw: the accelerometers on the
-column, by the nominal and by the repaired model.
+writes OUT_DIR/records (see make_records.py) and OUT_DIR/page, what `flexarm diagnose` writes: robot.toml,
+fitted to the level floor, with the pallet held out. Prints the diagnosis, and what neither fit nor page saw:
+the accelerometers on the column, by the nominal and by the repaired model.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import make_records
 
 import flexarm
 from flexarm import Arm, Record
+from flexarm.output import output_directory
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from data_script import command_line, diagnosed, exit_code
+from data_script import diagnosed, exit_code, page_command_line
 
 
 def variation(arm: Arm, record: Record) -> dict[str, float]:
@@ -44,22 +45,23 @@ def felt(records: Path, page: Path) -> str:
     return "\n".join(lines)
 
 
-def make_page(data: Path, out: Path, every: int) -> int:
-    """Records, page and accelerometers; the exit code of the diagnosis."""
-    records, page = out / "records", out / "page"
-    make_records.make_records(data, records, every)
-    code = diagnosed(records / "robot.toml", records / "flat", records / "pallet", page)
-    if code == 0:
+def make_page(data: Path, out: Path, every: int, jobs: int | None, force: bool) -> None:
+    """Records, page and accelerometers; all of it or nothing."""
+    with output_directory(out, force) as directory:
+        records, page = directory / "records", directory / "page"
+        make_records.make_records(data, records, every)
+        diagnosed(records / "robot.toml", [records / "flat"], records / "pallet", page, jobs)
         print(felt(records, page))
-    return code
+    print(f"\nwritten to {out}: open {out / 'page/report.html'}")
 
 
 def main() -> int:
     """Command line; 0 if done, 2 if the input is at fault."""
-    parser = command_line("Diagnosis of the Hilti construction robot.", "flat.yaml, pallet.yaml, the URDF")
+    description = "Diagnosis of the Hilti construction robot."
+    parser = page_command_line(description, "flat.yaml, pallet.yaml and trailblazer.urdf")
     parser.add_argument("--every", type=int, default=6, metavar="N", help="take one of N poses (default 6)")
     given = parser.parse_args()
-    return exit_code(lambda: make_page(given.data, given.out, max(given.every, 1)))
+    return exit_code(lambda: make_page(given.data, given.out, max(given.every, 1), given.jobs, given.force))
 
 
 if __name__ == "__main__":

@@ -3,9 +3,6 @@
 The boom's bending stiffness is not known, so it is fitted along to all pulls, as an effect would be.
 """
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from tests.helpers.example_scripts import EXAMPLES, load_script
@@ -97,14 +94,6 @@ def test_wrong_ring_downs_are_named_with_the_place_of_the_fault(tmp_path):
         path.write_text(text)
         with pytest.raises(InvalidFile, match=message):
             RING_DOWNS.ring_down_record(path)
-
-
-def test_a_page_of_a_folder_that_is_none_is_refused_and_leaves_nothing(tmp_path):
-    words = [sys.executable, FOLDER / "make_page.py", tmp_path / "nowhere", tmp_path / "out"]
-    run = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
-    assert run.returncode == 2
-    assert "nowhere: DATA_DIR: is not a directory" in run.stderr
-    assert list(tmp_path.iterdir()) == []
 
 
 # --------------------------------------------------------------------------------------------------- the data
