@@ -5,9 +5,9 @@ With the joints at q the undeformed link stands at [Brockett1984]
 .. math:: H(q) = \prod_k S_k(q_k) \, H(0)                                                            (1)
 
 S_k turns about (or shifts along) the line on which the joint's axis lies at q = 0, in the base. A point p of
-the deformed link is off its place r in the link's frame by
+the deformed link is off its place r in the link's frame, along an axis e of the link, by
 
-.. math:: d = R^T (p - x) - r, \qquad H = (R, x)                                                     (2)
+.. math:: d = (R_0 e)^T (H(0) H(q)^{-1} p - x_0) - e^T r, \qquad H(0) = (R_0, x_0)                       (2)
 
 which is equation (2) of `flexarm.measurement.deformation`.
 
@@ -30,22 +30,32 @@ from flexarm.measurement.deformation import gauged
 from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
-IDENTITY = np.eye(3)
+Point = tuple[float, float, float]
 
 
 class _Line:
-    """The line on which a joint's axis lies at q = 0."""
+    """The line on which a joint's axis lies at q = 0; three floats are faster than an array of three."""
 
-    def __init__(self, axis: Floats, origin: Floats) -> None:
-        self.axis, self.origin = axis, origin
-        x, y, z = axis
-        self._cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        self._twice = self._cross @ self._cross
+    def __init__(self, axis: Floats, origin: Floats, slides: bool) -> None:
+        self.axis: Point = tuple(axis.tolist())
+        self.origin: Point = tuple(origin.tolist())
+        self.slides = slides
 
-    def turn(self, angle: float) -> Floats:
-        """Rotation about the axis, by Rodrigues' formula 1 + sin q K + (1 - cos q) K^2."""
-        found: Floats = IDENTITY + sin(angle) * self._cross + (1.0 - cos(angle)) * self._twice
-        return found
+    def back(self, point: Point, q: float) -> Point:
+        """S(q)^-1 of a point: a shift, or Rodrigues' formula for the angle -q."""
+        x, y, z = point
+        kx, ky, kz = self.axis
+        if self.slides:
+            return x - q * kx, y - q * ky, z - q * kz
+        ox, oy, oz = self.origin
+        x, y, z = x - ox, y - oy, z - oz
+        c, s = cos(q), -sin(q)
+        along = (1.0 - c) * (kx * x + ky * y + kz * z)
+        return (
+            ox + c * x + s * (ky * z - kz * y) + along * kx,
+            oy + c * y + s * (kz * x - kx * z) + along * ky,
+            oz + c * z + s * (kx * y - ky * x) + along * kz,
+        )
 
 
 class DeflectionGauge:
@@ -67,28 +77,25 @@ class DeflectionGauge:
     def __init__(self, model: Any, sensor: Any) -> None:
         arm, point, base = gauged(model, sensor)
         self.point = [each.name for each in arm.points].index(point.name)
-        self._axis = columns(sensor.axes)[0]
+        k = columns(sensor.axes)[0]
         link = link_pose(arm, link_of(point.link), {}, base)
         rigid = link_pose(arm, point.link, {}, base).of_point(np.asarray(point.position))
-        self._R, self._x = link.R[0], link.x[0]
-        self._r = self._R.T @ (rigid[0] - self._x)
+        axis = link.R[0][:, k]
+        self._axis: Point = tuple(axis.tolist())
+        self._zero = float(axis @ rigid[0])  # (R_0 e)^T (x_0 + R_0 r)
         names = [joint.name for joint in arm.joints]
-        self._lines: list[tuple[int, bool, _Line]] = []
+        self._lines: list[tuple[int, _Line]] = []
         for joint in chain_to(arm, point.link):
             if joint.type != "fixed":
                 frame = joint_frame(arm, joint, link_pose(arm, joint.parent, {}, base))
-                axis = frame.R[0] @ np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-                self._lines.append(
-                    (names.index(joint.name), joint.type == "prismatic", _Line(axis, frame.x[0]))
-                )
+                along = frame.R[0] @ np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+                line = _Line(along, frame.x[0], joint.type == "prismatic")
+                self._lines.append((names.index(joint.name), line))
 
     def read(self, position: Floats, angles: Floats) -> float:
         """Deflection [m] of the point at `position` [m], joints at `angles` [rad, m]."""
-        R, x = self._R, self._x
-        for joint, slides, line in reversed(self._lines):  # eq. (1)
-            if slides:
-                x = x + angles[joint] * line.axis
-            else:
-                turn = line.turn(float(angles[joint]))
-                R, x = turn @ R, line.origin + turn @ (x - line.origin)
-        return float((R.T @ (position - x) - self._r)[self._axis])  # eq. (2)
+        point: Point = tuple(position.tolist())
+        for joint, line in self._lines:  # eq. (1), the base first
+            point = line.back(point, float(angles[joint]))
+        x, y, z = self._axis
+        return x * point[0] + y * point[1] + z * point[2] - self._zero  # eq. (2)
