@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from flexarm.arm import Arm
 from flexarm.arm.link import Beam
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
@@ -23,8 +25,8 @@ def places_of(name: str, observed: Observed, arm: Arm) -> list[str]:
     if place == "joint":
         joints = [joint.name for joint in arm.joints if joint.moves]
         if name == "motor_friction":
-            torque = {s.joint for s in signals if s.quantity == "motor_torque"}
-            return [joint for joint in joints if joint in torque]
+            shown = {s.joint for s in signals if s.quantity == "motor_torque"} | commanded(records)
+            return [joint for joint in joints if joint in shown]
         turned = driven_joints(arm, records)
         return [joint for joint in joints if name not in REDUCER or joint in turned]
     if place == "payload":
@@ -51,8 +53,25 @@ def places_of(name: str, observed: Observed, arm: Arm) -> list[str]:
     return [d for d, s in drives.items() if s.quantity == "joint_angle"]
 
 
+def commanded(records: Iterable[Record]) -> set[str | None]:
+    """Joints that follow commands: there a motor's friction moves the arm, it does not only cost torque."""
+    drives = (record.signals[name] for record in records for name in record.drive)
+    return {signal.joint for signal in drives if signal.quantity == "joint_command"}
+
+
+def late_commands(observed: Observed) -> list[str]:
+    """Commands that may act late: of records with evidence on the same clock, which moves along otherwise."""
+    found: dict[str, None] = {}
+    for row in observed.rows:
+        record = observed.records[row.record]
+        clock = record.signals[row.signal].clock
+        drives = [record.signals[name] for name in record.drive]
+        found |= {s.name: None for s in drives if s.quantity == "joint_command" and s.clock == clock}
+    return list(found)
+
+
 def _late(name: str, observed: Observed) -> list[str]:
-    """Clocks but the drives', and signals of a clock that has several."""
+    """Clocks but the drives', signals of a clock that has several, and commands."""
     clocks: dict[str, set[str]] = {}
     for row in observed.rows:
         record = observed.records[row.record]
@@ -63,7 +82,7 @@ def _late(name: str, observed: Observed) -> list[str]:
     for clock, names in clocks.items():
         if clock in own or len(names) > 1:
             found += [signal for signal in sorted(names) if signal not in found]
-    return found
+    return found + (late_commands(observed) if name == "time_delay" else [])
 
 
 def _weighed(record: Record, payload: str) -> bool:

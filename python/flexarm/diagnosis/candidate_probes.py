@@ -100,6 +100,12 @@ def offset_priors(signal: str, observed: Observed) -> dict[str, Prior]:
     return {"offset": Prior(-high, high, 0.0, "linear", "SI", source)}
 
 
+def command_priors() -> dict[str, Prior]:
+    """How late a command acts: its stamp is early. The mirror image of the stamps of a sensor."""
+    source = "engineering judgement: a command acts where it arrives, 1 to 50 ms after it was given"
+    return {"delay": Prior(-0.05, 0.02, 0.0, "linear", "s", source)}
+
+
 def typical_of(name: str, at: str, arm: Arm) -> Effect:
     """An effect at typical values; some of those follow from others, hence twice."""
     kind = effect_class(name)

@@ -11,8 +11,15 @@ from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.diagnosis.candidate import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.candidate_places import places_of
-from flexarm.diagnosis.candidate_probes import nulls, offset_priors, probes, typical_of, variants
+from flexarm.diagnosis.candidate_places import late_commands, places_of
+from flexarm.diagnosis.candidate_probes import (
+    command_priors,
+    nulls,
+    offset_priors,
+    probes,
+    typical_of,
+    variants,
+)
 from flexarm.diagnosis.observed import Observed
 from flexarm.effects.joint_compliance import TYPICAL_STIFFNESS, JointCompliance
 from flexarm.errors import InvalidParameter
@@ -58,9 +65,15 @@ def candidates(
         if name in LEFT_OUT or (poses and name in IN_MOTION):
             continue
         for at in places_of(name, observed, arm):
-            stated = offset_priors(at, observed) if name == "sensor_offset" else {}
-            found += _at_place(name, at, arm, rhythm, softer, stated)
+            found += _at_place(name, at, arm, rhythm, softer, _stated(name, at, observed))
     return [_of_poses(candidate) for candidate in found] if poses else found
+
+
+def _stated(name: str, at: str, observed: Observed) -> dict[str, Prior]:
+    """Priors that follow from the records."""
+    if name == "sensor_offset":
+        return offset_priors(at, observed)
+    return command_priors() if name == "time_delay" and at in late_commands(observed) else {}
 
 
 def _of_poses(candidate: Candidate) -> Candidate:

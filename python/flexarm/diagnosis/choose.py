@@ -1,10 +1,12 @@
 """Which effects: one after the other while they explain something real, then every one against its rivals.
 
 *Forward*: the most promising effects are fitted beside those that are there (`flexarm.diagnosis.promising`),
-and the best of them (`ranking`) is taken if it is accepted (`acceptance`). After each step derivatives are
-taken anew about the better model (`polish`). *Backward*: an effect that the others have made needless is
-dropped. *Rivals*: every rival of every effect that is left is fitted in its place (`rivals`); one that comes
-out ahead takes it.
+and the best of them (`ranking`) is taken if it is accepted (`acceptance`). Where one explains too little,
+sets of two and three compete with what goes on from the best smaller one: sets are put in their order to
+first order about the nominal model, which may be far from what one effect makes of it. After each step
+derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the others have made
+needless is dropped. *Rivals*: every rival of every effect that is left is fitted in its place (`rivals`);
+one that comes out ahead takes it.
 """
 
 from __future__ import annotations
@@ -91,6 +93,7 @@ class _Search:
         arm, records = self.observed.arm, self.observed.records.values()
         self.places = cardan_joints(arm, driven_joints(arm, records))
         self.tried: list[Fit] = []
+        self.complete: Fit | None = None  # nothing beside it was accepted
 
     def forward(self, tell: Note) -> tuple[Fit, Fitter]:
         """The largest model of which each effect is accepted, and about which."""
@@ -101,6 +104,8 @@ class _Search:
             if larger is None or not accepted(larger[0], best, self.null, self.observed):
                 break
             best, about = larger
+            if best is self.complete:
+                break
         return best, about
 
     def _larger(self, best: Fit, about: Fitter) -> tuple[Fit, Fitter] | None:
@@ -118,6 +123,9 @@ class _Search:
             if best.members or self._explained(better):
                 break
             sets = larger_fits(about, self.probed, here, self.null, size, beside=better)
+            if len(better.members) == size - 1:
+                sets += larger_fits(there, self.probed, better, self.null, places=self.places)
+                self.complete = better
             self.tried += sets
             if not sets:
                 continue

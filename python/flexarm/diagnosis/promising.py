@@ -20,6 +20,8 @@ from flexarm.errors import InvalidParameter, NotConverged
 
 TRIED, PAIRS = 6, 3
 """Candidates that are fitted at each step, and sets of two or three where no smaller one explains all."""
+SETS = 12
+"""Sets that are looked at for those: some are of sizes that cannot be simulated."""
 FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 AHEAD = 0.9
@@ -44,9 +46,11 @@ def larger_fits(
     else:
         shares = together(fitter, probed, best, size)
         ahead = size == 2 or beside is None or _leads(shares, beside)
-        wanted = one_variant(shares, PAIRS) if ahead else []
+        wanted = one_variant(shares, SETS) if ahead else []
     found: list[Fit] = []
     for share in wanted:
+        if size > 1 and len(found) == PAIRS:
+            break
         done = any(explained(f, null, fitter.observed) for f in found)
         if done and share.share < FAR * wanted[0].share:
             break

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
+from flexarm.effects.motor_limits import stall_torque, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -45,4 +46,5 @@ class CoulombFriction(Effect):
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a small cross-roller bearing to a preloaded slewing ring."""
         source = "engineering judgement: starting torques of cross-roller bearings and sealed slewing rings"
-        return {"torque": Prior(0.2, 200.0, 8.0, "log", "N m", source)}
+        prior = Prior(0.2, 200.0, 8.0, "log", "N m", source)
+        return {"torque": within(stall_torque(arm, self.at), prior)}

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
 from flexarm.effects.coulomb_friction import STICK_WIDTH
+from flexarm.effects.motor_limits import back_emf_damping, stall_torque, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -51,7 +52,9 @@ class MotorFriction(Effect):
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Motor and wave generator or input stage, seen through ratios of 50 to 200."""
         source = "engineering judgement: no-load running torque of geared servo motors at their output"
+        dry = Prior(0.5, 200.0, 10.0, "log", "N m", source)
+        viscous = Prior(0.2, 300.0, 10.0, "log", "N m s/rad", source)
         return {
-            "coulomb": Prior(0.5, 200.0, 10.0, "log", "N m", source),
-            "viscous": Prior(0.2, 300.0, 10.0, "log", "N m s/rad", source),
+            "coulomb": within(stall_torque(arm, self.at), dry),
+            "viscous": within(back_emf_damping(arm, self.at), viscous),
         }

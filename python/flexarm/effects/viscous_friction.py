@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
+from flexarm.effects.motor_limits import back_emf_damping, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -41,4 +42,5 @@ class ViscousFriction(Effect):
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of the order of the dry friction at a rate of some 1 rad/s."""
         source = "engineering judgement: grease and seals, as much as the dry friction at 1 rad/s"
-        return {"coefficient": Prior(0.2, 300.0, 10.0, "log", "N m s/rad", source)}
+        prior = Prior(0.2, 300.0, 10.0, "log", "N m s/rad", source)
+        return {"coefficient": within(back_emf_damping(arm, self.at), prior)}

@@ -1,0 +1,70 @@
+"""The search forward, on costs that are made up: single effects, sets, and what goes on from the best."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from flexarm.diagnosis import choose as module
+from flexarm.diagnosis import promising
+from flexarm.errors import NotConverged
+
+COST = {"": 100, "a": 60, "b": 70, "c": 75, "d": 80, "cd": 40, "ab": 20, "ac": 50, "abc": 19.9, "abd": 19.9}
+LINEAR = {1: ["a", "b", "c", "d"], 2: ["cd"], 3: []}
+"""Sets in the order that the nominal model gives them: of pairs it knows only one that is not the best."""
+
+
+def fit(names):
+    return SimpleNamespace(members=tuple(names), cost=COST[names], name=names)
+
+
+@pytest.fixture
+def search(monkeypatch):
+    """A search whose fits are looked up, and the models from which single effects were added."""
+    went_on = []
+
+    def larger_fits(fitter, probed, best, null, size=1, places=None, beside=None):
+        if size > 1 or not best.members:
+            return [fit(names) for names in LINEAR[size]]
+        went_on.append(best.name)
+        names = {"".join(sorted(best.name + each)) for each in "abcd" if each not in best.name}
+        return [fit(each) for each in sorted(names & set(COST))]
+
+    monkeypatch.setattr(module, "larger_fits", larger_fits)
+    monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
+    monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < 0.8 * old.cost)
+    monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
+    monkeypatch.setattr(module, "causes", lambda members, places: len(members))
+    found = module._Search.__new__(module._Search)
+    found.observed = found.probed = None
+    found.start = found.null = fit("")
+    found.fitter, found.places, found.tried, found.complete = SimpleNamespace(), {}, [], None
+    return found, went_on
+
+
+def test_what_goes_on_from_the_best_single_effect_competes_with_pairs(search):
+    best, _ = search[0].forward(lambda what, done: None)
+    assert best.name == "ab"
+
+
+def test_no_model_is_gone_on_from_twice(search):
+    """Nothing beside the pair is accepted, and this is not asked again."""
+    search[0].forward(lambda what, done: None)
+    assert search[1] == ["a", "ab"]
+
+
+def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch):
+    """Sizes of first order may be absurd; three are fitted all the same."""
+    names = ["bow and tilt", "bow and play", "friction", "bow and mass", "tilt", "play", "mass"]
+    shares = [SimpleNamespace(members=(name,), share=0.9 - k / 100) for k, name in enumerate(names)]
+    monkeypatch.setattr(promising, "together", lambda *_: shares)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "explained", lambda *_: False)
+
+    def fitted(members):
+        if "bow" in members[0]:
+            raise NotConverged("no equilibrium")
+        return members[0]
+
+    fitter = SimpleNamespace(fit=fitted, observed=None)
+    nothing = SimpleNamespace(members=())
+    assert promising.larger_fits(fitter, [], nothing, nothing, 2) == ["friction", "tilt", "play"]
