@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -10,8 +11,9 @@
 namespace flexarm::solvers {
 namespace {
 
-// Products of this size are out of their start-up costs and still small.
-constexpr int part_size = 20;
+// Products of the first size are out of their start-up costs and still small. Where such parts hold
+// multipliers without the node that these hold, which is singular, larger ones may hold both.
+constexpr std::array part_sizes = {20, 40, 80};
 // Largest error of a known solution of ones.
 constexpr double half_of_the_digits = 1e-8;
 // A pivot so many times the rest of its row and column grows no error.
@@ -22,7 +24,15 @@ constexpr double outweighs = 10;
 bool DissectedInverse::invert(const Eigen::SparseMatrix<double>& whole) {
   leaves_ = find_leaves(whole);
   const Eigen::SparseMatrix<double> A = leaves_.empty() ? whole : without_leaves(whole);
-  reorder(A);
+  return std::any_of(part_sizes.begin(), part_sizes.end(), [&](int size) {
+    invert_cut(A, size);
+    return solves(whole);
+  });
+}
+
+/// All matrices of (2) and (3), with parts of about this size.
+void DissectedInverse::invert_cut(const Eigen::SparseMatrix<double>& A, int part_size) {
+  reorder(A, part_size);
   const Eigen::Index n = A.rows(), n_s = n_separated_;
   b_.resize(n);
   const MatrixXd full = MatrixXd(A)(order_, order_);
@@ -33,6 +43,10 @@ bool DissectedInverse::invert(const Eigen::SparseMatrix<double>& whole) {
   if (!leaves_.empty()) {
     for (int& k : order_) k = rest_[static_cast<std::size_t>(k)];
   }
+}
+
+/// Whether a solution that is known comes out.
+bool DissectedInverse::solves(const Eigen::SparseMatrix<double>& whole) {
   VectorXd ones = whole * VectorXd::Ones(whole.cols());
   solve(ones);
   return ((ones.array() - 1).abs() < half_of_the_digits).all();  // false for what is not a number, too
@@ -107,7 +121,7 @@ Eigen::SparseMatrix<double> DissectedInverse::without_leaves(const Eigen::Sparse
 }
 
 /// Parts, their boundaries and the new order of the unknowns.
-void DissectedInverse::reorder(const Eigen::SparseMatrix<double>& A) {
+void DissectedInverse::reorder(const Eigen::SparseMatrix<double>& A, int part_size) {
   const Dissection cut = dissect(A, part_size);
   n_separated_ = static_cast<Eigen::Index>(cut.separator.size());
   order_.clear();

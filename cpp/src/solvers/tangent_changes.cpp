@@ -17,15 +17,13 @@ constexpr std::size_t most_turning_joints = 3;
 // Of a tangent: rounding.
 constexpr double unchanged = 1e-12;
 
-template <int D>
-bool linear_laws(const assembly::SystemIn<D>& system) {
-  return std::all_of(system.laws().begin(), system.laws().end(), [](const assembly::PlacedLaw& law) {
-    if (const auto* spring = std::get_if<joints::ReducerSpring>(&law.law)) {
-      return spring->cubic_stiffness == 0 && spring->gap == 0;
-    }
-    return std::holds_alternative<joints::CableTorque>(law.law) ||
-           std::holds_alternative<joints::ViscousFriction>(law.law);
-  });
+/// Whether the tangent of a law is the same in all states.
+bool is_linear(const assembly::PlacedLaw& law) {
+  if (const auto* spring = std::get_if<joints::ReducerSpring>(&law.law)) {
+    return spring->cubic_stiffness == 0 && spring->gap == 0;
+  }
+  return std::holds_alternative<joints::CableTorque>(law.law) ||
+         std::holds_alternative<joints::ViscousFriction>(law.law);
 }
 
 /// Translations and rotations across the axis of a joint.
@@ -43,12 +41,15 @@ Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
 }  // namespace
 
 template <int D>
-TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system)
-    : system_(system), n_laws_(linear_laws(system) ? 0 : static_cast<int>(system.laws().size())) {
+TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system) : system_(system) {
   find_turning_joints();
-  const auto columns = static_cast<Eigen::Index>(2 * across * joints_.size()) + n_laws_;
+  for (std::size_t k = 0; k < system.laws().size(); ++k) {
+    if (!is_linear(system.laws()[k])) laws_.push_back(static_cast<int>(k));
+  }
+  const auto columns = static_cast<Eigen::Index>(2 * across * joints_.size() + laws_.size());
   W_.resize(system.n_unknowns(), columns);
   C_ = MatrixXd::Zero(columns, columns);
+  correct_ = correction(joints_.size(), laws_.size());
 }
 
 template <int D>
@@ -99,10 +100,11 @@ void TangentChangesIn<D>::directions(MatrixXd& U) const {
     U.template block<n, across>(joint.first_row, column + across) = joint.P;
     column += 2 * across;
   }
-  for (int k = 0; k < n_laws_; ++k, ++column) {
+  for (int k : laws_) {
     const auto& law = system_.laws()[k];  // eq. (2)
     if (system_.is_free(law.plus)) U(system_.scalar_offset() + law.plus, column) += 1;
     if (law.minus >= 0 && system_.is_free(law.minus)) U(system_.scalar_offset() + law.minus, column) -= 1;
+    ++column;
   }
 }
 
@@ -137,14 +139,25 @@ bool TangentChangesIn<D>::update(const assembly::StateIn<D>& state) {
     C_.template block<across, across>(at, at + across) = E.transpose();
     at += 2 * across;
   }
-  if (n_laws_ == 0) return any;
-  const VectorXd laws = system_.law_tangents(state, factors_, true);
-  for (int k = 0; k < n_laws_; ++k) {
-    const double change = laws[k] - kept_laws_[k];
+  if (laws_.empty()) return any;
+  const VectorXd tangents = system_.law_tangents(state, factors_, true);
+  for (int k : laws_) {
+    const double change = tangents[k] - kept_laws_[k];
     any = any || std::abs(change) > unchanged * std::abs(kept_laws_[k]);
-    C_(at + k, at + k) = change;  // eq. (2)
+    C_(at, at) = change;  // eq. (2)
+    ++at;
   }
   return any;
+}
+
+/// u·x of a law, eq. (2).
+template <int D>
+double TangentChangesIn<D>::along_law(int k, const VectorXd& x) const {
+  const auto& law = system_.laws()[k];
+  const auto entry = [&](int scalar) {
+    return scalar >= 0 && system_.is_free(scalar) ? x[system_.scalar_offset() + scalar] : 0.0;
+  };
+  return entry(law.plus) - entry(law.minus);
 }
 
 template <int D>
@@ -156,53 +169,61 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
     Ux.segment<across>(at + across) = joint.P.transpose() * x.segment<n>(joint.first_row);
     at += 2 * across;
   }
-  for (int k = 0; k < n_laws_; ++k) {
-    const auto& law = system_.laws()[k];
-    const auto entry = [&](int scalar) {
-      return scalar >= 0 && system_.is_free(scalar) ? x[system_.scalar_offset() + scalar] : 0.0;
-    };
-    Ux[at + k] = entry(law.plus) - entry(law.minus);
-  }
+  for (int k : laws_) Ux[at++] = along_law(k, x);
   return Ux;
 }
 
-/// One joint, by far the most frequent case: the blocks of (3) without their zeros, sizes known when
-/// compiled.
+/// The readable one, for any numbers of joints and laws.
 template <int D>
-void TangentChangesIn<D>::correct_for_one_joint(VectorXd& x) {
-  constexpr int size = 2 * across;
-  const TurningJoint& joint = joints_.front();
-  const Eigen::Map<const Eigen::Matrix<double, size, size>> G(G_.data());
-  const Turned E = C_.template bottomLeftCorner<across, across>();
-  Eigen::Matrix<double, size, size, Eigen::RowMajor> A;  // I + C G
-  A.template topRows<across>() = E.transpose().lazyProduct(G.template bottomRows<across>());
-  A.template bottomRows<across>() = E.lazyProduct(G.template topRows<across>());
+void TangentChangesIn<D>::correct_for_any(VectorXd& x) {
+  MatrixXd A = C_ * G_;
   A.diagonal().array() += 1;
-  const Eigen::Matrix<double, across, 1> on_node = joint.on_parent.transpose() * x.segment<n>(joint.node_row);
-  const Eigen::Matrix<double, across, 1> on_row = joint.P.transpose() * x.segment<n>(joint.first_row);
-  Eigen::Matrix<double, size, 1> y;
-  y.template head<across>() = E.transpose() * on_row;
-  y.template tail<across>() = E * on_node;
+  x.noalias() -= W_ * A.partialPivLu().solve(C_ * along(x));  // eq. (1)
+}
+
+/// The same for few, as most arms have: C of (2) and (3) without its zeros, sizes known when compiled.
+template <int D>
+template <int joints, int laws>
+void TangentChangesIn<D>::correct_for_few(VectorXd& x) {
+  constexpr int of_joints = 2 * across * joints, size = of_joints + laws;
+  const Eigen::Map<const Eigen::Matrix<double, size, size>> G(G_.data());
+  Eigen::Matrix<double, size, size, Eigen::RowMajor> A;  // I + C G
+  Eigen::Matrix<double, size, 1> y;                      // C Uᵀ x
+  for (int k = 0; k < joints; ++k) {
+    const TurningJoint& joint = joints_[k];
+    const int on_node = 2 * across * k, on_row = on_node + across;
+    const Turned E = C_.template block<across, across>(on_row, on_node);
+    A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G.template middleRows<across>(on_row));
+    A.template middleRows<across>(on_row) = E.lazyProduct(G.template middleRows<across>(on_node));
+    y.template segment<across>(on_node) =
+        E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
+    y.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
+  }
+  for (int k = of_joints; k < size; ++k) {
+    A.row(k) = C_(k, k) * G.row(k);
+    y[k] = C_(k, k) * along_law(laws_[k - of_joints], x);
+  }
+  A.diagonal().array() += 1;
   eliminate(A, y);
   packed_W_.multiply(y.data(), Wy_.data());
   x -= Wy_.head(x.size());  // eq. (1)
 }
 
 template <int D>
-void TangentChangesIn<D>::correct_for_all(VectorXd& x) const {
-  MatrixXd A = C_ * G_;
-  A.diagonal().array() += 1;
-  x.noalias() -= W_ * A.partialPivLu().solve(C_ * along(x));  // eq. (1)
+typename TangentChangesIn<D>::Correction TangentChangesIn<D>::correction(std::size_t joints,
+                                                                         std::size_t laws) {
+  using Self = TangentChangesIn<D>;
+  static constexpr Correction few[4][3] = {
+      {&Self::correct_for_any, &Self::correct_for_few<0, 1>, &Self::correct_for_few<0, 2>},
+      {&Self::correct_for_few<1, 0>, &Self::correct_for_few<1, 1>, &Self::correct_for_few<1, 2>},
+      {&Self::correct_for_few<2, 0>, &Self::correct_for_few<2, 1>, &Self::correct_for_few<2, 2>},
+      {&Self::correct_for_few<3, 0>, &Self::correct_for_few<3, 1>, &Self::correct_for_few<3, 2>}};
+  return joints < std::size(few) && laws < std::size(few[0]) ? few[joints][laws] : &Self::correct_for_any;
 }
 
 template <int D>
 void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x) {
-  if (W_.cols() == 0 || !update(state)) return;
-  if (joints_.size() == 1 && n_laws_ == 0) {
-    correct_for_one_joint(x);
-  } else {
-    correct_for_all(x);
-  }
+  if (W_.cols() > 0 && update(state)) (this->*correct_)(x);
 }
 
 template class TangentChangesIn<2>;

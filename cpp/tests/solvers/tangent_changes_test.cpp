@@ -95,6 +95,42 @@ TEST_CASE("One joint alone, which has a shorter way, in space and in a plane") {
   }
 }
 
+TEST_CASE("Up to three joints and two laws have a shorter way, more have not") {
+  for (int links : {1, 2, 3, 4, 5}) {
+    for (int laws = 0; laws <= std::min(links, 3); ++laws) {
+      if (links == 1 && laws == 0) continue;  // nothing changes
+      CAPTURE(links);
+      CAPTURE(laws);
+      flexarm::model::Arm arm = two_link_arm();
+      for (auto& link : arm.links) std::get<flexarm::model::BeamLink>(link).up = Vector3d::UnitZ();
+      arm.links.resize(1);
+      arm.joints.resize(1);
+      arm.payloads.clear();
+      arm.points.clear();
+      for (int k = 1; k < links; ++k) {
+        const flexarm::model::Arm two = two_link_arm();
+        auto link = std::get<flexarm::model::BeamLink>(arm.links.back());
+        auto joint = two.joints[1];
+        joint.parent = link.name;
+        link.name = joint.child = "link " + std::to_string(k);
+        joint.name = "joint " + std::to_string(k);
+        arm.links.push_back(link);
+        arm.joints.push_back(joint);
+      }
+      for (int k = 0; k < laws; ++k) arm.joints[k].drive_train.stages[0] = {ReducerSpring{500, 0, 1e5}};
+      std::map<std::string, DriveKind> drives;
+      for (const auto& joint : arm.joints) drives[joint.name] = DriveKind::motor_angle;
+      const System system(arm, drives);
+      State then = system.rigid_state(std::vector<double>(links, 0.1));
+      State now = system.rigid_state(std::vector<double>(links, 0.7));
+      for (int k = 0; k < laws; ++k) now.s[system.joints()[k].phi] -= 0.3;
+      const auto [corrected, kept] = compare<3>(system, then, now);
+      CHECK(kept > 0.01);
+      if (links <= 4) CHECK(corrected < 1e-9);  // five links turn four joints: too many to be worth it
+    }
+  }
+}
+
 TEST_CASE("An arm folds at its elbow with one factorisation, in little more than one iteration a step") {
   flexarm::model::Arm arm = two_link_arm();
   for (auto& link : arm.links)

@@ -21,7 +21,7 @@
 /// to the parts. Left among them, they would tie parts together and make pieces of multipliers alone.
 ///
 /// Pivots are otherwise looked for inside the parts only. Whether that was good enough is tried on a solution
-/// that is known.
+/// that is known; if not, fewer and larger parts are tried.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -65,7 +65,9 @@ class DissectedInverse {
 
   std::vector<Leaf> find_leaves(const Eigen::SparseMatrix<double>& A) const;
   Eigen::SparseMatrix<double> without_leaves(const Eigen::SparseMatrix<double>& A);
-  void reorder(const Eigen::SparseMatrix<double>& A);
+  void invert_cut(const Eigen::SparseMatrix<double>& A, int part_size);
+  bool solves(const Eigen::SparseMatrix<double>& whole);
+  void reorder(const Eigen::SparseMatrix<double>& A, int part_size);
   void solve_rest(VectorXd& x);
   void eliminate(Part& part, const MatrixXd& A, MatrixXd& schur) const;
 

@@ -62,13 +62,19 @@ class TangentChangesIn {
   Turned turned(const TurningJoint& joint, double theta) const;  // T
   bool update(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
-  void correct_for_one_joint(Eigen::VectorXd& x);
-  void correct_for_all(Eigen::VectorXd& x) const;
   Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
+  double along_law(int k, const Eigen::VectorXd& x) const;
+
+  using Correction = void (TangentChangesIn::*)(Eigen::VectorXd&);
+  static Correction correction(std::size_t joints, std::size_t laws);
+  void correct_for_any(Eigen::VectorXd& x);
+  template <int joints, int laws>
+  void correct_for_few(Eigen::VectorXd& x);
 
   const assembly::SystemIn<D>& system_;
   std::vector<TurningJoint> joints_;
-  int n_laws_;  // 0 if the tangents of all are constant
+  std::vector<int> laws_;  // whose tangents are not constant
+  Correction correct_;
   assembly::TangentFactors factors_{};
   Eigen::VectorXd kept_laws_;
   Eigen::MatrixXd W_, G_, C_;  // G = Uᵀ W
