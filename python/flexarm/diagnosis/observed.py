@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import stated
+from flexarm.diagnosis.at_once import at_once
 from flexarm.diagnosis.observed_rows import Rows, evidence_rows, put_over_noise
 from flexarm.diagnosis.residual_slopes import differences, pose_slopes
 from flexarm.diagnosis.runs import Runs
@@ -119,11 +120,15 @@ class Observed:
 
     def residual(self, arm: Arm) -> Floats:
         """Eq. (1) for a model, shape (len(self),)."""
+        return self._residual(arm, self.jobs)
+
+    def _residual(self, arm: Arm, jobs: int) -> Floats:
         key = (arm.joints, arm.links, arm.payloads, arm.points, arm.effects, arm.motors, arm.controllers)
         if key not in self._residuals:
             found = np.empty(len(self))
-            for name in self.records:
-                self.put(found, name, self.runs.beside(name, arm))
+            beside = partial(self.runs.beside, arm=arm)
+            for name, pair in zip(self.records, at_once(beside, self.records, jobs), strict=True):
+                self.put(found, name, pair)
             found.setflags(write=False)
             self._residuals[key] = found
             while len(self._residuals) > KEPT_RESIDUALS:
@@ -142,12 +147,11 @@ class Observed:
         """Computes residuals of many models, `jobs` at once; `residual` says later which of them failed."""
         wanted = list(arms)
         if self.jobs > 1 and len(wanted) > 1:
-            with ThreadPoolExecutor(self.jobs) as pool:
-                list(pool.map(self._tried, wanted))
+            at_once(self._tried, wanted, self.jobs)
 
     def _tried(self, arm: Arm) -> None:
         with suppress(InvalidParameter, NotConverged):
-            self.residual(arm)
+            self._residual(arm, 1)
 
     def correction(self, arm: Arm) -> Floats:
         """What (1) misses of its value for vanishing time steps h, shape (len(self),).

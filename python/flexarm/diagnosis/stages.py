@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.comparison.comparison import Comparison
+from flexarm.diagnosis.at_once import at_once
 from flexarm.diagnosis.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.result import Stage
 from flexarm.record import Record
@@ -17,9 +19,12 @@ Gaps = Mapping[str, Comparison]
 """A model beside each record."""
 
 
-def gaps(compared: Callable[[Arm, Record], Comparison], model: Arm, records: Mapping[str, Record]) -> Gaps:
-    """A model beside records."""
-    return {name: compared(model, record) for name, record in records.items()}
+def gaps(
+    compared: Callable[[Arm, Record], Comparison], model: Arm, records: Mapping[str, Record], jobs: int = 1
+) -> Gaps:
+    """A model beside records, `jobs` at once."""
+    found = at_once(partial(compared, model), records.values(), jobs)
+    return dict(zip(records, found, strict=True))
 
 
 def main_signal(records: Mapping[str, Record], before: Gaps) -> str:

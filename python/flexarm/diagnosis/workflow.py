@@ -129,7 +129,9 @@ def diagnose(
     tell(0.85, "verifying")
     everything = {**named, **parted.held_out}
     compared = partial(compare, step=step, alpha=alpha)
-    in_training, in_all = (partial(gaps, compared, records=each) for each in (named, everything))
+    in_training, in_all = (
+        partial(gaps, compared, records=each, jobs=observed.jobs) for each in (named, everything)
+    )
     updated, refined = left_open(arm, updated, tuple(filter(moved, sizes.refined)), in_training)
     before, after = in_all(arm), in_all(updated)
     main = main_signal(named, before)

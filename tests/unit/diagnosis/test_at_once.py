@@ -1,0 +1,27 @@
+"""Simulations at once are what they are one after the other."""
+
+import pytest
+from planted import run_of
+
+from flexarm.diagnosis.at_once import at_once
+from flexarm.diagnosis.observed import Observed
+
+
+@pytest.mark.parametrize("jobs", [1, 2, 5])
+def test_results_keep_the_order_of_what_was_given(jobs):
+    assert at_once(lambda x: x**2, range(7), jobs) == [0, 1, 4, 9, 16, 25, 36]
+    assert at_once(str, (), jobs) == []
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_an_error_is_that_of_the_first_that_failed(jobs):
+    with pytest.raises(ZeroDivisionError):
+        at_once(lambda x: 1 / x, [2, 0, 1], jobs)
+
+
+def test_residuals_do_not_depend_on_the_number_of_jobs():
+    run = run_of("one joint")
+    records = {name: run.showing({}, seed).record for name, seed in (("a", 1), ("b", 2))}
+    arm = run.simulation.arm
+    one, two = (Observed(arm, records, step=4e-3, jobs=jobs).residual(arm) for jobs in (1, 2))
+    assert (one == two).all()
