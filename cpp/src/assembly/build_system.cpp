@@ -70,6 +70,7 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
   place_masses();
   set_damping();  // of straight links
   set_bows();
+  pair_beams();
   for (const model::Point& point : arm_.points) {
     const Place at = place(point.link);
     points_.push_back(attach(meshes_[at.link], point.position, point.loaded, at.node));

@@ -8,35 +8,54 @@ using namespace geometry;
 
 namespace {
 
-/// Internal and inertia forces of the beams. An element takes some hundred operations, so it pays to compile
-/// all of them into the loop.
+/// Internal and inertia forces of a beam.
+template <int D>
+[[gnu::always_inline]] inline void add_beam(const elements::BeamElementIn<D>& beam, const StateIn<D>& state,
+                                            VectorXd& r) {
+  constexpr int n = freedoms<D>;
+  const int n1 = n * beam.node1(), n2 = n * beam.node2();
+  elements::TwoTwists<D> v, v_dot;
+  v.template head<n>() = state.v.template segment<n>(n1);
+  v.template tail<n>() = state.v.template segment<n>(n2);
+  v_dot.template head<n>() = state.v_dot.template segment<n>(n1);
+  v_dot.template tail<n>() = state.v_dot.template segment<n>(n2);
+  const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
+                                      v.template head<n>(), v.template tail<n>(), state.elapsed());
+  const elements::TwoTwists<D> inertia = beam.inertia_forces(v, v_dot);
+  r.template segment<n>(n1) += f.f1 + inertia.template head<n>();
+  r.template segment<n>(n2) += f.f2 + inertia.template tail<n>();
+}
+
+/// An element takes some hundred operations, so it pays to compile all of them into the loop.
 template <int D>
 [[gnu::flatten]] void add_beams(const SystemIn<D>& system, const StateIn<D>& state, VectorXd& r) {
-  constexpr int n = freedoms<D>;
-  for (const auto& beam : system.beams()) {
-    const int n1 = n * beam.node1(), n2 = n * beam.node2();
-    elements::TwoTwists<D> v, v_dot;
-    v.template head<n>() = state.v.template segment<n>(n1);
-    v.template tail<n>() = state.v.template segment<n>(n2);
-    v_dot.template head<n>() = state.v_dot.template segment<n>(n1);
-    v_dot.template tail<n>() = state.v_dot.template segment<n>(n2);
-    const auto f = beam.internal_forces(state.frames[beam.node1()], state.frames[beam.node2()],
-                                        v.template head<n>(), v.template tail<n>(), state.elapsed());
-    const elements::TwoTwists<D> inertia = beam.inertia_forces(v, v_dot);
-    r.template segment<n>(n1) += f.f1 + inertia.template head<n>();
-    r.template segment<n>(n2) += f.f2 + inertia.template tail<n>();
+  for (const auto& beam : system.beams()) add_beam<D>(beam, state, r);
+}
+
+/// The same, two beams at a time.
+template <int D>
+[[gnu::flatten]] void add_pairs_of_beams(const SystemIn<D>& system, const StateIn<D>& state, VectorXd& r) {
+  for (const auto& pair : system.beam_pairs()) {
+    pair.add_forces(state.frames.data(), state.v.data(), state.v_dot.data(), r.data());
   }
+  for (const std::size_t k : system.single_beams()) add_beam<D>(system.beams()[k], state, r);
 }
 
 /// Forces of the joints, and how far they are apart.
 template <int D>
-[[gnu::flatten]] void add_joints(const SystemIn<D>& system, const StateIn<D>& state, VectorXd& r,
-                                 VectorXd& phi) {
+[[gnu::flatten]] void add_joints(const SystemIn<D>& system, const StateIn<D>& state,
+                                 const std::vector<bool>& left_out, VectorXd& r, VectorXd& phi) {
   constexpr int n = freedoms<D>;
   static const FrameIn<D> base;
   int row = 0;
-  for (const auto& joint : system.constraints()) {
+  for (std::size_t k = 0; k < system.constraints().size(); ++k) {
+    const auto& joint = system.constraints()[k];
     const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
+    if (!left_out.empty() && left_out[k]) {
+      phi.segment(row, m).setZero();
+      row += m;
+      continue;
+    }
     Twist<D> lambda = Twist<D>::Zero();
     lambda.head(m) = state.multipliers.segment(row, m);
     const auto now =
@@ -119,10 +138,21 @@ void SystemIn<D>::remember(StateD& state) const {
   }
 }
 
-/// All of (1) that links, masses and loads contribute.
 template <int D>
-void SystemIn<D>::add_links(const StateD& state, const LoadsD& loads, VectorXd& r) const {
-  add_beams(*this, state, r);
+void SystemIn<D>::pair_beams() {
+  for (std::size_t k = 0; k < beams_.size(); ++k) {
+    if (k + 1 < beams_.size() && elements::BeamPairIn<D>::suits(beams_[k], beams_[k + 1])) {
+      beam_pairs_.emplace_back(beams_[k], beams_[k + 1]);
+      ++k;
+    } else {
+      single_beams_.push_back(k);
+    }
+  }
+}
+
+/// All of (1) that masses, loads and super-elements contribute.
+template <int D>
+void SystemIn<D>::add_masses(const StateD& state, const LoadsD& loads, VectorXd& r) const {
   for (const auto& body : bodies_) {
     const int k = n * body.node();
     r.template segment<n>(k) +=
@@ -145,7 +175,8 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
   r.setZero();
   scalar_residual(state, friction, r.tail(n_scalars()));
   if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
-  add_links(state, loads, r);
+  add_beams(*this, state, r);
+  add_masses(state, loads, r);
   int row = 0;
   for (const Joint& joint : constraints_) {
     const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
@@ -159,12 +190,14 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
 }
 
 template <int D>
-void SystemIn<D>::evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi) const {
+void SystemIn<D>::evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi,
+                           const std::vector<bool>& left_out) const {
   r.setZero();
   scalar_residual(state, true, r.tail(n_scalars()));
   if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
-  add_links(state, loads, r);
-  add_joints(*this, state, r, phi);
+  add_masses(state, loads, r);
+  add_joints(*this, state, left_out, r, phi);
+  add_pairs_of_beams(*this, state, r);  // last: single numbers just written are slow to read as vectors
   int row = n_constraints_ - static_cast<int>(gears_.size());
   for (const joints::GearConstraint& gear : gears_)
     phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];

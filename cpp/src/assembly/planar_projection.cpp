@@ -35,6 +35,7 @@ class Projection {
     const bool planar = nodes() && beams() && parts() && joints() && masses() && loads() && start();
     if (!planar) return {nullptr, obstacle_};
     points();
+    flat_->pair_beams();
     return {std::move(flat_), ""};
   }
 

@@ -4,7 +4,7 @@
 
 namespace flexarm::geometry {
 
-series::Exponential series::exponential_beyond(double x) {
+series::Exponential<> series::exponential_beyond(double x) {
   if (x < small) {  // the power series, by Horner's scheme
     return {
         1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880 - x * (1.0 / 39916800))))),

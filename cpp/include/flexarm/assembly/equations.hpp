@@ -18,7 +18,7 @@
 
 #include "flexarm/assembly/mesh.hpp"
 #include "flexarm/assembly/state.hpp"
-#include "flexarm/elements/beam.hpp"
+#include "flexarm/elements/beam_pair.hpp"
 #include "flexarm/elements/rigid_body.hpp"
 #include "flexarm/elements/superelement.hpp"
 #include "flexarm/elements/weight.hpp"
@@ -112,6 +112,9 @@ class SystemIn {
 
   const std::vector<LinkMesh>& meshes() const { return meshes_; }
   const std::vector<Beam>& beams() const { return beams_; }
+  /// The same beams as evaluate() takes them: two by two, and those that are left.
+  const std::vector<elements::BeamPairIn<D>>& beam_pairs() const { return beam_pairs_; }
+  const std::vector<std::size_t>& single_beams() const { return single_beams_; }
   const std::vector<elements::RigidBodyIn<D>>& bodies() const { return bodies_; }
   const std::vector<Part>& superelements() const { return superelements_; }
   const std::vector<elements::WeightIn<D>>& weights() const { return weights_; }  ///< one a node
@@ -140,8 +143,10 @@ class SystemIn {
   /// Equation (2).
   void violation(const StateD& state, VectorXd& phi) const;
 
-  /// Both in one pass, with friction, as time stepping asks for them.
-  void evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi) const;
+  /// Both in one pass, with friction, as time stepping asks for them. Joints that are flagged in `left_out`
+  /// have no part in it; empty: none.
+  void evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi,
+                const std::vector<bool>& left_out = {}) const;
 
   /// Tangent of (1), (2) with respect to the unknowns, as triplets in an order that never changes:
   /// add(row, column, value). `law_tangents` are the stiffnesses to use for the laws.
@@ -178,7 +183,8 @@ class SystemIn {
 
  protected:
   int row(const Part& part, int k) const;  // of its k-th velocity
-  void add_links(const StateD& state, const LoadsD& loads, VectorXd& r) const;
+  void pair_beams();                       // once they are complete
+  void add_masses(const StateD& state, const LoadsD& loads, VectorXd& r) const;
   /// @throws InvalidParameter if there is no such point, or it has no node of its own to be loaded at.
   const AttachmentIn<D>& loaded_point(int point) const;
   const FrameD& frame(const StateD& state, int node) const {
@@ -190,6 +196,8 @@ class SystemIn {
   double reach_ = 0, mass_ = 0;
   std::vector<LinkMesh> meshes_;
   std::vector<Beam> beams_;
+  std::vector<elements::BeamPairIn<D>> beam_pairs_;
+  std::vector<std::size_t> single_beams_;
   std::vector<elements::RigidBodyIn<D>> bodies_;
   std::vector<Part> superelements_;
   std::vector<elements::WeightIn<D>> weights_;  // one a node

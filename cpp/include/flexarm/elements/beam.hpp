@@ -69,6 +69,42 @@ struct BeamProperties {
 /// shear.
 Eigen::Matrix<double, 2, 4> bending_shape(double xi, double length, double Phi);
 
+/// What a straight beam does not couple: stretch, twist and the two planes of bending.
+template <int D>
+struct Uncoupled {
+  static constexpr int n = geometry::freedoms<D>;
+  template <class Real>
+  using Ends = Eigen::Matrix<Real, 2 * n, 1>;
+
+  /// Components of a twist that stand alone, and those of each bending plane: w₁, θ₁, w₂, θ₂ of two twists.
+  using Bending = std::array<int, 4>;
+  static constexpr auto alone = [] {
+    if constexpr (D == 2) return std::array{0};
+    if constexpr (D == 3) return std::array{0, 3};
+  }();
+  static constexpr auto bending = [] {
+    if constexpr (D == 2) return std::array<Bending, 1>{{{1, 2, 4, 5}}};
+    if constexpr (D == 3) return std::array<Bending, 2>{{{1, 5, 7, 11}, {2, 4, 8, 10}}};
+  }();
+
+  /// M v of a matrix with such zeros.
+  template <class Real>
+  static Ends<Real> product(const Eigen::Matrix<Real, 2 * n, 2 * n>& M, const Ends<Real>& v) {
+    Ends<Real> p;
+    for (int k : alone) {
+      p[k] = M(k, k) * v[k] + M(k, k + n) * v[k + n];
+      p[k + n] = M(k + n, k) * v[k] + M(k + n, k + n) * v[k + n];
+    }
+    for (const auto& plane : bending) {
+      for (int row : plane) {
+        p[row] = M(row, plane[0]) * v[plane[0]] + M(row, plane[1]) * v[plane[1]] +
+                 M(row, plane[2]) * v[plane[2]] + M(row, plane[3]) * v[plane[3]];
+      }
+    }
+    return p;
+  }
+};
+
 template <int D>
 class BeamElementIn {
  public:
@@ -124,7 +160,7 @@ class BeamElementIn {
                             double t = 0) const;
 
   /// M v, using that stretch, twist and the two bending planes do not couple.
-  Ends momentum(const Ends& v) const;
+  Ends momentum(const Ends& v) const { return Uncoupled<D>::product(M_, v); }
 
   /// Equation (4).
   Ends inertia_forces(const Ends& v, const Ends& v_dot) const;
@@ -168,16 +204,7 @@ class BeamElementIn {
   }
 
  private:
-  /// Components of a twist that stand alone, and those of each bending plane: w₁, θ₁, w₂, θ₂ of two twists.
-  using Bending = std::array<int, 4>;
-  static constexpr auto alone = [] {
-    if constexpr (D == 2) return std::array{0};
-    if constexpr (D == 3) return std::array{0, 3};
-  }();
-  static constexpr auto bending = [] {
-    if constexpr (D == 2) return std::array<Bending, 1>{{{1, 2, 4, 5}}};
-    if constexpr (D == 3) return std::array<Bending, 2>{{{1, 5, 7, 11}, {2, 4, 8, 10}}};
-  }();
+  static constexpr auto& bending = Uncoupled<D>::bending;
 
   TwistMatrix<D> shape_matrix(double xi) const;
   StrainMatrix strain_matrix(const TwistD& d) const;  // B
@@ -220,22 +247,6 @@ typename BeamElementIn<D>::EndForces BeamElementIn<D>::internal_forces(const Fra
   out.f1 = -pair.left;  // eq. (3)
   out.f2 = pair.right;
   return out;
-}
-
-template <int D>
-typename BeamElementIn<D>::Ends BeamElementIn<D>::momentum(const Ends& v) const {
-  Ends p;
-  for (int k : alone) {
-    p[k] = M_(k, k) * v[k] + M_(k, k + n) * v[k + n];
-    p[k + n] = M_(k + n, k) * v[k] + M_(k + n, k + n) * v[k + n];
-  }
-  for (const auto& plane : bending) {
-    for (int row : plane) {
-      p[row] = M_(row, plane[0]) * v[plane[0]] + M_(row, plane[1]) * v[plane[1]] +
-               M_(row, plane[2]) * v[plane[2]] + M_(row, plane[3]) * v[plane[3]];
-    }
-  }
-  return p;
 }
 
 template <int D>

@@ -18,28 +18,40 @@
 #include <cmath>
 
 #include "flexarm/geometry/twist.hpp"
+#include "flexarm/geometry/two.hpp"
 
 namespace flexarm::geometry {
 
-/// A rigid placement H = (R, x).
-template <int D>
+/// A rigid placement H = (R, x); with Real = Two that of two things.
+template <int D, class Real = double>
 struct FrameIn {
-  Rotation<D> R = Rotation<D>::Identity();
-  Point<D> x = Point<D>::Zero();
+  using PointD = Point<D, Real>;
+  using RotationD = Rotation<D, Real>;
+  RotationD R = RotationD::Identity();
+  PointD x = PointD::Zero();
 
   bool operator==(const FrameIn&) const = default;
 
-  static FrameIn translation(const Point<D>& x) { return {Rotation<D>::Identity(), x}; }
-  static FrameIn rotation(const Rotation<D>& R) { return {R, Point<D>::Zero()}; }
+  static FrameIn translation(const PointD& x) { return {RotationD::Identity(), x}; }
+  static FrameIn rotation(const RotationD& R) { return {R, PointD::Zero()}; }
 
   FrameIn operator*(const FrameIn& other) const { return {R * other.R, x + R * other.x}; }
-  Point<D> operator*(const Point<D>& point) const { return x + R * point; }
+  PointD operator*(const PointD& point) const { return x + R * point; }
   FrameIn inverse() const { return {R.transpose(), -(R.transpose() * x)}; }
 };
 
-/// H1⁻¹ H2, the placement of frame 2 seen from frame 1.
 template <int D>
-FrameIn<D> relative(const FrameIn<D>& H1, const FrameIn<D>& H2) {
+FrameIn<D, Two> side_by_side(const FrameIn<D>& first, const FrameIn<D>& second) {
+  return {side_by_side(first.R, second.R), side_by_side(first.x, second.x)};
+}
+template <int D>
+FrameIn<D> lane(const FrameIn<D, Two>& both, int which) {
+  return {lane(both.R, which), lane(both.x, which)};
+}
+
+/// H1⁻¹ H2, the placement of frame 2 seen from frame 1.
+template <int D, class Real>
+FrameIn<D, Real> relative(const FrameIn<D, Real>& H1, const FrameIn<D, Real>& H2) {
   return {H1.R.transpose() * H2.R, H1.R.transpose() * (H2.x - H1.x)};
 }
 
@@ -88,37 +100,62 @@ namespace series {
 constexpr double least = 1e-5, slight = 1e-4, tiny = 1e-3, small = 0.04;
 
 /// a, b, c of (1) as functions of φ².
+template <class Real = double>
 struct Exponential {
-  double a, b, c;
+  Real a, b, c;
 };
-Exponential exponential_beyond(double phi_squared);  // closed forms
+Exponential<> exponential_beyond(double phi_squared);  // closed forms
 
-inline Exponential exponential(double x) {
-  if (x < least) {
-    return {1 + x * (-1.0 / 6 + x * (1.0 / 120)), 0.5 + x * (-1.0 / 24 + x * (1.0 / 720)),
-            1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040))};
-  }
-  if (x < tiny) {
-    return {1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880)))),
-            0.5 + x * (-1.0 / 24 + x * (1.0 / 720 + x * (-1.0 / 40320))),
-            1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040 + x * (-1.0 / 362880)))};
-  }
-  return exponential_beyond(x);
+template <class Real>
+Exponential<Real> exponential_of_tiny(const Real& x) {
+  return {1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880)))),
+          0.5 + x * (-1.0 / 24 + x * (1.0 / 720 + x * (-1.0 / 40320))),
+          1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040 + x * (-1.0 / 362880)))};
+}
+
+template <class Real>
+Exponential<Real> exponential_of_least(const Real& x) {
+  return {1 + x * (-1.0 / 6 + x * (1.0 / 120)), 0.5 + x * (-1.0 / 24 + x * (1.0 / 720)),
+          1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040))};
+}
+
+inline Exponential<> exponential(double x) {
+  if (x < least) return exponential_of_least(x);
+  return x < tiny ? exponential_of_tiny(x) : exponential_beyond(x);
+}
+
+inline Exponential<Two> exponential(Two x) {
+  if (x.both_below(least)) return exponential_of_least(x);
+  if (x.both_below(tiny)) return exponential_of_tiny(x);
+  const Exponential<> first = exponential(x[0]), second = exponential(x[1]);
+  return {{first.a, second.a}, {first.b, second.b}, {first.c, second.c}};
 }
 
 /// A₁ of (2).
 double inverse_v_beyond(double phi_squared);
 
+template <class Real>
+Real inverse_v_of_tiny(const Real& x) {
+  return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240 + x * (1.0 / 1209600)));
+}
+
 inline double inverse_v(double x) {
   if (x < slight) return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240));
-  if (x < tiny) return 1.0 / 12 + x * (1.0 / 720 + x * (1.0 / 30240 + x * (1.0 / 1209600)));
-  return inverse_v_beyond(x);
+  return x < tiny ? inverse_v_of_tiny(x) : inverse_v_beyond(x);
 }
+
+inline Two inverse_v(Two x) {
+  return x.both_below(tiny) ? inverse_v_of_tiny(x) : Two(inverse_v(x[0]), inverse_v(x[1]));
+}
+
+inline bool below(double x, double limit) { return x < limit; }
+inline bool below(Two x, double limit) { return x.both_below(limit); }
 
 /// Rotation vector from the axial vector s = sin φ n of a rotation by less than 0.1: φ/sin φ as a function of
 /// s².
-inline double arcsine_ratio(double y) {
-  if (y < slight) return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112)));
+template <class Real>
+Real arcsine_ratio(const Real& y) {
+  if (below(y, slight)) return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112)));
   return 1 + y * (1.0 / 6 + y * (3.0 / 40 + y * (5.0 / 112 +
                                                  y * (35.0 / 1152 + y * (63.0 / 2816 + y * 231.0 / 13312)))));
 }
@@ -129,11 +166,24 @@ inline double arcsine_ratio(double y) {
 Matrix3d exp3(const Vector3d& omega);
 Vector3d log3_beyond(const Matrix3d& R);  // any angle
 
+/// sin φ n.
+template <class Real>
+Point<3, Real> axial(const Rotation<3, Real>& R) {
+  return {0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1))};
+}
+
 inline Vector3d log3(const Matrix3d& R) {
-  const Vector3d axial{0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1))};
-  const double s_squared = axial.squaredNorm();
-  if (s_squared < 0.01 && R.trace() > 1) return series::arcsine_ratio(s_squared) * axial;
+  const Vector3d s = axial<double>(R);
+  const double s_squared = s.squaredNorm();
+  if (s_squared < 0.01 && R.trace() > 1) return series::arcsine_ratio(s_squared) * s;
   return log3_beyond(R);
+}
+
+inline Point<3, Two> log3(const Rotation<3, Two>& R) {
+  const Point<3, Two> s = axial<Two>(R);
+  const Two s_squared = s.squaredNorm();
+  if (s_squared.both_below(0.01) && R.trace().both_above(1)) return series::arcsine_ratio(s_squared) * s;
+  return side_by_side(log3(lane(R, 0)), log3(lane(R, 1)));
 }
 
 /// Angle of a rotation in the plane, in (−π, π].
@@ -143,44 +193,52 @@ inline double log1(const Matrix2d& R) {
   return std::atan2(s, R(0, 0));
 }
 
+inline Two log1(const Rotation<2, Two>& R) {
+  const Two s = R(1, 0), s_squared = s * s;
+  if (s_squared.both_below(0.01) && R(0, 0).both_above(0)) return series::arcsine_ratio(s_squared) * s;
+  return {log1(lane(R, 0)), log1(lane(R, 1))};
+}
+
 /// Equation (1). Exact for every argument.
-template <int D>
-FrameIn<D> exponential(const Twist<D>& h) {
-  FrameIn<D> H;
+template <int D, class Real = double>
+FrameIn<D, Real> exponential(const As<Twist<D, Real>>& h) {
+  FrameIn<D, Real> H;
   if constexpr (D == 2) {
-    const double phi = h[2], x = phi * phi;
+    const Real phi = h[2], x = phi * phi;
     const auto [a, b, c] = series::exponential(x);
-    const double sine = a * phi, cosine = 1 - b * x, turned = b * phi;
+    const Real sine = a * phi, cosine = 1 - b * x, turned = b * phi;
     H.R << cosine, -sine, sine, cosine;
     H.x << a * h[0] - turned * h[1], a * h[1] + turned * h[0];  // I + c φ² J² = 1 − c φ² = a
   } else {
-    const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
-    const double x = omega.squaredNorm();
+    using Vector = Point<3, Real>;
+    const Vector rho = h.template head<3>(), omega = h.template tail<3>();
+    const Real x = omega.squaredNorm();
     const auto [a, b, c] = series::exponential(x);
-    const Vector3d once = omega.cross(rho), s = a * omega, v = b * omega;
-    const double cosine = 1 - b * x;  // a ω~ + b ω ωᵀ + (1 − b φ²) I, written out
-    const double xy = v[0] * omega[1], xz = v[0] * omega[2], yz = v[1] * omega[2];
+    const Vector once = omega.cross(rho), s = a * omega, v = b * omega;
+    const Real cosine = 1 - b * x;  // a ω~ + b ω ωᵀ + (1 − b φ²) I, written out
+    const Real xy = v[0] * omega[1], xz = v[0] * omega[2], yz = v[1] * omega[2];
     H.R << cosine + v[0] * omega[0], xy - s[2], xz + s[1],  //
         xy + s[2], cosine + v[1] * omega[1], yz - s[0],     //
         xz - s[1], yz + s[0], cosine + v[2] * omega[2];
-    H.x = rho + omega.cross(Vector3d(b * rho + c * once));
+    H.x = rho + omega.cross(Vector(b * rho + c * once));
   }
   return H;
 }
 
 /// Inverse of (1): rotation angle in [0, π], in the plane in (−π, π].
-template <int D>
-Twist<D> logarithm(const FrameIn<D>& H) {
+template <int D, class Real>
+Twist<D, Real> logarithm(const FrameIn<D, Real>& H) {
   if constexpr (D == 2) {
-    const double phi = log1(H.R), half = 0.5 * phi, x = phi * phi;
-    const double alpha = 1 - series::inverse_v(x) * x;  // eq. (2) with J² = −I
+    const Real phi = log1(H.R), half = 0.5 * phi, x = phi * phi;
+    const Real alpha = 1 - series::inverse_v(x) * x;  // eq. (2) with J² = −I
     return {alpha * H.x[0] + half * H.x[1], alpha * H.x[1] - half * H.x[0], phi};
   } else {
-    const Vector3d omega = log3(H.R);
-    const Vector3d once = omega.cross(H.x);
-    Vector6d h;
-    h.head<3>() = H.x - 0.5 * once + series::inverse_v(omega.squaredNorm()) * omega.cross(once);  // eq. (2)
-    h.tail<3>() = omega;
+    const Point<3, Real> omega = log3(H.R);
+    const Point<3, Real> once = omega.cross(H.x);
+    Twist<3, Real> h;
+    h.template head<3>() =
+        H.x - 0.5 * once + series::inverse_v(Real(omega.squaredNorm())) * omega.cross(once);  // eq. (2)
+    h.template tail<3>() = omega;
     return h;
   }
 }

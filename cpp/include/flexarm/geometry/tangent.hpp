@@ -43,48 +43,59 @@ TwistMatrix<D> right_tangent(const Twist<D>& h) {
 ///
 /// For a strain d and a stress σ it yields T_r⁻ᵀ(d) σ and T_l⁻ᵀ(d) σ; for two twists it yields the strain
 /// rate T_r⁻¹(d) u₂ − T_l⁻¹(d) u₁. The even and odd parts are shared between the two ends.
-template <int D>
+template <int D, class Real = double>
 class InverseTangentIn {
  public:
-  explicit InverseTangentIn(const Twist<D>& d) : d_(d) {
-    const double x = rotation<D>(d).squaredNorm();
+  using TwistD = Twist<D, Real>;
+
+  explicit InverseTangentIn(const TwistD& d) : d_(d) {
+    const Real x = d.template tail<turns<D>>().squaredNorm();
     if constexpr (D == 2) {
       A_ = series::inverse_v(x);
-    } else if (x < series::tiny) {
+    } else if (series::below(x, series::tiny)) {
       A_ = 1.0 / 12 - x * x * (1.0 / 30240 + x * (2.0 / 1209600));
       B_ = -1.0 / 720 - x * (2.0 / 30240 + x * (3.0 / 1209600 + x * (4.0 / 47900160)));
     } else {
-      const auto k = inverse_tangent_coefficients<3>(x);
-      A_ = k.A;
-      B_ = k.B;
+      set_beyond(x);
     }
   }
 
   struct Pair {
-    Twist<D> left, right;
+    TwistD left, right;
   };
 
   /// (T_l⁻ᵀ σ, T_r⁻ᵀ σ)
-  Pair transpose_times(const Twist<D>& sigma) const {
-    const Twist<D> s1 = ad_transpose<D>(d_, sigma);
-    const Twist<D> s2 = ad_transpose<D>(d_, s1);
-    Twist<D> even = sigma + A_ * s2;
-    if constexpr (D == 3) even += B_ * ad_transpose<D>(d_, ad_transpose<D>(d_, s2));
+  Pair transpose_times(const TwistD& sigma) const {
+    const TwistD s1 = ad_transpose<D, Real>(d_, sigma);
+    const TwistD s2 = ad_transpose<D, Real>(d_, s1);
+    TwistD even = sigma + A_ * s2;
+    if constexpr (D == 3) even += B_ * ad_transpose<D, Real>(d_, ad_transpose<D, Real>(d_, s2));
     return {even - 0.5 * s1, even + 0.5 * s1};
   }
 
   /// T_r⁻¹ u₂ − T_l⁻¹ u₁
-  Twist<D> strain_rate(const Twist<D>& u1, const Twist<D>& u2) const {
-    const Twist<D> difference = u2 - u1;
-    const Twist<D> twice = ad_product<D>(d_, ad_product<D>(d_, difference));
-    Twist<D> rate = difference + 0.5 * ad_product<D>(d_, u1 + u2) + A_ * twice;
-    if constexpr (D == 3) rate += B_ * ad_product<D>(d_, ad_product<D>(d_, twice));
+  TwistD strain_rate(const TwistD& u1, const TwistD& u2) const {
+    const TwistD difference = u2 - u1;
+    const TwistD twice = ad_product<D, Real>(d_, ad_product<D, Real>(d_, difference));
+    TwistD rate = difference + 0.5 * ad_product<D, Real>(d_, u1 + u2) + A_ * twice;
+    if constexpr (D == 3) rate += B_ * ad_product<D, Real>(d_, ad_product<D, Real>(d_, twice));
     return rate;
   }
 
  private:
-  Twist<D> d_;
-  double A_, B_ = 0;
+  void set_beyond(double x) {
+    const auto k = inverse_tangent_coefficients<D>(x);
+    A_ = k.A;
+    B_ = k.B;
+  }
+  void set_beyond(Two x) {
+    const auto first = inverse_tangent_coefficients<D>(x[0]), second = inverse_tangent_coefficients<D>(x[1]);
+    A_ = Two(first.A, second.A);
+    B_ = Two(first.B, second.B);
+  }
+
+  TwistD d_;
+  Real A_, B_ = 0;
 };
 
 /// Derivative of the strain rate T_r⁻¹(d) u₂ − T_l⁻¹(d) u₁ with respect to d at fixed twists.

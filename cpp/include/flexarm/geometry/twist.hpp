@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <type_traits>
 
 namespace flexarm::geometry {
 
@@ -24,14 +25,14 @@ inline constexpr int turns = D * (D - 1) / 2;  ///< components of a rotation
 template <int D>
 inline constexpr int freedoms = D + turns<D>;  ///< of a rigid body: 3 in the plane, 6 in space
 
-template <int D>
-using Point = Eigen::Matrix<double, D, 1>;
-template <int D>
-using Turn = Eigen::Matrix<double, turns<D>, 1>;
-template <int D>
-using Rotation = Eigen::Matrix<double, D, D>;
-template <int D>
-using Twist = Eigen::Matrix<double, freedoms<D>, 1>;
+template <int D, class Real = double>
+using Point = Eigen::Matrix<Real, D, 1>;
+template <int D, class Real = double>
+using Turn = Eigen::Matrix<Real, turns<D>, 1>;
+template <int D, class Real = double>
+using Rotation = Eigen::Matrix<Real, D, D>;
+template <int D, class Real = double>
+using Twist = Eigen::Matrix<Real, freedoms<D>, 1>;
 template <int D>
 using TwistMatrix = Eigen::Matrix<double, freedoms<D>, freedoms<D>>;
 
@@ -48,6 +49,10 @@ inline Matrix3d skew(const Vector3d& a) {
   S << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
   return S;
 }
+
+/// An argument that does not decide of which numbers it is made: expressions become what is asked for.
+template <class T>
+using As = std::type_identity_t<T>;
 
 template <int D>
 Eigen::Block<const Twist<D>, D, 1> translation(const Twist<D>& h) {
@@ -110,31 +115,31 @@ TwistMatrix<D> ad(const Twist<D>& h) {
 }
 
 /// Equation (2).
-template <int D>
-Twist<D> ad_product(const Twist<D>& h, const Twist<D>& u) {
+template <int D, class Real = double>
+Twist<D, Real> ad_product(const As<Twist<D, Real>>& h, const As<Twist<D, Real>>& u) {
   if constexpr (D == 2) {
     return {-h[2] * u[1] + h[1] * u[2], h[2] * u[0] - h[0] * u[2], 0};
   } else {
-    const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
-    const Vector3d s = u.template head<3>(), t = u.template tail<3>();
-    Vector6d out;
-    out.head<3>() = omega.cross(s) + rho.cross(t);
-    out.tail<3>() = omega.cross(t);
+    const Point<3, Real> rho = h.template head<3>(), omega = h.template tail<3>();
+    const Point<3, Real> s = u.template head<3>(), t = u.template tail<3>();
+    Twist<3, Real> out;
+    out.template head<3>() = omega.cross(s) + rho.cross(t);
+    out.template tail<3>() = omega.cross(t);
     return out;
   }
 }
 
 /// Equation (3).
-template <int D>
-Twist<D> ad_transpose(const Twist<D>& h, const Twist<D>& f) {
+template <int D, class Real = double>
+Twist<D, Real> ad_transpose(const As<Twist<D, Real>>& h, const As<Twist<D, Real>>& f) {
   if constexpr (D == 2) {
     return {f[1] * h[2], -f[0] * h[2], f[0] * h[1] - f[1] * h[0]};
   } else {
-    const Vector3d rho = h.template head<3>(), omega = h.template tail<3>();
-    const Vector3d n = f.template head<3>(), m = f.template tail<3>();
-    Vector6d out;
-    out.head<3>() = n.cross(omega);
-    out.tail<3>() = n.cross(rho) + m.cross(omega);
+    const Point<3, Real> rho = h.template head<3>(), omega = h.template tail<3>();
+    const Point<3, Real> n = f.template head<3>(), m = f.template tail<3>();
+    Twist<3, Real> out;
+    out.template head<3>() = n.cross(omega);
+    out.template tail<3>() = n.cross(rho) + m.cross(omega);
     return out;
   }
 }
