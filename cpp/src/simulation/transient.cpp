@@ -103,8 +103,9 @@ assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn
                           const assembly::LoadsIn<D>& loads, const solvers::Drives& drive,
                           Eigen::Index n_steps, const TransientOptions& options, const Progress& progress,
                           const solvers::FollowerIn<D>& follower, const RecordIn<D>& record, Transient& run) {
-  solvers::HhtStepperIn<D> stepper(system, solvers::HhtCoefficients::from_alpha(options.alpha), loads,
-                                   {.tolerance = options.tolerance});
+  solvers::HhtStepperIn<D> stepper(
+      system, solvers::HhtCoefficients::from_alpha(options.alpha), loads,
+      {.tolerance = options.tolerance, .weld = !options.record_forces && !follower});
   stepper.follow_with(follower);
   const auto began = Clock::now();
   auto called = began;
@@ -126,6 +127,7 @@ assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn
       }
     }
   }
+  stepper.find_forces(state);
   run.seconds = seconds_since(began);
   run.statistics = stepper.statistics();
   run.dimension = D;

@@ -51,7 +51,9 @@ HhtStepperIn<D>::HhtStepperIn(const SystemIn<D>& system, const HhtCoefficients& 
       r_(system.n_velocities()),
       phi_(system.n_constraints()),
       dx_(system.n_unknowns()),
-      changes_(system) {
+      welds_(system, options.weld),
+      reduced_(welds_.n_unknowns()),
+      changes_(system, welds_) {
   const VectorXd zero = VectorXd::Zero(system.n_scalars());
   drive_ = {zero, zero, zero, zero};
 }
@@ -192,9 +194,23 @@ void HhtStepperIn<D>::correct(StateIn<D>& state, double h) {
 template <int D>
 [[gnu::flatten]] void HhtStepperIn<D>::place(StateIn<D>& state) const {
   constexpr int n = geometry::freedoms<D>;
-  for (int k = 0; k < system_.n_nodes(); ++k) {
+  using geometry::Two;
+  const std::vector<int>& nodes = welds_.carriers();
+  std::size_t at = 0;
+  for (; at + 1 < nodes.size(); at += 2) {  // two nodes at a time
+    const int first = nodes[at], second = nodes[at + 1];
+    geometry::Twist<D, Two> h;
+    for (int i = 0; i < n; ++i) h[i] = Two(exponent_[n * first + i], exponent_[n * second + i]);
+    const auto H = geometry::side_by_side<D>(before_.frames[first], before_.frames[second]) *
+                   geometry::exponential<D, Two>(h);
+    state.frames[first] = geometry::lane<D>(H, 0);
+    state.frames[second] = geometry::lane<D>(H, 1);
+  }
+  if (at < nodes.size()) {
+    const int k = nodes[at];
     state.frames[k] = before_.frames[k] * geometry::exponential<D>(exponent_.template segment<n>(n * k));
   }
+  welds_.place(state.frames);
   const int n_free_scalars = system_.n_free() - system_.scalar_offset();
   state.s.head(n_free_scalars) = before_.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
 }
@@ -207,7 +223,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   bool fresh = false;
   double previous = 0;
   for (int k = 0; k < options_.max_iterations; ++k) {
-    system_.evaluate(state, loads_, r_, phi_);
+    system_.evaluate(state, loads_, r_, phi_, welds_.joints());
     solve(state, h);  // eq. (5)
     ++statistics_.iterations;
     if (!std::isfinite(dx_.sum())) return false;  // as is the sum of what is not
@@ -271,7 +287,8 @@ bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
     matrix_.forget();
     factor_ = KeptFactor();
   }
-  if (!factor_.factor(matrix_.assemble(state, loads_, c, law_tangents))) {
+  const Eigen::SparseMatrix<double>& S = matrix_.assemble(state, loads_, c, law_tangents);
+  if (!factor_.factor(welds_.any() ? welds_.reduce(S) : S)) {
     factored_h_ = 0;
     return false;
   }
@@ -285,8 +302,15 @@ template <int D>
 void HhtStepperIn<D>::solve(const StateIn<D>& state, double h) {
   dx_.head(system_.n_free()) = -r_.head(system_.n_free());
   dx_.tail(system_.n_constraints()) = -mass_scale_ / (coefficients_.beta * h * h) * phi_;
-  factor_.solve(dx_);
-  changes_.correct(state, dx_);
+  if (!welds_.any()) {
+    factor_.solve(dx_);
+    changes_.correct(state, dx_);
+    return;
+  }
+  welds_.fold(dx_, reduced_);
+  factor_.solve(reduced_);
+  changes_.correct(state, reduced_);
+  welds_.unfold(reduced_, dx_);
 }
 
 template class HhtStepperIn<2>;

@@ -41,35 +41,50 @@ Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
 }  // namespace
 
 template <int D>
-TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system) : system_(system) {
-  find_turning_joints();
-  for (std::size_t k = 0; k < system.laws().size(); ++k) {
-    if (!is_linear(system.laws()[k])) laws_.push_back(static_cast<int>(k));
-  }
+TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds)
+    : system_(system) {
+  find_turning_joints(welds);
+  find_laws(welds);
   const auto columns = static_cast<Eigen::Index>(2 * across * joints_.size() + laws_.size());
-  W_.resize(system.n_unknowns(), columns);
+  W_.resize(welds.n_unknowns(), columns);
   C_ = MatrixXd::Zero(columns, columns);
   correct_ = correction(joints_.size(), laws_.size());
 }
 
 template <int D>
-void TangentChangesIn<D>::find_turning_joints() {
+void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
   int row = system_.n_free();
   for (std::size_t k = 0; k < system_.constraints().size(); ++k) {
     const auto& joint = system_.constraints()[k];
     const int first_row = row;
     row += joint.rows();
     if (joint.coordinate() < 0 || joint.node_a() < 0) continue;
+    const auto parent = welds.place_of(joint.node_a());
+    if (parent.row == WeldsIn<D>::none) continue;  // held to the base
     Across P;
     if constexpr (D == 3) {
       P = across_axis(joint.twist());
     } else {
       P.setIdentity();
     }
-    const Across on_parent = adjoint<D>(joint.frame_a().inverse()).transpose() * P;
-    joints_.push_back({static_cast<int>(k), first_row, n * joint.node_a(), P, on_parent});
+    const FrameIn<D> to_parent = joint.frame_a().inverse() * parent.to_carrier;
+    const Across on_parent = adjoint<D>(to_parent).transpose() * P;
+    joints_.push_back({static_cast<int>(k), welds.row(first_row), parent.row, P, on_parent});
   }
   if (joints_.size() > most_turning_joints) joints_.clear();
+}
+
+template <int D>
+void TangentChangesIn<D>::find_laws(const WeldsIn<D>& welds) {
+  const auto row = [&](int scalar) {
+    const bool free = scalar >= 0 && system_.is_free(scalar);
+    return free ? welds.row(system_.scalar_offset() + scalar) : WeldsIn<D>::none;
+  };
+  for (std::size_t k = 0; k < system_.laws().size(); ++k) {
+    const assembly::PlacedLaw& law = system_.laws()[k];
+    law_rows_.push_back({row(law.plus), row(law.minus)});
+    if (!is_linear(law)) laws_.push_back(static_cast<int>(k));
+  }
 }
 
 template <int D>
@@ -101,9 +116,8 @@ void TangentChangesIn<D>::directions(MatrixXd& U) const {
     column += 2 * across;
   }
   for (int k : laws_) {
-    const auto& law = system_.laws()[k];  // eq. (2)
-    if (system_.is_free(law.plus)) U(system_.scalar_offset() + law.plus, column) += 1;
-    if (law.minus >= 0 && system_.is_free(law.minus)) U(system_.scalar_offset() + law.minus, column) -= 1;
+    if (law_rows_[k].plus >= 0) U(law_rows_[k].plus, column) += 1;  // eq. (2)
+    if (law_rows_[k].minus >= 0) U(law_rows_[k].minus, column) -= 1;
     ++column;
   }
 }
@@ -153,11 +167,8 @@ bool TangentChangesIn<D>::update(const assembly::StateIn<D>& state) {
 /// u·x of a law, eq. (2).
 template <int D>
 double TangentChangesIn<D>::along_law(int k, const VectorXd& x) const {
-  const auto& law = system_.laws()[k];
-  const auto entry = [&](int scalar) {
-    return scalar >= 0 && system_.is_free(scalar) ? x[system_.scalar_offset() + scalar] : 0.0;
-  };
-  return entry(law.plus) - entry(law.minus);
+  const auto entry = [&](int row) { return row >= 0 ? x[row] : 0.0; };
+  return entry(law_rows_[k].plus) - entry(law_rows_[k].minus);
 }
 
 template <int D>

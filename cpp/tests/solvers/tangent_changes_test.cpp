@@ -32,7 +32,7 @@ std::pair<double, double> compare(const SystemIn<D>& system, const StateIn<D>& t
   SparseFactor kept, present;
   const VectorXd laws = system.law_tangents(then, factors, true);
   REQUIRE(kept.factor(matrix.assemble(then, weightless, factors, laws)));
-  TangentChangesIn<D> changes(system);
+  TangentChangesIn<D> changes(system, {system, false});
   changes.keep(then, factors, laws, kept);
   REQUIRE(present.factor(matrix.assemble(now, weightless, factors, system.law_tangents(now, factors, true))));
 

@@ -30,6 +30,7 @@
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/tangent_changes.hpp"
+#include "flexarm/solvers/welds.hpp"
 
 namespace flexarm::solvers {
 
@@ -66,6 +67,7 @@ struct HhtOptions {
   int max_halvings = 8;
   double slow_contraction = 0.25;  ///< above this rate the matrix is factored anew
   bool reproducible = false;       ///< see HhtMemory; factoring then costs an analysis of the pattern too
+  bool weld = false;  ///< rigid joints make one node of two (welds.hpp); their forces wait for find_forces()
 };
 
 /// Where factors were made.
@@ -115,6 +117,9 @@ class HhtStepperIn {
   /// Loads that act from now on, beside gravity and motors.
   void set_point_loads(const std::vector<assembly::PointLoadIn<D>>& points) { loads_.points = points; }
 
+  /// Forces of the welded joints in a state that was reached.
+  void find_forces(StateIn<D>& state) const { welds_.find_forces(state, loads_); }
+
   /// @throws NotConverged if the factors cannot be made again.
   void recall(const HhtMemoryIn<D>& memory);
   HhtMemoryIn<D> memory() const;
@@ -150,6 +155,8 @@ class HhtStepperIn {
   StateIn<D> before_;  // state 0
   VectorXd exponent_;  // argument of exp in (3), and scalar increments
   VectorXd r_, phi_, dx_;
+  WeldsIn<D> welds_;
+  VectorXd reduced_;  // y of welds.hpp
   TangentChangesIn<D> changes_;
   DriveValues drive_;
   FollowerIn<D> follower_;

@@ -30,13 +30,15 @@
 #include "flexarm/assembly/equations.hpp"
 #include "flexarm/solvers/packed_matrix.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
+#include "flexarm/solvers/welds.hpp"
 
 namespace flexarm::solvers {
 
 template <int D>
 class TangentChangesIn {
  public:
-  explicit TangentChangesIn(const assembly::SystemIn<D>& system);
+  /// @param welds which unknowns S has.
+  TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds);
 
   /// S₀ has been factored in this state. @param c factors of the tangent, @param laws tangents in S₀.
   void keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c, const Eigen::VectorXd& laws,
@@ -52,13 +54,19 @@ class TangentChangesIn {
   using Turned = Eigen::Matrix<double, across, across>;
 
   struct TurningJoint {
-    int constraint, first_row, node_row;  // of the multipliers, of the parent's node
+    int constraint, first_row, node_row;  // of the multipliers, of the parent's node or its carrier
     Across P, on_parent;                  // P, Ad_aᵀ P
     double kept_angle = 0;
     Turned kept = Turned::Zero();  // T(θ₀)
   };
 
-  void find_turning_joints();
+  /// Rows of u in (2); none where a coordinate is prescribed.
+  struct LawRows {
+    int plus, minus;
+  };
+
+  void find_turning_joints(const WeldsIn<D>& welds);
+  void find_laws(const WeldsIn<D>& welds);
   Turned turned(const TurningJoint& joint, double theta) const;  // T
   bool update(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
@@ -75,6 +83,7 @@ class TangentChangesIn {
   std::vector<TurningJoint> joints_;
   std::vector<int> laws_;  // whose tangents are not constant
   Correction correct_;
+  std::vector<LawRows> law_rows_;  // of all laws
   assembly::TangentFactors factors_{};
   Eigen::VectorXd kept_laws_;
   Eigen::MatrixXd W_, G_, C_;  // G = Uᵀ W
