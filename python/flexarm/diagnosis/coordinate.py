@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, log, log1p
+from math import exp, log, log1p, pi
 
 from flexarm.arm import Arm
 from flexarm.arm.prior import QUANTILE, Prior
@@ -21,6 +21,10 @@ from flexarm.diagnosis.candidate import Candidate
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
+STEP = 1e-2
+"""Of differences, in sigmas of a prior: laws with corners need steps that reach beyond them."""
+TURN = 0.1
+"""Most that the step of a frequency may turn the phase until the end of a record [rad]."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,12 @@ class Coordinate:
         _, below, above = self._pieces()
         size = below if z < 0 else above
         return size * self.value(z) if self.prior.scale == "log" else size
+
+    def step(self, z: float, seconds: float) -> float:
+        """Of differences; of a frequency so small that the wave stays in step for so many seconds."""
+        if self.name != "frequency" or seconds == 0:
+            return STEP
+        return min(STEP, TURN / (2 * pi * seconds * self.slope(z)))
 
     def log_density(self, z: float) -> float:
         """Eq. (2); of a uniform prior, the same everywhere."""

@@ -14,6 +14,8 @@ from flexarm.diagnosis.left_out import missed
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.wording import place_words, with_unit
 
+SHRUNK = 0.95
+"""Part of a gap that may be left where it is said to fall."""
 UNUSUAL = 3.0
 """Sigmas of its prior from which a parameter is said to be unlike those of other machines."""
 
@@ -27,9 +29,12 @@ def evidence_sentence(
     after = max(above_noise(best.rest, observed).values())
     rivals = choice.rivals[k]
     what = place_words(member.name, member.at)
+    shrinks = (
+        f"falls from {before:.2g} to {after:.2g}" if after < SHRUNK * before else f"stays at {after:.2g}"
+    )
     text = (
-        f"with {what} the largest gap above the noise falls from {before:.2g} to "
-        f"{after:.2g} times the noise (ln Bayes factor {choice.gain:.0f} over the nominal model)"
+        f"with {what} the largest gap above the noise {shrinks} times the noise (ln Bayes factor "
+        f"{choice.gain:.0f} over the nominal model)"
     )
     text += "".join(f"; {said}" for said in _strained(choice.null))
     if rivals:

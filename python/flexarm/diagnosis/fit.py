@@ -37,8 +37,6 @@ class Fit:
         Derivatives of `residual` by z.
     unknowns, projection
         What was eliminated.
-    converged : bool
-        Whether the fit came to rest.
     """
 
     members: tuple[Candidate, ...]
@@ -50,7 +48,6 @@ class Fit:
     slopes: Floats
     unknowns: Unknowns
     projection: Projection
-    converged: bool = True
 
     @property
     def cost(self) -> float:

@@ -147,12 +147,12 @@ class Fitter:
         left, projection = self.eliminated(members)
         problem = LeastSquares(self, members, coordinates, projection)
         start = [c.z(value_of(members[c.candidate].effect, c.name)) for c in coordinates]
-        z, converged = problem.solved(np.array(start), evaluations, tolerance)
+        z = problem.solved(np.array(start), evaluations, tolerance)
         residual, slopes = problem.raw(z), problem.differences(z)
         fitted = problem.members_at(z)
         rest = projection.rest(residual)
         arm = self.with_effects(fitted)
-        return Fit(fitted, coordinates, z, arm, residual, rest, slopes, left, projection, converged)
+        return Fit(fitted, coordinates, z, arm, residual, rest, slopes, left, projection)
 
     def _as_it_is(self, members: tuple[Candidate, ...]) -> Fit:
         """A model in which nothing is free but what is eliminated."""

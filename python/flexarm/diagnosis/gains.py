@@ -26,7 +26,6 @@ from flexarm.diagnosis.choose import Choice
 from flexarm.diagnosis.experiment import Experiment
 from flexarm.diagnosis.experiment_from import from_record
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.least_squares import STEP
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.projection import Projection
 from flexarm.diagnosis.rivals import Rival
@@ -139,10 +138,11 @@ def _derivatives(observed: Observed, arm: Arm, choice: Choice, fit: Fit, here: F
     for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
         members = list(fit.members)
         member = members[coordinate.candidate]
-        moved = member.effect.with_parameters({coordinate.name: coordinate.value(float(z) + STEP)})
+        step = coordinate.step(float(z), observed.seconds)
+        moved = member.effect.with_parameters({coordinate.name: coordinate.value(float(z) + step)})
         members[coordinate.candidate] = replace(member, effect=moved)
         try:
-            columns.append((observed.residual(_put(arm, choice, fit, members)) - here) / STEP)
+            columns.append((observed.residual(_put(arm, choice, fit, members)) - here) / step)
         except (InvalidParameter, NotConverged):
             columns.append(np.zeros_like(here))
     return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))

@@ -23,15 +23,13 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.coordinate import Coordinate
+from flexarm.diagnosis.coordinate import STEP, Coordinate
 from flexarm.diagnosis.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.fitter import Fitter
 
-STEP = 1e-2
-"""Of the differences, in sigmas of a prior: laws with corners need steps that reach beyond them."""
 FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
 CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
@@ -58,8 +56,8 @@ class LeastSquares:
         self._differences: dict[bytes, Floats] = {}
         self._last: Floats | None = None
 
-    def solved(self, start: Floats, evaluations: int, tolerance: float) -> tuple[Floats, bool]:
-        """Where (1) is least within the bounds, and whether the search came to rest.
+    def solved(self, start: Floats, evaluations: int, tolerance: float) -> Floats:
+        """Where (1) is least within the bounds.
 
         Raises
         ------
@@ -70,6 +68,7 @@ class LeastSquares:
 
         self.raw(start)  # an error here is the caller's
         bounds = np.array([c.bound for c in self.coordinates])
+        finest = float(self._steps(start).min()) / STEP
         found = least_squares(
             self.rows,
             np.clip(start, -0.99 * bounds, 0.99 * bounds),
@@ -78,10 +77,10 @@ class LeastSquares:
             x_scale=1.0,
             max_nfev=evaluations,
             ftol=tolerance * 1e-1,
-            xtol=tolerance,
+            xtol=tolerance * finest,
             gtol=1e-12,
         )
-        return found.x, bool(found.status > 0)
+        return np.asarray(found.x)
 
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
         """The effects with these parameters."""
@@ -155,9 +154,10 @@ class LeastSquares:
                 self._differences[key] = exact
                 return exact
             here = self.raw(z)
-            ahead = [z + STEP * row for row in np.eye(len(z))]
+            ahead = z + np.diag(self._steps(z))
             self.fitter.observed.prepare(arm for there in ahead if (arm := self._arm(there)) is not None)
-            self._differences[key] = np.stack([self._column(z, k, here) for k in range(len(z))], axis=1)
+            columns = [self._column(z, k, float(step), here) for k, step in enumerate(self._steps(z))]
+            self._differences[key] = np.stack(columns, axis=1)
         return self._differences[key]
 
     def _arm(self, z: Floats) -> Arm | None:
@@ -177,8 +177,12 @@ class LeastSquares:
         slope = [c.slope(float(x)) for c, x in zip(self.coordinates, z, strict=True)]
         return None if found is None else found * slope
 
-    def _column(self, z: Floats, k: int, here: Floats) -> Floats:
-        for step in (STEP, -STEP):
+    def _steps(self, z: Floats) -> Floats:
+        seconds = self.fitter.observed.seconds
+        return np.array([c.step(float(x), seconds) for c, x in zip(self.coordinates, z, strict=True)])
+
+    def _column(self, z: Floats, k: int, ahead: float, here: Floats) -> Floats:
+        for step in (ahead, -ahead):
             there = z.copy()
             there[k] += step
             try:

@@ -88,6 +88,12 @@ class Observed:
         """Number of residuals."""
         return int(self.rows[-1].where.stop)
 
+    @property
+    def seconds(self) -> float:
+        """Length of the longest motion [s]; 0 if all are poses."""
+        motions = (each for each in self.rows if self.records[each.record].kind == "motion")
+        return max((float(np.ptp(each.time)) for each in motions), default=0.0)
+
     def channels(self) -> Iterator[tuple[Rows, slice]]:
         """Rows by channel."""
         for each in self.rows:

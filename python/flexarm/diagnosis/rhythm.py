@@ -24,7 +24,7 @@ def rhythms(rest: Floats, observed: Observed, most: int = 3) -> list[float]:
     from scipy.signal import lombscargle
 
     motions = [each for each in observed.rows if observed.records[each.record].kind == "motion"]
-    length = max((float(np.ptp(each.time)) for each in motions), default=0.0)
+    length = observed.seconds
     if length <= 0:
         return []
     frequency = np.arange(LOWEST, HIGHEST, 1.0 / (FINE * length))

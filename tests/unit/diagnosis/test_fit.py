@@ -11,7 +11,7 @@ from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.fitter import Fitter
 from flexarm.diagnosis.observed import Observed
 from flexarm.diagnosis.unknowns import unknowns
-from flexarm.effects import JointCompliance
+from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance
 from flexarm.measurement import predict
 
 SOFTER = 0.985
@@ -85,3 +85,19 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
     assert found[0] == pytest.approx([1.0e5, 400.0], rel=0.05)  # steps of 8 ms, corrected for another spring
     assert found[1] == pytest.approx(found[0], rel=1e-2)  # the damping is known to a few per cent
     assert runs[1] < runs[0]
+
+
+def test_a_frequency_is_found_to_a_small_part_of_a_turn(run):
+    """A search starts up to an eighth of a turn off; a hundredth of a sigma is half a turn in 30 s."""
+    base = BaseCompliance(at="base", stiffness=3e6, damping=3e3)
+    nominal = run.simulation.arm.with_effect(base)
+    there = ExternalVibration(at="base", amplitude=60.0, frequency=1.7, phase=0.6)
+    record = seen(run, nominal.with_effect(there))
+    both = observed(nominal, record, step=4e-3)
+    fitter = Fitter.nominal(both, unknowns(both))
+    start = 1.7 + 0.12 / both.seconds
+    tried = candidates(both, fitter.unknowns.arm, (start,))
+    fit = fitter.fit([c for c in tried if c.name == "external_vibration"])
+    found = fit.members[0].effect
+    assert found.frequency == pytest.approx(1.7, abs=5e-3 / both.seconds)
+    assert (found.amplitude, found.phase) == pytest.approx((60.0, 0.6), rel=0.02)

@@ -15,7 +15,8 @@ def observed(*times):
     for time in times:
         rows.append(SimpleNamespace(record="run", time=time, where=slice(start, start + len(time))))
         start += len(time)
-    return SimpleNamespace(rows=rows, records={"run": SimpleNamespace(kind="motion")})
+    seconds = max(float(np.ptp(time)) for time in times)
+    return SimpleNamespace(rows=rows, records={"run": SimpleNamespace(kind="motion")}, seconds=seconds)
 
 
 def test_a_wave_is_found_within_a_quarter_of_a_peak():
@@ -33,5 +34,5 @@ def test_a_fast_signal_tells_a_frequency_from_its_alias_in_a_slow_one():
 
 def test_poses_have_no_rhythm():
     poses = observed(np.arange(5.0))
-    poses.records["run"].kind = "static"
+    poses.records["run"].kind, poses.seconds = "static", 0.0
     assert rhythms(np.ones(5), poses) == []
