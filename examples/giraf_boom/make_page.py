@@ -55,7 +55,8 @@ def left_out_table(found: Mapping[str, Diagnosis]) -> str:
         )
     rms = 1e3 * np.array(gaps)
     square = np.sqrt(np.mean(rms**2))
-    lines.append(f"mean of the lengths {rms.mean():.2f} mm, root of their mean square {square:.2f} mm")
+    if len(rms) > 1:
+        lines.append(f"mean of the lengths {rms.mean():.2f} mm, root of their mean square {square:.2f} mm")
     return "\n".join(lines)
 
 

@@ -97,7 +97,8 @@ def offset_priors(signal: str, observed: Observed) -> dict[str, Prior]:
     most = max(float(np.nanmax(each)) for each in readings)
     high = max(OF_READING * most, OF_NOISE * max(row.sigma for row in rows))
     source = f"{100 * OF_READING:g} % of the greatest reading in the records"
-    return {"offset": Prior(-high, high, 0.0, "linear", "SI", source)}
+    unit = observed.records[rows[0].record].signals[signal].unit
+    return {"offset": Prior(-high, high, 0.0, "linear", unit, source)}
 
 
 def command_priors() -> dict[str, Prior]:

@@ -108,7 +108,8 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
         reach = max(coordinate.bound, abs(z))
         values = np.array([coordinate.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
         low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
-        found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), unit))
+        own = coordinate.prior.unit if unit == "SI" else unit  # that of the signal
+        found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), own))
     return tuple(found)
 
 

@@ -209,8 +209,10 @@ def _parted(records: Mapping[str, Record], hold_out: Record | None) -> _Parted:
 
 
 def _name(record: Record, taken: Mapping[str, Record]) -> str:
-    """Of the held-out record."""
-    name = record.path.name if record.path is not None else "held_out"
+    """Of the held-out record: its directory's, with as many parents as names of the training have."""
+    parents = max(each.count("/") for each in taken)
+    parts = ("held_out",) if record.path is None else record.path.resolve().parts[-1 - parents :]
+    name = "/".join(parts)
     return name if name not in taken else f"{name} (held out)"
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from flexarm import Record, Signal
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
+from flexarm.diagnosis.workflow import _parted
 from flexarm.record.table import CarriedPayload, DrawnLink
 
 TIME = np.arange(0.0, 20.0, 0.02)
@@ -102,3 +103,13 @@ def test_what_is_beyond_the_training_is_said(held_out, why):
 def test_other_joints_are_said():
     lone = record()
     assert hold_out_why({"a": lone}, replace(lone, drive=())).startswith("it drives other joints")
+
+
+def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
+    """Two tests may each have a record of one name; the folder above then tells them apart, here as there."""
+    path = tmp_path / "test_2/by_reference"
+    record().save(path)
+    held = Record.load(path)
+    assert _parted({"test_3/by_reference": record()}, held).held_out.keys() == {"test_2/by_reference"}
+    assert _parted({"test_3": record()}, held).held_out.keys() == {"by_reference"}
+    assert _parted({"by_reference": record()}, held).held_out.keys() == {"by_reference (held out)"}

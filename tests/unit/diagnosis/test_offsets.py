@@ -19,4 +19,5 @@ def test_the_zero_of_a_sensor_may_be_off_by_a_part_of_what_it_reads():
     prior = found.priors_in(observed.arm)["offset"]
     assert prior.high == pytest.approx(OF_READING * np.nanmax(np.abs(torque.values)))
     assert (prior.low, prior.typical) == (-prior.high, 0.0)
+    assert prior.unit == torque.unit == "N m"
     assert found.free == ("offset",)
