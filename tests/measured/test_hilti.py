@@ -147,3 +147,24 @@ def test_stiffness_of_the_column_is_that_of_a_machine(repaired):
     """Both hinges between 4e4 and 8e4 N m/rad: a moment of 200 N m tilts the column by some 4 mrad."""
     keys = [f"effects.joint_compliance.column_{axis}.stiffness" for axis in ("pitch", "roll")]
     assert all(4e4 < p.value < 8e4 for p in parameters(repaired[0], keys))
+
+
+def test_a_diagnosis_of_every_twelfth_pose_names_the_column_and_leaves_a_gap(shared_dir, tmp_path):
+    """As a user would, on half of the poses of the page: too few for the column's roll, which that has too.
+
+    What is left is three times the noise and more, so nothing has more than even odds.
+    """
+    SCRIPT.make_records(shared_dir / "data/hilti_trailblazer", tmp_path / "records", every=12)
+    arm = Arm.from_toml(tmp_path / "records/robot.toml")
+    flat, pallet = (Record.load(tmp_path / "records" / name) for name in ("flat", "pallet"))
+    found = flexarm.diagnose(arm, {"flat": flat}, hold_out=pallet, jobs=1)
+    assert found.verdict == "unexplained"
+    assert all(effect.probability <= 0.5 for effect in found.effects)
+    column = next(effect for effect in found.effects if effect.name == "joint_compliance")
+    assert column.at == "column_pitch"
+    stiffness = next(p for p in column.parameters if p.name == "stiffness")
+    assert stiffness.low90 < 51e3 < stiffness.high90
+    fitted, held = found.gap(found.training), found.gap(found.held_out)
+    assert fitted.after_rms < 0.65 * fitted.before_rms
+    assert held.after_rms < 0.75 * held.before_rms
+    assert fitted.after_rms > 3 * fitted.noise_rms
