@@ -1,5 +1,5 @@
-/// How a System comes to be: links become nodes and elements, joints constraints and coordinates, masses find
-/// a node.
+/// How a System comes to be: links become nodes and elements, masses find a node, names their things. Joints:
+/// build_joints.cpp.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,6 @@ namespace flexarm::assembly {
 namespace {
 
 using namespace geometry;
-using joints::JointType;
 
 template <class Things>
 std::string names_of(const Things& things) {
@@ -108,139 +107,6 @@ void System::mesh_links(const std::vector<std::vector<double>>& occupied) {
   }
 }
 
-void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
-  for (const auto& [name, kind] : drives) joint_index(name);
-
-  // Scalar coordinates: first collected in the order of the joints, then the free ones are put before the
-  // others.
-  struct Scalar {
-    double inertia;
-    bool free;
-  };
-  std::vector<Scalar> scalars;
-  for (const model::Joint& joint : arm_.joints) {
-    const auto found = drives.find(joint.name);
-    const DriveKind kind = found == drives.end() ? DriveKind::locked : found->second;
-    drives_.push_back(kind);
-    JointCoordinates at;
-    if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
-      const bool driven = kind != DriveKind::torque && kind != DriveKind::free;
-      const auto& train = joint.drive_train;
-      const bool rigid = train.stages.empty() || kind == DriveKind::link_angle;
-      const auto add_scalar = [&](double inertia, bool free) {
-        scalars.push_back({inertia, free});
-        return static_cast<int>(scalars.size()) - 1;
-      };
-      at.phi = add_scalar(train.reflected_inertia(), !driven);
-      at.psi = train.transmission ? add_scalar(0, true) : at.phi;
-      int before = at.psi;
-      if (!rigid) {
-        for (const auto& stage : train.stages) {
-          const int after = add_scalar(0, true);
-          for (const auto& law : stage) laws_.push_back({law, before, after});
-          before = after;
-        }
-      }
-      at.theta = before;
-      for (const auto& law : train.motor) laws_.push_back({law, at.phi, -1});
-      for (const auto& law : train.bearing) laws_.push_back({law, at.theta, -1});
-    }
-    joint_coordinates_.push_back(at);
-  }
-  if (arm_.pedestal) {
-    scalars.push_back({0, true});
-    pedestal_.theta = static_cast<int>(scalars.size()) - 1;
-    laws_.push_back(
-        {joints::ReducerSpring{arm_.pedestal->stiffness, arm_.pedestal->damping}, pedestal_.theta, -1});
-  }
-  for (const PlacedLaw& law : laws_) joints::check(law.law);
-
-  std::vector<int> order(scalars.size());
-  for (bool free : {true, false}) {
-    for (std::size_t k = 0; k < scalars.size(); ++k) {
-      if (scalars[k].free != free) continue;
-      order[k] = static_cast<int>(scalar_inertia_.size());
-      scalar_inertia_.push_back(scalars[k].inertia);
-    }
-    if (free) {
-      place_superelements();
-      n_free_scalars_ = static_cast<int>(scalar_inertia_.size());
-    }
-  }
-  const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
-  for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi), ordered(at.psi)};
-  pedestal_.theta = ordered(pedestal_.theta);
-  for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
-}
-
-/// The amplitudes of their modes are free scalar coordinates without inertia of their own.
-void System::place_superelements() {
-  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
-    const auto* part = std::get_if<model::SuperElementLink>(&arm_.links[k]);
-    if (part == nullptr) continue;
-    superelements_.emplace_back(*part, meshes_[k].first_node, static_cast<int>(scalar_inertia_.size()));
-    scalar_inertia_.resize(scalar_inertia_.size() + superelements_.back().n_modes(), 0.0);
-  }
-}
-
-void System::place_joints() {
-  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
-    const model::Joint& joint = arm_.joints[k];
-    const Place child = place(joint.child);
-    int node_a = pedestal_.node;
-    Frame X_a = joint.origin;
-    if (joint.parent != "base") {
-      const Place parent = place(joint.parent, joint.at_end);
-      node_a = node(parent);
-      X_a = axes(parent) * joint.origin;
-    }
-    reach_ += joint.origin.x.norm();
-    constraints_.emplace_back(joint.type, node_a, X_a, node(child), axes(child), joint.axis,
-                              joint_coordinates_[k].theta);
-    n_constraints_ += constraints_.back().rows();
-  }
-  if (arm_.pedestal) {
-    constraints_.emplace_back(JointType::revolute, joints::JointConstraint::ground, Frame{}, pedestal_.node,
-                              Frame{}, arm_.pedestal->axis, pedestal_.theta);
-    n_constraints_ += constraints_.back().rows();
-  }
-}
-
-void System::place_gears() {
-  for (const model::Gear& gear : arm_.gears) {
-    const int in = joint_coordinates_[joint_index(gear.input)].theta;
-    const int out = joint_coordinates_[joint_index(gear.output)].phi;
-    if (in < 0 || out < 0) throw InvalidParameter("gear '" + gear.name + "': both joints must turn or slide");
-    if (!is_free(in) && !is_free(out)) {
-      throw InvalidParameter("gear '" + gear.name +
-                             "': input and output are both driven rigidly; drive one of them");
-    }
-    if (gear.ratio == 0) throw InvalidParameter("gear '" + gear.name + "': ratio must not be zero");
-    gears_.push_back({in, out, {.scale = gear.ratio}});
-    ++n_constraints_;
-  }
-}
-
-void System::place_transmissions() {
-  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
-    const model::Joint& joint = arm_.joints[k];
-    const auto& train = joint.drive_train;
-    if (!train.transmission || joint_coordinates_[k].phi < 0) continue;
-    double motor_turns = train.gear_ratio;  // per turn of φ
-    for (const model::Gear& gear : arm_.gears) {
-      if (gear.output == joint.name) motor_turns *= gear.ratio;
-    }
-    const joints::Transmission psi = train.transmission->geared(motor_turns);
-    try {
-      psi.check();
-    } catch (const InvalidParameter& mistake) {
-      throw InvalidParameter("joint '" + joint.name + "': " + mistake.what());
-    }
-    gears_.push_back({joint_coordinates_[k].phi, joint_coordinates_[k].psi, psi});
-    ++n_constraints_;
-  }
-}
-
 void System::place_masses() {
   weights_.resize(n_nodes_);
   for (const elements::BeamElement& beam : beams_) {
@@ -308,65 +174,6 @@ void System::set_bows() {
       beams_[e].set_bow(beams_[e].length() / mesh.length() * strain, beam->bow_time);
     }
   }
-}
-
-State System::rigid_state(const std::vector<double>& joint_values) const {
-  if (joint_values.size() != arm_.joints.size()) {
-    throw InvalidParameter("one value for each of the " + std::to_string(arm_.joints.size()) +
-                           " joints is needed, got " + std::to_string(joint_values.size()));
-  }
-  State state;
-  state.frames.resize(n_nodes_);
-  state.s = VectorXd::Zero(n_scalars());
-  state.v = state.v_dot = state.a = VectorXd::Zero(n_velocities());
-  state.multipliers = VectorXd::Zero(n_constraints_);
-  state.laws.resize(laws_.size());
-
-  std::vector<double> theta = joint_values;
-  for (std::size_t k = 0; k < theta.size(); ++k) {
-    const JointCoordinates& at = joint_coordinates_[k];
-    if (at.phi < 0) continue;
-    state.s[at.phi] = joint_values[k];
-    if (const joints::Transmission* psi = transmission(static_cast<int>(k))) {
-      if (drives_[k] == DriveKind::link_angle) {
-        state.s[at.phi] = psi->inverse(theta[k]);
-      } else {
-        theta[k] = (*psi)(joint_values[k]).psi;
-      }
-    }
-    state.s[at.psi] = state.s[at.theta] = theta[k];
-  }
-  for (const PlacedLaw& law : laws_) {  // stages are listed from motor to link: no deflection in any
-    if (law.minus >= 0) state.s[law.minus] = state.s[law.plus];
-  }
-
-  std::vector<bool> placed(arm_.links.size(), false);
-  for (bool progress = true; progress;) {
-    progress = false;
-    for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
-      const model::Joint& joint = arm_.joints[k];
-      const Place child = place(joint.child);
-      if (placed[child.link]) continue;
-      Frame A = joint.origin;  // a pedestal stands where the base does
-      if (joint.parent != "base") {
-        const Place parent = place(joint.parent, joint.at_end);
-        if (!placed[parent.link]) continue;
-        A = state.frames[node(parent)] * axes(parent) * joint.origin;
-      }
-      const Frame B = A * exp6(theta[k] * joints::motion_twist(joint.type, joint.axis));
-      const LinkMesh& mesh = meshes_[child.link];
-      const Frame link = B * mesh.place_in_link(child.node).inverse();
-      for (int i = 0; i < mesh.n_nodes(); ++i) state.frames[mesh.first_node + i] = mesh.node_frame(link, i);
-      placed[child.link] = progress = true;
-    }
-  }
-  for (std::size_t k = 0; k < placed.size(); ++k) {
-    if (!placed[k])
-      throw InvalidParameter("link '" + model::name_of(arm_.links[k]) +
-                             "' is not connected to the base by joints");
-  }
-  remember(state);
-  return state;
 }
 
 int System::joint_index(const std::string& name) const { return index_of(arm_.joints, name, "joint"); }

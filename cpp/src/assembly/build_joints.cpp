@@ -1,0 +1,143 @@
+/// How joints, gears and drive trains become constraints, scalar coordinates and laws between them.
+#include "flexarm/assembly/system.hpp"
+#include "flexarm/errors.hpp"
+
+namespace flexarm::assembly {
+
+using namespace geometry;
+using joints::JointType;
+
+void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
+  for (const auto& [name, kind] : drives) joint_index(name);
+
+  // Scalar coordinates: first collected in the order of the joints, then the free ones are put before the
+  // others.
+  struct Scalar {
+    double inertia;
+    bool free;
+  };
+  std::vector<Scalar> scalars;
+  for (const model::Joint& joint : arm_.joints) {
+    const auto found = drives.find(joint.name);
+    const DriveKind kind = found == drives.end() ? DriveKind::locked : found->second;
+    drives_.push_back(kind);
+    JointCoordinates at;
+    if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
+      const bool driven = kind != DriveKind::torque && kind != DriveKind::free;
+      const auto& train = joint.drive_train;
+      const bool rigid = train.stages.empty() || kind == DriveKind::link_angle;
+      const auto add_scalar = [&](double inertia, bool free) {
+        scalars.push_back({inertia, free});
+        return static_cast<int>(scalars.size()) - 1;
+      };
+      at.phi = add_scalar(train.reflected_inertia(), !driven);
+      at.psi = train.transmission ? add_scalar(0, true) : at.phi;
+      int before = at.psi;
+      if (!rigid) {
+        for (const auto& stage : train.stages) {
+          const int after = add_scalar(0, true);
+          for (const auto& law : stage) laws_.push_back({law, before, after});
+          before = after;
+        }
+      }
+      at.theta = before;
+      for (const auto& law : train.motor) laws_.push_back({law, at.phi, -1});
+      for (const auto& law : train.bearing) laws_.push_back({law, at.theta, -1});
+    }
+    joint_coordinates_.push_back(at);
+  }
+  if (arm_.pedestal) {
+    scalars.push_back({0, true});
+    pedestal_.theta = static_cast<int>(scalars.size()) - 1;
+    laws_.push_back(
+        {joints::ReducerSpring{arm_.pedestal->stiffness, arm_.pedestal->damping}, pedestal_.theta, -1});
+  }
+  for (const PlacedLaw& law : laws_) joints::check(law.law);
+
+  std::vector<int> order(scalars.size());
+  for (bool free : {true, false}) {
+    for (std::size_t k = 0; k < scalars.size(); ++k) {
+      if (scalars[k].free != free) continue;
+      order[k] = static_cast<int>(scalar_inertia_.size());
+      scalar_inertia_.push_back(scalars[k].inertia);
+    }
+    if (free) {
+      place_superelements();
+      n_free_scalars_ = static_cast<int>(scalar_inertia_.size());
+    }
+  }
+  const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
+  for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi), ordered(at.psi)};
+  pedestal_.theta = ordered(pedestal_.theta);
+  for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
+}
+
+/// The amplitudes of their modes are free scalar coordinates without inertia of their own.
+void System::place_superelements() {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    const auto* part = std::get_if<model::SuperElementLink>(&arm_.links[k]);
+    if (part == nullptr) continue;
+    superelements_.emplace_back(*part, meshes_[k].first_node, static_cast<int>(scalar_inertia_.size()));
+    scalar_inertia_.resize(scalar_inertia_.size() + superelements_.back().n_modes(), 0.0);
+  }
+}
+
+void System::place_joints() {
+  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
+    const model::Joint& joint = arm_.joints[k];
+    const Place child = place(joint.child);
+    int node_a = pedestal_.node;
+    Frame X_a = joint.origin;
+    if (joint.parent != "base") {
+      const Place parent = place(joint.parent, joint.at_end);
+      node_a = node(parent);
+      X_a = axes(parent) * joint.origin;
+    }
+    reach_ += joint.origin.x.norm();
+    constraints_.emplace_back(joint.type, node_a, X_a, node(child), axes(child), joint.axis,
+                              joint_coordinates_[k].theta);
+    n_constraints_ += constraints_.back().rows();
+  }
+  if (arm_.pedestal) {
+    constraints_.emplace_back(JointType::revolute, joints::JointConstraint::ground, Frame{}, pedestal_.node,
+                              Frame{}, arm_.pedestal->axis, pedestal_.theta);
+    n_constraints_ += constraints_.back().rows();
+  }
+}
+
+void System::place_gears() {
+  for (const model::Gear& gear : arm_.gears) {
+    const int in = joint_coordinates_[joint_index(gear.input)].theta;
+    const int out = joint_coordinates_[joint_index(gear.output)].phi;
+    if (in < 0 || out < 0) throw InvalidParameter("gear '" + gear.name + "': both joints must turn or slide");
+    if (!is_free(in) && !is_free(out)) {
+      throw InvalidParameter("gear '" + gear.name +
+                             "': input and output are both driven rigidly; drive one of them");
+    }
+    if (gear.ratio == 0) throw InvalidParameter("gear '" + gear.name + "': ratio must not be zero");
+    gears_.push_back({in, out, {.scale = gear.ratio}});
+    ++n_constraints_;
+  }
+}
+
+void System::place_transmissions() {
+  for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
+    const model::Joint& joint = arm_.joints[k];
+    const auto& train = joint.drive_train;
+    if (!train.transmission || joint_coordinates_[k].phi < 0) continue;
+    double motor_turns = train.gear_ratio;  // per turn of φ
+    for (const model::Gear& gear : arm_.gears) {
+      if (gear.output == joint.name) motor_turns *= gear.ratio;
+    }
+    const joints::Transmission psi = train.transmission->geared(motor_turns);
+    try {
+      psi.check();
+    } catch (const InvalidParameter& mistake) {
+      throw InvalidParameter("joint '" + joint.name + "': " + mistake.what());
+    }
+    gears_.push_back({joint_coordinates_[k].phi, joint_coordinates_[k].psi, psi});
+    ++n_constraints_;
+  }
+}
+
+}  // namespace flexarm::assembly
