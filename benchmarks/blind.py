@@ -35,11 +35,12 @@ def case_of(spec: Spec, out: Path):
 
 
 def tip_rms(model, record) -> float:
-    """What compare prints for the tip [m]; nan if it sees none."""
+    """What compare prints for the tip [m]; nan if it sees none, or none that can be aligned."""
     import flexarm
 
     gap = flexarm.compare(model, record).signals.get("tip")
-    return float(gap.rms["total"]) if gap is not None else nan
+    total = gap.rms["total"] if gap is not None else None
+    return float(total) if total is not None else nan
 
 
 def diagnosed(spec: Spec, out: Path, reuse: bool) -> Outcome:
