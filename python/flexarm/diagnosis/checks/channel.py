@@ -71,6 +71,8 @@ class Channel:
         1 sigma of the readings, as stated, if they scatter by as much; what the nominal model misses [SI].
     size : float
         The reach of the arm for lengths [m], else 1.
+    driven : ndarray of bool, shape (n,)
+        Whether a drive moves; where none does, an arm may be at rest, and a model without damping rings on.
     """
 
     record: str
@@ -85,6 +87,7 @@ class Channel:
     noise: float
     floor: float
     size: float
+    driven: NDArray[np.bool_]
 
     @property
     def name(self) -> str:
@@ -118,12 +121,15 @@ class Channel:
     def part(self, keep: NDArray[np.bool_]) -> Channel:
         """Some of its rows."""
         arrays = {
-            key: getattr(self, key)[keep] for key in ("rows", "time", "measured", "predicted", "columns")
+            key: getattr(self, key)[keep]
+            for key in ("rows", "time", "measured", "predicted", "columns", "driven")
         }
         return replace(self, **arrays)
 
 
 LEAST_ROWS = 6
+STANDS = 0.05
+"""Part of a drive's greatest rate below which it stands."""
 
 
 def channels(name: str, subject: Subject, placement: Placement) -> list[Channel]:
@@ -169,8 +175,20 @@ def _of_signal(name: str, subject: Subject, placement: Placement, signal: Signal
                 noise or 1e-6 * moving,
                 _floor(subject, signal, moving),
                 reach(subject.arm) if signal.unit == "m" else 1.0,
+                _driven(subject, instants[keep]),
             )
         )
+    return found
+
+
+def _driven(subject: Subject, instants: Floats) -> NDArray[np.bool_]:
+    """Where some drive moves by more than a part `STANDS` of its greatest rate; everywhere in poses."""
+    if subject.record.kind == "static":
+        return np.ones(len(instants), dtype=bool)
+    run = subject.simulation
+    rate = np.abs(np.asarray(run.drive_rate))
+    moving = np.any(rate > STANDS * np.max(rate, axis=0), axis=1)
+    found: NDArray[np.bool_] = np.interp(instants, run.time, moving.astype(float)) > 0
     return found
 
 

@@ -12,7 +12,8 @@ With noise, they also outnumber the readings just below, and p goes on by a good
 that friction holds at the end of a move looks alike, but the model leaves it by little.
 
 A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
-or turns round too. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
+or turns round too; where the drives stand, a model without damping may ring on, so that p counts in (1) only
+while one moves. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
 noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by `FAR` of
 its motion.
 """
@@ -53,13 +54,19 @@ class Plateau:
     last: int
 
 
-def plateaus(y: Floats, p: Floats, noise: float, least: float = 0.0) -> list[Plateau]:
+def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Plateau]:
     """All runs (1), exact repeats and noisy ones; a prediction that moves by less than `least` stands."""
     found = runs(y, 0.0)
     if noise > 0:
         found += [run for run in runs(y, 6 * noise) if not any(_overlap(run, exact) for exact in found)]
     moves = max(10 * noise, MOVES * float(np.std(p)), least)
-    return [run for run in found if np.ptp(p[run.first : run.last]) >= moves]
+    return [run for run in found if moved(p, driven, run) >= moves]
+
+
+def moved(p: Floats, driven: Rows, run: Plateau) -> float:
+    """By how much a prediction moves in a plateau while a drive does."""
+    part = slice(run.first, run.last)
+    return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
 
 def _overlap(a: Plateau, b: Plateau) -> bool:
@@ -174,9 +181,9 @@ def frozen(channel: Channel) -> tuple[Rows, str] | None:
     y, p = channel.measured, channel.predicted
     at = np.zeros(len(y), dtype=bool)
     rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
-    for run in plateaus(y, p, noise, rounding):
+    for run in plateaus(y, p, channel.driven, noise, rounding):
         part = slice(run.first, run.last)
-        far = np.ptp(p[part]) >= FAR * float(np.std(p)) and channel.signal.quantity in SLOW
+        far = moved(p, channel.driven, run) >= FAR * float(np.std(p)) and channel.signal.quantity in SLOW
         if far or np.ptp(y[part]) == 0:
             at[part] = True
     if not at.any():
