@@ -59,7 +59,7 @@ TEST_CASE("Rotors count with the square of their ratio, springs with ½ k x²") 
   arm.joints[0].drive_train.rotor_inertia = 1e-3;
   const System system(arm, {{"hinge", DriveKind::torque}});
   State state = system.rigid_state({0});
-  const int theta = system.joints()[0].theta, phi = system.joints()[0].phi;
+  const int phi = system.joints()[0].phi;
   state.s[phi] = 0.1;
   state.v[system.scalar_offset() + phi] = 3;
   const Energies E = energies(system, state, Loads{});

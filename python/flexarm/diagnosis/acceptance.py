@@ -37,9 +37,12 @@ from flexarm.diagnosis.observed import Observed
 STRONG = 6.0
 """Least gain of ln Z: odds of 400, for some forty effects at some places."""
 REACH = log(20.0)
-"""Bayes factor within which rivals are alternatives; enough for an effect that spares a strain, too.
+"""Bayes factor within which rivals are alternatives."""
+SPARING = log(5.0)
+"""The same as `STRONG` for an effect that spares a strain.
 
-Values and clocks four sigma off are so few where nothing is hidden that no odds for many names are needed.
+Few names move what a strained clock, frame or value moves, and values three sigma off, of which one in 400
+is, are rarer than machines with something that moves them.
 """
 MATTERS, SHARE = 0.5, 0.05
 """Least part explained in some channel, eq. (1): of the noise, and of what the nominal model leaves there."""
@@ -56,7 +59,7 @@ def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     spared = strain(old) - strain(new) > STRAINED
     if not (matters(new, old, null, observed) or spared):
         return False
-    enough = REACH if spared else STRONG
+    enough = SPARING if spared else STRONG
     strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > enough
     if not leaves_gap(new, null, observed):
         return strong

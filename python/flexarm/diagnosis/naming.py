@@ -1,8 +1,9 @@
 """What is said of effects: names with their probabilities and alternatives, and what was rejected.
 
-A probability is that of the evidence among rivals within reach (eq. (1) of `flexarm.diagnosis.rivals`), with
-two doubts that evidence does not know: some mechanism may be in no vocabulary, and an effect whose parameter
-moves from record to record, or beside which a gap stays open, is at most as likely as not.
+A probability is that of the evidence among rivals within reach and no effect at all (eq. (1) of
+`flexarm.diagnosis.rivals`), with two doubts that evidence does not know: some mechanism may be in no
+vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open, is at
+most as likely as not.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def named_effects(
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
-        odds = [min(p, CAP) for p in probabilities(near)]
+        odds = [min(p, CAP) for p in probabilities(near, choice.gain)]
         moving = [drift for drift in drifts if _moves(drift, member)]
         first = min(odds[0], CONFIDENT) if moving or open_gap else odds[0]
         alternatives = tuple(

@@ -1,9 +1,9 @@
 """Rivals: what could stand in the place of a chosen effect, with the rest of the model refitted.
 
-A rival lies ln B_j behind the chosen model in evidence. Beside the chosen effect, ln B_0 = 0, its probability
-is
+A rival lies ln B_j behind the chosen model in evidence, the model without effects ln B_n, which says that
+there is nothing but unlikely nominal values. Beside the chosen effect, ln B_0 = 0, its probability is
 
-    P_j = exp(-ln B_j) / sum_i exp(-ln B_i).                                                           (1)
+    P_j = exp(-ln B_j) / (exp(-ln B_n) + sum_i exp(-ln B_i)).                                          (1)
 
 Those within `REACH` of the chosen one are within reach of the data, and so is what fits as well and is only
 implausible: it may still be true. Beside a gap that the chosen model leaves open no name is certain, and
@@ -124,7 +124,9 @@ def _caught_up(
     return fit, behind
 
 
-def probabilities(rivals: Sequence[Rival]) -> list[float]:
-    """Eq. (1) of the chosen effect and its rivals."""
-    odds = [1.0, *(exp(-min(max(rival.behind, -50.0), 700.0)) for rival in rivals)]
-    return [each / sum(odds) for each in odds]
+def probabilities(rivals: Sequence[Rival], gain: float) -> list[float]:
+    """Eq. (1) of the chosen effect and its rivals; `gain` is ln B_n."""
+    behind = [0.0, *(rival.behind for rival in rivals)]
+    odds = [exp(-min(max(each, -50.0), 700.0)) for each in behind]
+    nothing = exp(-min(max(gain, 0.0), 700.0))
+    return [each / (nothing + sum(odds)) for each in odds]

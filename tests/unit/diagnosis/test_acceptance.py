@@ -1,0 +1,34 @@
+"""When an effect is taken, and how sure a name is."""
+
+from math import log
+from types import SimpleNamespace
+
+import pytest
+
+from flexarm.diagnosis import acceptance
+from flexarm.diagnosis.rivals import probabilities
+
+
+@pytest.mark.parametrize(
+    ("strained", "gain", "taken"),
+    [(0.5, 5.0, False), (0.5, 7.0, True), (1.5, 1.0, False), (1.5, 2.0, True), (1.5, 7.0, True)],
+)
+def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundred(
+    monkeypatch, strained, gain, taken
+):
+    """It leaves no gap, and explains what matters."""
+    new, old, observed = SimpleNamespace(strain=0.0, rest=None), SimpleNamespace(strain=strained), None
+    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
+    monkeypatch.setattr(acceptance, "matters", lambda *_: True)
+    monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: False)
+    monkeypatch.setattr(acceptance, "worth", lambda *_: {})
+    monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: gain)
+    assert acceptance.accepted(new, old, old, observed) is taken
+
+
+def test_no_effect_at_all_takes_part_in_the_odds():
+    """Two names alike and odds of two over nothing: 2/5 each; strong evidence leaves nothing no part."""
+    rivals = [SimpleNamespace(behind=0.0)]
+    assert probabilities(rivals, log(2.0)) == pytest.approx([0.4, 0.4])
+    assert probabilities(rivals, 1e5) == pytest.approx([0.5, 0.5])
+    assert probabilities([], log(4.0)) == pytest.approx([0.8])
