@@ -22,8 +22,8 @@ import numpy as np
 
 from flexarm import Arm, Record
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.result import Diagnosis
-from flexarm.diagnosis.ring_down import RingDown, ring_downs
+from flexarm.diagnosis.gap.ring_down import RingDown, ring_downs
+from flexarm.diagnosis.outcome.result import Diagnosis
 from flexarm.output import output_directory
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

@@ -9,9 +9,9 @@ if TYPE_CHECKING:
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
     from flexarm.configuration import config, show_config
-    from flexarm.diagnosis.plan_result import Plan
-    from flexarm.diagnosis.planning import plan
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.experiments.plan_result import Plan
+    from flexarm.diagnosis.experiments.planning import plan
+    from flexarm.diagnosis.outcome.result import Diagnosis
     from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _EXPORTS = {
     "Arm": "flexarm.arm",
     "Comparison": "flexarm.comparison",
-    "Diagnosis": "flexarm.diagnosis.result",
+    "Diagnosis": "flexarm.diagnosis.outcome.result",
     "Drive": "flexarm.drive",
     "InterfaceSet": "flexarm.reduction",
     "InvalidFile": "flexarm.errors",
@@ -45,7 +45,7 @@ _EXPORTS = {
     "LinearModel": "flexarm.linear",
     "Modes": "flexarm.modal",
     "NotConverged": "flexarm.errors",
-    "Plan": "flexarm.diagnosis.plan_result",
+    "Plan": "flexarm.diagnosis.experiments.plan_result",
     "Record": "flexarm.record",
     "Sensitivities": "flexarm.sensitivity",
     "Signal": "flexarm.record",
@@ -62,7 +62,7 @@ _EXPORTS = {
     "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
-    "plan": "flexarm.diagnosis.planning",
+    "plan": "flexarm.diagnosis.experiments.planning",
     "read_mesh": "flexarm.solids",
     "reduce_mesh": "flexarm.reduction",
     "show_config": "flexarm.configuration",

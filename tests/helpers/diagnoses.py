@@ -14,17 +14,9 @@ from planted import two_joints
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.locate import Located, locate
-from flexarm.diagnosis.result import (
-    Alternative,
-    Diagnosis,
-    Estimate,
-    NamedEffect,
-    Nuisance,
-    Refined,
-    Rejected,
-    Stage,
-)
+from flexarm.diagnosis.gap.locate import Located, locate
+from flexarm.diagnosis.named import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
+from flexarm.diagnosis.outcome.result import Diagnosis
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.measurement import ClockError, Registration
 from flexarm.record import Clock, Frame, Signal

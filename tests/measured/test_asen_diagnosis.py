@@ -12,11 +12,11 @@ import flexarm
 from flexarm import Arm, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.fitter import Fitter
-from flexarm.diagnosis.left_out import missed
-from flexarm.diagnosis.observed import Observed
-from flexarm.diagnosis.unknowns import unknowns
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.choosing.left_out import missed
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects.motor_limits import stall_torque
 
 SCRIPT = load_script("asen_flexible_arm", "make_records")

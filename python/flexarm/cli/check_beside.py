@@ -9,7 +9,7 @@ from flexarm.cli.options import load_arm
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.checked import Checked, Fault
+    from flexarm.diagnosis.checks.checked import Checked, Fault
 
 
 def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str]]:
@@ -23,7 +23,7 @@ def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[s
     arm = load_arm(model)
     files = record_names(paths)
     records = {name: load_record(path, arm) for name, path in files.items()}
-    from flexarm.diagnosis.check import check
+    from flexarm.diagnosis.checks.check import check
 
     with blame_one_of(model, files, records, arm):
         found = check(arm, records)

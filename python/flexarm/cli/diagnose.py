@@ -14,7 +14,7 @@ from flexarm.cli.records import blame_one_of, load_record, record_names
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.outcome.result import Diagnosis
     from flexarm.record import Record
 
 Records = Annotated[
@@ -66,7 +66,7 @@ def diagnose(
     with output_directory(out, force) as directory:
         with blame_one_of(model, names, read, arm):
             found = _diagnosed(arm, training, held_out, jobs, seed)
-        from flexarm.diagnosis.inputs import hashes
+        from flexarm.diagnosis.outcome.inputs import hashes
 
         traced = {"inputs_sha256": hashes(model, arm, read)}
         found = replace(found, provenance={**found.provenance, **traced})

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.result import Estimate
+    from flexarm.diagnosis.named import Estimate
 
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _RAISED = str.maketrans("234", "²³⁴")

@@ -17,31 +17,32 @@ from flexarm.arm import Arm
 from flexarm.comparison.beside import Beside, beside
 from flexarm.comparison.compare import compare
 from flexarm.configuration import version
-from flexarm.diagnosis.acceptance import leaves_gap
-from flexarm.diagnosis.candidate_probes import SOFTER
-from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.check import check, named_records
-from flexarm.diagnosis.checked import Checked
-from flexarm.diagnosis.choose import Choice, choose
-from flexarm.diagnosis.coarse_encoders import with_coarse_encoders
-from flexarm.diagnosis.constancy import constancy
-from flexarm.diagnosis.estimates import estimates
-from flexarm.diagnosis.fitter import Fitter
-from flexarm.diagnosis.floor import floor
-from flexarm.diagnosis.further import next_experiment
+from flexarm.diagnosis.candidates.candidate_probes import SOFTER
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.candidates.coarse_encoders import with_coarse_encoders
+from flexarm.diagnosis.checks.check import check, named_records
+from flexarm.diagnosis.checks.checked import Checked
+from flexarm.diagnosis.choosing.acceptance import leaves_gap
+from flexarm.diagnosis.choosing.choose import Choice, choose
+from flexarm.diagnosis.choosing.constancy import constancy
+from flexarm.diagnosis.choosing.screen import probe
+from flexarm.diagnosis.experiments.further import next_experiment
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.gap.floor import floor
+from flexarm.diagnosis.gap.locate import locate
+from flexarm.diagnosis.gap.remainder import describe_remainder
+from flexarm.diagnosis.gap.rhythm import rhythms
+from flexarm.diagnosis.gap.ring_down import describe_ring_downs, ring_downs
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
-from flexarm.diagnosis.left_open import left_open
-from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.naming import named_effects, rejected
-from flexarm.diagnosis.observed import Observed
-from flexarm.diagnosis.remainder import describe_remainder
-from flexarm.diagnosis.repair import moved, repaired, worth_keeping
-from flexarm.diagnosis.result import Diagnosis, NamedEffect
-from flexarm.diagnosis.rhythm import rhythms
-from flexarm.diagnosis.ring_down import describe_ring_downs, ring_downs
-from flexarm.diagnosis.screen import probe
-from flexarm.diagnosis.stages import gaps, main_signal, stages
-from flexarm.diagnosis.unknowns import unknowns
+from flexarm.diagnosis.named import NamedEffect
+from flexarm.diagnosis.outcome.estimates import estimates
+from flexarm.diagnosis.outcome.left_open import left_open
+from flexarm.diagnosis.outcome.naming import named_effects, rejected
+from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
+from flexarm.diagnosis.outcome.result import Diagnosis
+from flexarm.diagnosis.outcome.stages import gaps, main_signal, stages
+from flexarm.diagnosis.residuals.observed import Observed
 
 if TYPE_CHECKING:
     from flexarm.record import Record

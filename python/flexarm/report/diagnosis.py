@@ -11,7 +11,7 @@ from flexarm.report.files import write_files
 from flexarm.report.updated_model import write_updated
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.outcome.result import Diagnosis
 
 REPORT, PAGE, MODEL = "report.json", "report.html", "updated.toml"
 """Names of the files beside the figures."""

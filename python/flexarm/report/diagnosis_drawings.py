@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.gap_curves import sides
+from flexarm.diagnosis.outcome.gap_curves import sides
 from flexarm.diagnosis.wording import listed
 from flexarm.output import stems
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
@@ -16,7 +16,7 @@ from flexarm.report.state_figures import against_states, main_direction, rotatio
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.outcome.result import Diagnosis
 
 
 def drawings(d: Diagnosis) -> list[Drawing]:

@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
-from flexarm.diagnosis.joint_rotations import NAMED
-from flexarm.diagnosis.refinement import refinements
-from flexarm.diagnosis.sentences import headline, hold_out_sentence, verdict_sentence
-from flexarm.diagnosis.where import FOLLOWS
+from flexarm.diagnosis.gap.joint_rotations import NAMED
+from flexarm.diagnosis.gap.where import FOLLOWS
+from flexarm.diagnosis.outcome.refinement import refinements
+from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, verdict_sentence
 from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
 from flexarm.report.template import filled
 from flexarm.tables import toml_text
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.result import Diagnosis, Estimate, NamedEffect
+    from flexarm.diagnosis.named import Estimate, NamedEffect
+    from flexarm.diagnosis.outcome.result import Diagnosis
     from flexarm.report.files import Drawing
 
 Row = dict[str, Any]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.diagnosis.plan_curves import draw_matrix, draw_sizes, near_effects
+from flexarm.diagnosis.experiments.plan_curves import draw_matrix, draw_sizes, near_effects
 from flexarm.diagnosis.wording import listed, number, place_words
 from flexarm.report.diagnosis_page import effect_law
 from flexarm.report.files import Drawing, drawn, write_files
@@ -16,7 +16,7 @@ from flexarm.report.template import filled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.plan_result import Plan
+    from flexarm.diagnosis.experiments.plan_result import Plan
 
 FILE, PAGE = "plan.json", "plan.html"
 """Names of the files beside the figures."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.diagnosis.gap_curves import LOOKS, NOISE
+from flexarm.diagnosis.outcome.gap_curves import LOOKS, NOISE
 from flexarm.diagnosis.wording import scale
 from flexarm.report.sheets import BOTTOM, legend_below, sheet
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.gap_rows import GapRows
-    from flexarm.diagnosis.joint_rotations import JointRotation
-    from flexarm.diagnosis.joint_states import States
-    from flexarm.diagnosis.locate import Located
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.gap.gap_rows import GapRows
+    from flexarm.diagnosis.gap.joint_rotations import JointRotation
+    from flexarm.diagnosis.gap.joint_states import States
+    from flexarm.diagnosis.gap.locate import Located
+    from flexarm.diagnosis.outcome.result import Diagnosis
 
 KINDS = ("angle", "rate", "torque")
 MOST_JOINTS = 3

@@ -12,12 +12,13 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.refinement import refinements
-from flexarm.diagnosis.report_file import provenance_of
+from flexarm.diagnosis.outcome.refinement import refinements
+from flexarm.diagnosis.outcome.report_file import provenance_of
 from flexarm.diagnosis.wording import listed, place_words, probability
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.result import Diagnosis, Estimate, NamedEffect
+    from flexarm.diagnosis.named import Estimate, NamedEffect
+    from flexarm.diagnosis.outcome.result import Diagnosis
 
 WIDTH = 118
 """Of a line of the comment."""

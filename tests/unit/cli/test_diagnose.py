@@ -11,7 +11,7 @@ import pytest
 
 import flexarm
 from flexarm.cli.run import run
-from flexarm.diagnosis.inputs import sha256
+from flexarm.diagnosis.outcome.inputs import sha256
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from arms import TUBE, arm, beam, hinge, point
 
 import flexarm
 from flexarm.cli.run import run
-from flexarm.diagnosis.plan_curves import near_effects
-from flexarm.diagnosis.plan_result import Plan, PlannedEffect
+from flexarm.diagnosis.experiments.plan_curves import near_effects
+from flexarm.diagnosis.experiments.plan_result import Plan, PlannedEffect
 
 
 @pytest.fixture(scope="module")

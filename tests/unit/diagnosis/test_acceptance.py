@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexarm.diagnosis import acceptance
-from flexarm.diagnosis.rivals import probabilities
+from flexarm.diagnosis.choosing import acceptance
+from flexarm.diagnosis.choosing.rivals import probabilities
 
 
 @pytest.mark.parametrize(

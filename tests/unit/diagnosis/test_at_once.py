@@ -4,7 +4,7 @@ import pytest
 from planted import run_of
 
 from flexarm.diagnosis.at_once import at_once
-from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.residuals.observed import Observed
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])

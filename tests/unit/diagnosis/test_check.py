@@ -17,7 +17,7 @@ from swings import Swing
 from virtual_lab import Lab, Nuisances, record
 
 import flexarm
-from flexarm.diagnosis.check import check
+from flexarm.diagnosis.checks.check import check
 from flexarm.diagnosis.checks.plateaus import _cut
 from flexarm.effects import SignError
 

@@ -5,9 +5,9 @@ import pytest
 from planted import run_of
 
 import flexarm
+from flexarm.diagnosis.candidates.coarse_encoders import coarse_encoders, with_coarse_encoders
 from flexarm.diagnosis.checks.spikes import clean_drives
-from flexarm.diagnosis.coarse_encoders import coarse_encoders, with_coarse_encoders
-from flexarm.diagnosis.observed import Observed
+from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.measurement.lattice import lattice_step
 
 STEP, ENCODER_NOISE = 8e-4, 2e-6

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.coordinate import Coordinate
-from flexarm.diagnosis.estimates import draws, estimates, surrogates
-from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.left_out import blocks
-from flexarm.diagnosis.projection import Projection
+from flexarm.diagnosis.choosing.left_out import blocks
+from flexarm.diagnosis.fitting.coordinate import Coordinate
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.outcome.estimates import draws, estimates, surrogates
 from flexarm.effects import PayloadMass
 
 RNG = np.random.default_rng(11)

@@ -7,9 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.coordinate import Coordinate
-from flexarm.diagnosis.evidence import above_noise, autocovariance, occam, worth
-from flexarm.diagnosis.projection import Projection
+from flexarm.diagnosis.choosing.evidence import above_noise, autocovariance, occam, worth
+from flexarm.diagnosis.fitting.coordinate import Coordinate
+from flexarm.diagnosis.fitting.projection import Projection
 
 RNG = np.random.default_rng(5)
 KEY = ("run", "tip", 0)

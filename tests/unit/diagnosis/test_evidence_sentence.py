@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from flexarm.diagnosis.evidence_sentence import _strained
-from flexarm.diagnosis.projection import Projection
+from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.outcome.evidence_sentence import _strained
 
 
 def null_of(delay: float):

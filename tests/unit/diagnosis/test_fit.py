@@ -5,12 +5,12 @@ import pytest
 from planted import run_of
 
 import flexarm
-import flexarm.diagnosis.least_squares as problem
+import flexarm.diagnosis.fitting.least_squares as problem
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.fitter import Fitter
-from flexarm.diagnosis.observed import Observed
-from flexarm.diagnosis.unknowns import unknowns
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance
 from flexarm.measurement import predict
 

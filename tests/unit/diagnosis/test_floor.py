@@ -8,8 +8,8 @@ from tests.helpers.arms import beam, fixed, general, point
 import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.floor import floor, refined
-from flexarm.diagnosis.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
+from flexarm.diagnosis.gap.floor import floor, refined
+from flexarm.diagnosis.residuals.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import DrawnLink
 
@@ -129,7 +129,7 @@ def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch
         raise NotConverged("stuck")
 
     pair = run_of("one joint").showing({}, 1)
-    monkeypatch.setattr("flexarm.diagnosis.floor.beside", fails)
+    monkeypatch.setattr("flexarm.diagnosis.gap.floor.beside", fails)
     found = floor(pair)
     assert not found.is_below_noise
     assert any("tip of record: cannot be simulated with another step" in note for note in found.notes)

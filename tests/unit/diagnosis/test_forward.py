@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexarm.diagnosis import choose as module
-from flexarm.diagnosis import promising
+from flexarm.diagnosis.choosing import choose as module
+from flexarm.diagnosis.choosing import promising
 from flexarm.errors import NotConverged
 
 COST = {"": 100, "a": 60, "b": 70, "c": 75, "d": 80, "cd": 40, "ab": 20, "ac": 50, "abc": 19.9, "abd": 19.9}

@@ -6,8 +6,8 @@ from arms import arm, hinge, point, rigid
 from planted import run_of
 
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.joint_rotations import joint_rotations
-from flexarm.diagnosis.locate import locate
+from flexarm.diagnosis.gap.joint_rotations import joint_rotations
+from flexarm.diagnosis.gap.locate import locate
 from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.record import Record, Signal
 

@@ -6,7 +6,7 @@ from arms import LENGTH
 from planted import RATIO, run_of
 
 import flexarm
-from flexarm.diagnosis.locate import locate
+from flexarm.diagnosis.gap.locate import locate
 from flexarm.errors import InvalidParameter
 
 SIZE = 8e-4  # m, twenty times the noise of the tip

@@ -7,9 +7,9 @@ from planted import Run, run_of, swing
 
 import flexarm
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.floor import floor
-from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.remainder import describe_remainder
+from flexarm.diagnosis.gap.floor import floor
+from flexarm.diagnosis.gap.locate import locate
+from flexarm.diagnosis.gap.remainder import describe_remainder
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal

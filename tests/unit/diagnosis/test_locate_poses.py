@@ -6,9 +6,9 @@ from planted import two_joints
 
 import flexarm
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.floor import floor
-from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.remainder import describe_remainder
+from flexarm.diagnosis.gap.floor import floor
+from flexarm.diagnosis.gap.locate import locate
+from flexarm.diagnosis.gap.remainder import describe_remainder
 from flexarm.record import Record, Signal
 
 SPRING = 1e5  # N m/rad

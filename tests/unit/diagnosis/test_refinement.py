@@ -4,8 +4,8 @@ import diagnoses
 import pytest
 from pytest import approx
 
-from flexarm.diagnosis.refinement import Refinement, refinements, stated_sigma
-from flexarm.diagnosis.result import Refined
+from flexarm.diagnosis.named import Refined
+from flexarm.diagnosis.outcome.refinement import Refinement, refinements, stated_sigma
 
 
 @pytest.mark.parametrize(

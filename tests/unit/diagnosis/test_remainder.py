@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.gap_figure import gap_figure
-from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.remainder import describe_remainder, periodogram
+from flexarm.diagnosis.gap.locate import locate
+from flexarm.diagnosis.gap.remainder import describe_remainder, periodogram
+from flexarm.diagnosis.outcome.gap_figure import gap_figure
 from flexarm.errors import InvalidParameter
 
 SIZE = 8e-4

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
-from flexarm.diagnosis.ring_down import (
+from flexarm.diagnosis.gap.ring_down import (
     PERIODS,
     Piece,
     decay,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.evidence import DISCREPANCY
-from flexarm.diagnosis.screen import RIDGE, Probed
-from flexarm.diagnosis.separation import (
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.choosing.evidence import DISCREPANCY
+from flexarm.diagnosis.choosing.screen import RIDGE, Probed
+from flexarm.diagnosis.experiments.separation import (
     Bench,
     Shown,
     against_none,
@@ -16,7 +16,7 @@ from flexarm.diagnosis.separation import (
     left,
     matrix,
 )
-from flexarm.diagnosis.unknowns import Unknown, Unknowns
+from flexarm.diagnosis.fitting.unknowns import Unknown, Unknowns
 from flexarm.effects.backlash import Backlash
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.effects.time_delay import TimeDelay

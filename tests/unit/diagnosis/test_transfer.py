@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.projection import Projection
-from flexarm.diagnosis.transfer import carried
+from flexarm.diagnosis.choosing.transfer import carried
+from flexarm.diagnosis.fitting.projection import Projection
 
 N = 100
 TIMES = np.linspace(0, 10, N)

@@ -7,7 +7,7 @@ import pytest
 
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.diagnosis import wording
-from flexarm.diagnosis.result import Estimate
+from flexarm.diagnosis.named import Estimate
 from flexarm.diagnosis.wording import interval, number, place_words, scale, with_unit
 
 

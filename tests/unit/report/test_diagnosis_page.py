@@ -11,8 +11,8 @@ import pytest
 from planted import run_of
 
 import flexarm
-from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.result import NamedEffect
+from flexarm.diagnosis.gap.locate import locate
+from flexarm.diagnosis.named import NamedEffect
 from flexarm.output import stems
 from flexarm.report.diagnosis import write
 from flexarm.report.diagnosis_drawings import _figures

@@ -8,8 +8,8 @@ import pytest
 from planted import run_of
 from pytest import approx
 
-from flexarm.diagnosis.locate import locate
-from flexarm.diagnosis.result import NamedEffect
+from flexarm.diagnosis.gap.locate import locate
+from flexarm.diagnosis.named import NamedEffect
 from flexarm.report.diagnosis_drawings import _figures
 from flexarm.report.figures import style
 from flexarm.report.state_figures import (

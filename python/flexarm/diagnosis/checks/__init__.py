@@ -1,1 +1,1 @@
-"""The steps of `flexarm.diagnosis.check`: what a channel, a drive, a clock shows if it is at fault."""
+"""The data before the physics: what a channel, a drive, a clock shows if it is at fault."""

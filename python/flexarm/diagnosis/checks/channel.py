@@ -1,6 +1,6 @@
 """One channel of one record beside the nominal model: readings, prediction, and what is no fault.
 
-What sensors and arms do without being at fault enters `flexarm.diagnosis.checks.regression` as columns c with
+What sensors and arms do without being at fault enters `checks.regression` as columns c with
 sizes S, far wider than any record states, so that a missing effect is not taken for a faulty sensor:
 
     offset       1                    a sensor's or frame's                                           (1)

@@ -2,8 +2,8 @@
 
 A wrong drive moves the model wrongly everywhere, so each hypothesis is simulated: the fault is put on the
 drive's signal as an effect, which takes it back before the model is driven (`flexarm.drive`). It wins if all
-channels together, each under its best hypothesis, then cost less (`flexarm.diagnosis.checks.finding`). Drives
-that stand cannot be taken back; see `flexarm.diagnosis.checks.standing`.
+channels together, each under its best hypothesis, then cost less (`checks.finding`). Drives
+that stand cannot be taken back; see `checks.standing`.
 """
 
 from __future__ import annotations

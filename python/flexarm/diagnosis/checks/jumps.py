@@ -3,7 +3,7 @@
     y = s p + sum a c - d H(t - T) dp/dt + e                                                           (1)
 
 d is the step of the delay at the time T, H Heaviside's step, the rest as in
-`flexarm.diagnosis.checks.regression`. A step is said if it takes away `EXPLAINED` of the squares of e for one
+`checks.regression`. A step is said if it takes away `EXPLAINED` of the squares of e for one
 of the channels of that clock; a missing effect acts before T as after it.
 """
 

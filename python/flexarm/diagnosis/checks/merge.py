@@ -8,10 +8,10 @@ from math import exp
 
 import numpy as np
 
-from flexarm.diagnosis.checked import Fault
+from flexarm.diagnosis.checks.checked import Fault
 from flexarm.diagnosis.checks.drives import DriveFinding
 from flexarm.diagnosis.checks.finding import Finding
-from flexarm.diagnosis.result import Alternative, Estimate
+from flexarm.diagnosis.named import Alternative, Estimate
 from flexarm.diagnosis.wording import listed
 from flexarm.quantities import channel_names
 

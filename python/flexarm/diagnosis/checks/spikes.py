@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.checked import Removed
 from flexarm.diagnosis.checks.channel import channels
+from flexarm.diagnosis.checks.checked import Removed
 from flexarm.diagnosis.checks.plateaus import SLOW
 from flexarm.measurement.lattice import lattice_step
 from flexarm.measurement.outliers import NEIGHBOURS, off_the_median, parabolas

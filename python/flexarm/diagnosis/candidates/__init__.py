@@ -1,0 +1,1 @@
+"""Effects at the places where they can sit, and how each is probed."""

@@ -1,0 +1,91 @@
+"""Where an effect can sit: where it acts on these records, and what it does there is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from flexarm.arm import Arm
+from flexarm.arm.link import Beam
+from flexarm.arm.vocabulary import KNOWN_EFFECTS
+from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.candidates.companions import driven_joints
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.record import Record
+
+REDUCER = ("transmission_error", "gear_ratio")
+"""Errors of a reducer; at a joint that nothing turns they are constant angles, and no errors."""
+
+
+def places_of(name: str, observed: Observed, arm: Arm) -> list[str]:
+    """Where an effect can act and be seen."""
+    place = KNOWN_EFFECTS[name]
+    records = observed.records.values()
+    evidence = dict.fromkeys((row.record, row.signal) for row in observed.rows)
+    signals = [observed.records[record].signals[signal] for record, signal in evidence]
+    if place == "joint":
+        joints = [joint.name for joint in arm.joints if joint.moves]
+        if name == "motor_friction":
+            shown = {s.joint for s in signals if s.quantity == "motor_torque"} | commanded(records)
+            return [joint for joint in joints if joint in shown]
+        turned = driven_joints(arm, records)
+        return [joint for joint in joints if name not in REDUCER or joint in turned]
+    if place == "payload":
+        known = {
+            load.name
+            for load in arm.payloads
+            if name == "payload_mass" and all(_weighed(record, load.name) for record in records)
+        }
+        return [load.name for load in arm.payloads if load.name not in known]
+    if place == "link":
+        return [link.name for link in arm.links if isinstance(link, Beam)]
+    if place == "base":
+        return ["base"]
+    if place == "point":
+        return list(dict.fromkeys(s.point for s in signals if s.point is not None))
+    if place == "frame":
+        seen = [s.frame for s in signals if s.quantity in ("position", "orientation")]
+        return [frame for frame in dict.fromkeys(seen) if frame != "base"]
+    if place == "signal or clock":
+        return _late(name, observed)
+    if name == "sensor_offset":
+        return list(dict.fromkeys(s.name for s in signals if s.quantity not in ("position", "orientation")))
+    drives = {d: r.signals[d] for r in records for d in r.drive}
+    return [d for d, s in drives.items() if s.quantity == "joint_angle"]
+
+
+def commanded(records: Iterable[Record]) -> set[str | None]:
+    """Joints that follow commands: there a motor's friction moves the arm, it does not only cost torque."""
+    drives = (record.signals[name] for record in records for name in record.drive)
+    return {signal.joint for signal in drives if signal.quantity == "joint_command"}
+
+
+def late_commands(observed: Observed) -> list[str]:
+    """Commands that may act late: of records with evidence on the same clock, which moves along otherwise."""
+    found: dict[str, None] = {}
+    for row in observed.rows:
+        record = observed.records[row.record]
+        clock = record.signals[row.signal].clock
+        drives = [record.signals[name] for name in record.drive]
+        found |= {s.name: None for s in drives if s.quantity == "joint_command" and s.clock == clock}
+    return list(found)
+
+
+def _late(name: str, observed: Observed) -> list[str]:
+    """Clocks but the drives', signals of a clock that has several, and commands."""
+    clocks: dict[str, set[str]] = {}
+    for row in observed.rows:
+        record = observed.records[row.record]
+        if record.kind == "motion":
+            clocks.setdefault(record.signals[row.signal].clock, set()).add(row.signal)
+    own = {drive_clock(record) for record in observed.records.values()}
+    found = [clock for clock in clocks if clock not in own]
+    for clock, names in clocks.items():
+        if clock in own or len(names) > 1:
+            found += [signal for signal in sorted(names) if signal not in found]
+    return found + (late_commands(observed) if name == "time_delay" else [])
+
+
+def _weighed(record: Record, payload: str) -> bool:
+    """Whether a record says what a payload weighs: its mass in the model has no effect there."""
+    carried = record.payloads.get(payload)
+    return carried is not None and carried.mass is not None

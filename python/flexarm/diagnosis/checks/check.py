@@ -1,0 +1,183 @@
+"""The data before the physics: which channels cannot be what they say, which samples are off.
+
+A nominal model misses by centimetres where a joint gives way; it does not move the other way, 57 times too
+far, or not at all. Every channel is laid beside one simulation of the nominal model and judged by how it
+follows it (`checks`): slopes for signs and units, plateaus for dead and cut-off channels,
+and drives by driving the model again with the fault taken back. What can be repaired (offsets, scales near 1,
+delays, frames) is left to the diagnosis. Units: SI. Source: docs/diagnosis.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from flexarm.comparison.beside import beside
+from flexarm.diagnosis.checks.checked import Checked, Removed
+from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
+from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, same_fault
+from flexarm.diagnosis.checks.finding import Finding
+from flexarm.diagnosis.checks.findings import findings
+from flexarm.diagnosis.checks.jumps import remarks_on_clocks
+from flexarm.diagnosis.checks.merge import Verdict, merged
+from flexarm.diagnosis.checks.placing import placing
+from flexarm.diagnosis.checks.runs import run
+from flexarm.diagnosis.checks.spikes import clean_drives, clean_evidence, without_rows
+from flexarm.diagnosis.checks.stamps import remarks_on_stamps
+from flexarm.diagnosis.checks.standing import constant_drive, standing_drive
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.comparison.subject import Subject
+    from flexarm.record import Record
+    from flexarm.simulation import Progress
+
+
+def check(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    *,
+    step: float = 2e-3,
+    progress: Progress = None,
+) -> Checked:
+    """What is wrong with records before any physics: faulty sensors, outliers, clocks, contradictions.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model.
+    records : dict of str to Record, or sequence of Record
+        What was measured; of a sequence the names are those of the directories.
+    step : float
+        Of the simulation [s].
+    progress : bool or callable, optional
+        As in `simulate`.
+
+    Returns
+    -------
+    Checked
+
+    Raises
+    ------
+    InvalidParameter
+        If there are no records, or one names what the model does not have.
+
+    Examples
+    --------
+    >>> print(check(arm, [flexarm.Record.load("measured")]))  # doctest: +SKIP
+    """
+    named = named_records(records)
+    outliers: list[Removed] = []
+    for name, record in named.items():
+        record.check_against(arm)
+        named[name], removed = clean_drives(name, record)
+        outliers += removed
+    subjects, failed = run(arm, named, step, progress)
+    verdicts = []
+    remarks = [*remarks_on_stamps(named), *remarks_on_poses(named)]
+    for name in named:
+        if name in subjects:
+            named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))
+            outliers += removed
+            subjects[name] = _beside(arm, named[name], subjects[name])
+        verdict = _judged(arm, name, named[name], subjects.get(name), step)
+        verdicts.append(verdict)
+        named[name], notes = _without_frozen(named[name], verdict)
+        remarks += notes
+        if name in failed and verdict.drive is None:
+            remarks.append(f"{name}: the model cannot be simulated: {failed[name]}")
+    faults = merged([_again(arm, verdict, verdicts, named, step) for verdict in verdicts])
+    if not faults:
+        remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
+    return Checked(named, faults, tuple(outliers), tuple(remarks))
+
+
+def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
+    """Records by name: the keys, or the names of their directories.
+
+    Raises
+    ------
+    InvalidParameter
+        If there are none, or something else is among them.
+    """
+    from flexarm.record import Record
+
+    given: Any = records
+    if isinstance(given, Mapping):
+        named = dict(given)
+    else:
+        listed = [given] if isinstance(given, Record) else list(given)
+        labels = [
+            record.path.name if isinstance(record, Record) and record.path is not None else f"record_{k + 1}"
+            for k, record in enumerate(listed)
+        ]
+        twice = len(set(labels)) < len(labels)
+        named = {
+            f"{label}_{k + 1}" if twice else label: r
+            for k, (label, r) in enumerate(zip(labels, listed, strict=True))
+        }
+    if not named:
+        raise InvalidParameter("must hold at least one record, got none", where="records")
+    for name, record in named.items():
+        if not isinstance(record, Record):
+            raise InvalidParameter(
+                f"must be a Record, such as Record.load gives, got {type(record).__name__}",
+                where=f"records.{name}",
+            )
+    return named
+
+
+def _judged(arm: Arm, name: str, record: Record, subject: Subject | None, step: float) -> Verdict:
+    """One record: its channels as they are, or with a drive's fault taken back if that explains more."""
+    if subject is None:
+        return Verdict(name, (), drive_fault(arm, name, record, None, step))
+    found = findings(name, subject)
+    standing = standing_drive(arm, record, found)
+    if standing is not None:
+        return Verdict(name, (), standing)
+    if not any(each.name or each.strange for each in found):
+        return Verdict(name, found)
+    verdict = _weighed(name, found, drive_fault(arm, name, record, found, step))
+    if verdict.drive is None and (still := constant_drive(arm, record, found)) is not None:
+        return Verdict(name, (), still)
+    return verdict
+
+
+def _again(
+    arm: Arm, verdict: Verdict, all_of_them: Sequence[Verdict], records: Mapping[str, Record], step: float
+) -> Verdict:
+    """Channels at fault where another record shows that it is their drive: a small motion shows little."""
+    sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.rest and not v.tied]
+    if verdict.drive is not None or not any(each.name for each in verdict.channels):
+        return verdict
+    for fault in sure:
+        name = verdict.record
+        found = same_fault(arm, name, records[name], fault, verdict.channels, step)
+        if found is not None:
+            return Verdict(name, found.rest, found)
+    return verdict
+
+
+def _beside(arm: Arm, record: Record, subject: Subject) -> Subject:
+    """The simulation beside the record without its outliers."""
+    return beside(arm, record, align=False, simulation=subject.simulation).subject
+
+
+def _weighed(name: str, found: Sequence[Finding], drive: DriveFinding | None) -> Verdict:
+    """Whichever explains the record; both where they explain it alike."""
+    if drive is None:
+        return Verdict(name, found)
+    if drive.log_bayes > CLEAR:
+        return Verdict(name, drive.rest, drive)
+    return Verdict(name, found, drive, tied=True)
+
+
+def _without_frozen(record: Record, verdict: Verdict) -> tuple[Record, list[str]]:
+    """The record without rows that repeat a value."""
+    notes = []
+    for each in verdict.channels:
+        if each.frozen:
+            record = without_rows(record, each.channel.signal.name, each.frozen)
+            notes.append(f"{verdict.record}: {each.sentence}; these rows are removed")
+    return record, notes

@@ -1,0 +1,119 @@
+"""The outcome of a check: sensor faults, outliers that were removed, remarks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from flexarm.diagnosis.named import NamedEffect
+
+if TYPE_CHECKING:
+    from flexarm.arm.effect import Effect
+    from flexarm.record import Record
+
+
+@dataclass(frozen=True)
+class Fault(NamedEffect):
+    """A sensor whose data cannot be used: a `dead_channel`, `sign_error`, `unit_error` or `saturation`.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Which, as `flexarm.arm.sensor_effect.ChannelEffect` names them; empty: all.
+    records : tuple of str
+        Names of the records that show it.
+    """
+
+    channels: tuple[str, ...] = ()
+    records: tuple[str, ...] = ()
+
+    def effect(self) -> Effect:
+        """The effect that a model needs to see what the sensor showed."""
+        from flexarm.arm.effect import read_effect
+
+        table: dict[str, Any] = {"name": self.name, "at": self.at}
+        if self.channels:
+            table["channels"] = list(self.channels)
+        return read_effect({**table, **{each.name: each.value for each in self.parameters}})
+
+
+@dataclass(frozen=True)
+class Removed:
+    """Outliers that were taken out of a signal.
+
+    Attributes
+    ----------
+    record, signal : str
+        Where.
+    rows : tuple of int
+        Rows of the signal, counted from 0, whose values are now NaN.
+    size : float
+        Root mean square of how far off they were [unit].
+    unit : str
+        SI unit of the signal.
+    """
+
+    record: str
+    signal: str
+    rows: tuple[int, ...]
+    size: float
+    unit: str
+
+    def __str__(self) -> str:
+        count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
+        return f"{count} of {self.signal} in {self.record}, {self.size:.3g} {self.unit} off, removed"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Checked:
+    """What `check` found.
+
+    Attributes
+    ----------
+    records : dict of str to Record
+        The records without outliers and without rows that repeat a frozen value.
+    faults : tuple of Fault
+        Sensors whose data contradict the rest, most probable first; empty: the data can be used.
+    outliers : tuple of Removed
+        What was taken out of the records.
+    remarks : tuple of str
+        What a person should know: clocks that jump, pauses, scatter unlike the stated noise, records that
+        contradict each other.
+    """
+
+    records: Mapping[str, Record]
+    faults: tuple[Fault, ...] = ()
+    outliers: tuple[Removed, ...] = ()
+    remarks: tuple[str, ...] = field(default=())
+
+    @property
+    def usable(self) -> bool:
+        """Whether no sensor is at fault."""
+        return not self.faults
+
+    def summary(self) -> str:
+        """The same for a person to read."""
+        count = f"{len(self.records)} record{'s' * (len(self.records) != 1)}"
+        lines = [f"{count} checked: " + ("no sensor is at fault" if self.usable else "data are unusable")]
+        for fault in self.faults:
+            where = ", ".join(fault.channels)
+            lines.append(
+                f"  {fault.name:<14}{fault.at + (f' ({where})' if where else ''):<20}"
+                f"probability {fault.probability:.3f}   in {', '.join(fault.records)}"
+            )
+            lines += [
+                f"    {each.name} = {each.value:.5g} +- {each.std:.2g} {each.unit}"
+                for each in fault.parameters
+            ]
+            lines.append(f"    {fault.evidence}")
+            lines += [
+                f"    or {other.name} at {other.at} (probability {other.probability:.2f})"
+                for other in fault.alternatives
+            ]
+        lines += [f"  {removed}" for removed in self.outliers]
+        lines += [f"  note: {remark}" for remark in self.remarks]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return self.summary()

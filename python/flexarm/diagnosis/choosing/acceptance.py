@@ -1,0 +1,100 @@
+"""What counts: when an effect is accepted, when nothing is left to explain, and when something is.
+
+With e what a model leaves after the unknowns, x the unknowns that it needs, and s_c what it leaves above the
+noise in channel c (eq. (3) of `choosing.evidence`; s_c0 of the model without effects), a larger
+model matters if in some channel the part that it explains
+
+    p_c = sqrt(mean over c of (e_old^2 - e_new^2)) > max(MATTERS, SHARE s_c0),                         (1)
+
+or if it spares clocks, frames and nominal values a strain, which is what they need beyond two sigmas,
+
+    S = sum_i max(|x_i|/sigma_i - FORBIDDEN, 0).                                                       (2)
+
+Nothing is left to explain if
+
+    s_c <= max(MATTERS, LEFT_SHARE s_c0/2) in every channel, and S < STRAINED;                         (3)
+
+something else must be there if
+
+    max_c s_c > max(LEFT, LEFT_SHARE max_c s_c0).                                                      (4)
+
+An effect is accepted if the evidence for it is strong and it matters. If it leaves a gap all the same, it
+must also foretell data that are left out better than the smaller model does, and what foretells them clearly
+better needs no other evidence, which rests on the size and correlation of a remainder that nobody knows.
+"""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from flexarm.diagnosis.choosing.evidence import above_noise, log_bayes_factor, worth
+from flexarm.diagnosis.choosing.left_out import foretells_better, missed
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.residuals.observed import Observed
+
+STRONG = 6.0
+"""Least gain of ln Z: odds of 400, for some forty effects at some places."""
+REACH = log(20.0)
+"""Bayes factor within which rivals are alternatives."""
+SPARING = log(5.0)
+"""The same as `STRONG` for an effect that spares a strain.
+
+Few names move what a strained clock, frame or value moves, and values three sigma off, of which one in 400
+is, are rarer than machines with something that moves them.
+"""
+MATTERS, SHARE = 0.5, 0.05
+"""Least part explained in some channel, eq. (1): of the noise, and of what the nominal model leaves there."""
+STRAINED, FORBIDDEN = 1.0, 2.0
+"""Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
+LEFT = 1.0
+"""What may be left above the noise of a model that explains a record, over the noise."""
+LEFT_SHARE = 0.07
+"""The same, of what the nominal model leaves."""
+
+
+def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether evidence for a larger model is strong and what it explains matters."""
+    spared = strain(old) - strain(new) > STRAINED
+    if not (matters(new, old, null, observed) or spared):
+        return False
+    enough = SPARING if spared else STRONG
+    strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > enough
+    if not leaves_gap(new, null, observed):
+        return strong
+    if strong:
+        return missed(new, observed) < missed(old, observed)
+    return foretells_better(new, old, observed)
+
+
+def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a larger model explains a part of the gap that can be seen in some channel."""
+    first = above_noise(null.rest, observed)
+    for each, where in observed.channels():
+        square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
+        part = np.sqrt(max(square, 0.0))
+        if part > max(MATTERS, SHARE * first[each.record, each.signal, each.channel]):  # eq. (1)
+            return True
+    return False
+
+
+def strain(fit: Fit) -> float:
+    """By how many sigmas unknowns are beyond `FORBIDDEN` of them, summed."""
+    z = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    return float(np.sum(np.maximum(z - FORBIDDEN, 0.0)))  # eq. (2)
+
+
+def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether nothing that matters is left above the noise, and no unknown is strained."""
+    first = above_noise(null.rest, observed)
+    left = above_noise(fit.rest, observed)
+    quiet = all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
+    return quiet and strain(fit) < STRAINED  # eq. (3)
+
+
+def leaves_gap(fit: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a fit leaves so much that something else must be there."""
+    first = max(above_noise(null.rest, observed).values())
+    left = max(above_noise(fit.rest, observed).values())
+    return left > max(LEFT, LEFT_SHARE * first)  # eq. (4)

@@ -1,0 +1,174 @@
+"""Which effects: one after the other while they explain something real, then every one against its rivals.
+
+*Forward*: the most promising effects are fitted beside those that are there (`choosing.promising`),
+and the best of them (`ranking`) is taken if it is accepted (`acceptance`). Where one explains too little,
+sets of two and three compete with what goes on from the best smaller one: sets are put in their order to
+first order about the nominal model, which may be far from what one effect makes of it. After each step
+derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the others have made
+needless is dropped. *Rivals*: every rival of every effect that is left is fitted in its place (`rivals`);
+one that comes out ahead takes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
+from flexarm.diagnosis.choosing.acceptance import accepted, explained
+from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
+from flexarm.diagnosis.choosing.polish import polished, settled, without_effects
+from flexarm.diagnosis.choosing.promising import larger_fits
+from flexarm.diagnosis.choosing.ranking import best_of
+from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
+from flexarm.diagnosis.choosing.screen import Probed
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.errors import InvalidParameter, NotConverged
+
+MOST = 3
+"""Effects in one diagnosis."""
+OVERTAKEN = 3
+"""Times that a rival may take the place of what was chosen."""
+
+Note = Callable[[str, float], object]
+
+
+@dataclass(eq=False)
+class Choice:
+    """What was chosen.
+
+    Attributes
+    ----------
+    null, best : Fit
+        The nominal model and the chosen one; both with unknowns fitted.
+    fitter : Fitter
+        About the chosen model.
+    value : dict
+        Worth of the samples, T of `evidence`, after the chosen model.
+    rivals : list of (list of Rival)
+        For each effect of `best`, the best first.
+    tried : list of (Fit, float)
+        Every fit and its gain of ln Z over the nominal model.
+    """
+
+    null: Fit
+    best: Fit
+    fitter: Fitter
+    value: Mapping[Channel, float]
+    rivals: list[list[Rival]] = field(default_factory=list)
+    tried: list[tuple[Fit, float]] = field(default_factory=list)
+
+    @property
+    def gain(self) -> float:
+        """ln Z of the chosen model over the nominal one."""
+        observed = self.fitter.observed
+        return log_bayes_factor(self.best, self.null, observed, self.value)
+
+
+def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
+    """Forward, backward, and rivals."""
+    tell = note or (lambda what, done: None)
+    search = _Search(fitter, probed)
+    best, about = search.forward(tell)
+    best, about = _backward(about, best, search.null)
+    tell("weighing rivals", MOST / (MOST + 1))
+    choice = search.weighed(best, about)
+    best, about = settled(choice.best, choice.fitter)
+    gains = [(f, log_bayes_factor(f, search.null, fitter.observed, choice.value)) for f in search.tried]
+    return replace(choice, best=best, fitter=about, tried=gains)
+
+
+class _Search:
+    """What the steps of a search share: candidates, the model without effects, and all fits so far.
+
+    That model is fitted twice: `start` with clocks and frames about their nominal values, where the first
+    effects are looked for; `null` about its own optimum, with which larger models are compared.
+    """
+
+    def __init__(self, fitter: Fitter, probed: Sequence[Probed]) -> None:
+        self.fitter, self.observed, self.probed = fitter, fitter.observed, probed
+        self.start = fitter.fit(())
+        self.null = without_effects(self.start, fitter)
+        arm, records = self.observed.arm, self.observed.records.values()
+        self.places = cardan_joints(arm, driven_joints(arm, records))
+        self.tried: list[Fit] = []
+        self.complete: Fit | None = None  # nothing beside it was accepted
+
+    def forward(self, tell: Note) -> tuple[Fit, Fitter]:
+        """The largest model of which each effect is accepted, and about which."""
+        best, about = self.null, self.fitter
+        while (count := causes(best.members, self.places)) < MOST and not self._explained(best):
+            tell(f"looking for effect {count + 1}", count / (MOST + 1))
+            larger = self._larger(best, about)
+            if larger is None or not accepted(larger[0], best, self.null, self.observed):
+                break
+            best, about = larger
+            if best is self.complete:
+                break
+        return best, about
+
+    def _larger(self, best: Fit, about: Fitter) -> tuple[Fit, Fitter] | None:
+        """The best model with an effect more; with two or three at first, if one explains too little.
+
+        None if there is no candidate.
+        """
+        here = best if best.members else self.start
+        found = larger_fits(about, self.probed, here, self.null, places=self.places)
+        self.tried += found
+        if not found:
+            return None
+        better, there = best_of(about, found, best, self.null)
+        for size in (2, 3):
+            if best.members or self._explained(better):
+                break
+            sets = larger_fits(about, self.probed, here, self.null, size, beside=better)
+            if len(better.members) == size - 1:
+                sets += larger_fits(there, self.probed, better, self.null, places=self.places)
+                self.complete = better
+            self.tried += sets
+            if not sets:
+                continue
+            more, where = best_of(about, sets, best, self.null)
+            if accepted(more, better, self.null, self.observed):
+                better, there = more, where
+        return better, there
+
+    def _explained(self, fit: Fit) -> bool:
+        return explained(fit, self.null, self.observed)
+
+    def weighed(self, best: Fit, about: Fitter) -> Choice:
+        """A model with the rivals of its effects, after those that are ahead have taken their places."""
+        choice = self._with_rivals(best, about)
+        for _ in range(OVERTAKEN):
+            ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
+            if ahead is None or ahead.behind >= 0 or not ahead.foretells:
+                break
+            choice = self._with_rivals(*polished(ahead.fit, choice.fitter.about(ahead.fit)))
+        return choice
+
+    def _with_rivals(self, best: Fit, about: Fitter) -> Choice:
+        value = worth(best.rest, self.observed)
+        rivals = [
+            rivals_of(k, best, self.null, about, self.probed, self.tried, value)
+            for k in range(len(best.members))
+        ]
+        return Choice(self.null, best, about, value, rivals)
+
+
+def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
+    """Drops what the others have made needless."""
+    observed = fitter.observed
+    k = 0
+    while len(best.members) > 1 and k < len(best.members):
+        rest = tuple(m for i, m in enumerate(best.members) if i != k)
+        try:
+            fewer = fitter.fit(rest)
+        except (InvalidParameter, NotConverged, ValueError):
+            k += 1
+            continue
+        if accepted(best, fewer, null, observed):
+            k += 1
+        else:
+            best, fitter, k = fewer, fitter.about(fewer), 0
+    return best, fitter

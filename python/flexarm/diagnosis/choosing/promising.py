@@ -1,0 +1,99 @@
+"""Larger models worth a fit: the effects that promise most, or sets of them, beside those that are there.
+
+A screening (`choosing.screen`) puts effects and places in an order; the first few are fitted. Sets
+of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
+smaller set does not lead. Where nominal values and nuisances are strained, what needs them least is fitted
+beside what explains most of the gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
+from flexarm.diagnosis.choosing.acceptance import STRAINED, explained, strain
+from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.errors import InvalidParameter, NotConverged
+
+TRIED, PAIRS = 6, 3
+"""Candidates that are fitted at each step, and sets of two or three where no smaller one explains all."""
+SETS = 12
+"""Sets that are looked at for those: some are of sizes that cannot be simulated."""
+FAR = 0.3
+"""Candidates that promise less than this part of the best are left out once one explains everything."""
+AHEAD = 0.9
+"""What a set of three may leave of what the best one leaves that only adds to a smaller set."""
+
+
+def larger_fits(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    best: Fit,
+    null: Fit,
+    size: int = 1,
+    places: Mapping[str, str] = NONE,
+    beside: Fit | None = None,
+) -> list[Fit]:
+    """Fits of the most promising candidates, or sets of `size`, beside the effects of `best`.
+
+    `places` are joints that are one place of the machine; `beside` is the best smaller set.
+    """
+    if size == 1:
+        wanted = _promising(fitter, probed, best, places)
+    else:
+        shares = together(fitter, probed, best, size)
+        ahead = size == 2 or beside is None or _leads(shares, beside)
+        wanted = one_variant(shares, SETS) if ahead else []
+    found: list[Fit] = []
+    for share in wanted:
+        if size > 1 and len(found) == PAIRS:
+            break
+        done = any(explained(f, null, fitter.observed) for f in found)
+        if done and share.share < FAR * wanted[0].share:
+            break
+        try:
+            found.append(fitter.fit((*map(_relaxed, best.members), *share.members)))
+        except (InvalidParameter, NotConverged, ValueError):
+            continue
+    return found
+
+
+def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
+    """The best variant of each, the best of those."""
+    found: dict[tuple[tuple[str, str], ...], Share] = {}
+    for share in shares:
+        found.setdefault(tuple(sorted(m.place for m in share.members)), share)
+    return list(found.values())[:most]
+
+
+def _promising(fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str]) -> list[Share]:
+    """Single candidates: what explains most, and where unknowns are strained what relieves them most."""
+    shares = one_variant(screen(fitter, probed, best, places), len(probed))
+    wanted = sharpened(fitter, shares[: 2 * TRIED], best)[:TRIED]
+    return wanted + _relieving(shares, wanted) if strain(best) > STRAINED else wanted
+
+
+def _relieving(shares: Sequence[Share], wanted: Sequence[Share]) -> list[Share]:
+    """Those that need nominal values and nuisances least, beside what explains most of the gap."""
+    there = {tuple(m.place for m in share.members) for share in wanted}
+    others = [share for share in shares if tuple(m.place for m in share.members) not in there]
+    return sorted(others, key=lambda share: -share.relief)[: TRIED // 2]
+
+
+def _leads(shares: Sequence[Share], beside: Fit) -> bool:
+    """Whether the best set goes where adding to a smaller one does not lead."""
+    reached = max(
+        (s.share for s in shares if set(beside.places) <= {m.place for m in s.members}), default=0.0
+    )
+    return bool(shares) and 1.0 - shares[0].share < AHEAD * (1.0 - reached)
+
+
+def _relaxed(member: Candidate) -> Candidate:
+    """A spring with a typical damping: what it had may have stood in for the effect that is added."""
+    if member.name not in SPRINGS or "damping" not in member.free:
+        return member
+    damping = 2e-3 * value_of(member.effect, "stiffness")
+    return replace(member, effect=member.effect.with_parameters({"damping": damping}))

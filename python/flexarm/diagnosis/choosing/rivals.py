@@ -1,0 +1,132 @@
+"""Rivals: what could stand in the place of a chosen effect, with the rest of the model refitted.
+
+A rival lies ln B_j behind the chosen model in evidence, the model without effects ln B_n, which says that
+there is nothing but unlikely nominal values. Beside the chosen effect, ln B_0 = 0, its probability is
+
+    P_j = exp(-ln B_j) / (exp(-ln B_n) + sum_i exp(-ln B_i)).                                          (1)
+
+Those within `REACH` of the chosen one are within reach of the data, and so is what fits as well and is only
+implausible: it may still be true. Beside a gap that the chosen model leaves open no name is certain, and
+rivals are judged by what they foretell of data left out: those that foretell clearly less are out of reach,
+and none is ahead that does not foretell clearly better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import exp
+
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
+from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
+from flexarm.diagnosis.choosing.left_out import foretells_better
+from flexarm.diagnosis.choosing.polish import polished
+from flexarm.diagnosis.choosing.promising import PAIRS, TRIED, one_variant
+from flexarm.diagnosis.choosing.ranking import CLOSE
+from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.errors import InvalidParameter, NotConverged
+
+WITHIN_SIGHT = 8.0
+"""How far behind in ln Z a rival is polished as the chosen model was."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An effect in the place of another one, with the rest refitted.
+
+    Attributes
+    ----------
+    candidate, fit : Candidate and Fit
+        The effect, and the model with it.
+    behind : float
+        ln Z less than the chosen model's.
+    fits_behind : float
+        The same of the fit alone, whatever is plausible.
+    foretells : bool
+        Whether it says as much of data that are left out, where a gap is left.
+    """
+
+    candidate: Candidate
+    fit: Fit
+    behind: float
+    fits_behind: float
+    foretells: bool = True
+
+    @property
+    def within_reach(self) -> bool:
+        """Whether the data cannot tell it from the chosen effect; what is implausible may still be true."""
+        close = self.behind < REACH or (self.fits_behind < REACH and self.behind < 2 * REACH)
+        return close and self.foretells
+
+
+def rivals_of(
+    k: int,
+    best: Fit,
+    null: Fit,
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    tried: Sequence[Fit],
+    value: Mapping[Channel, float],
+) -> list[Rival]:
+    """What could stand in the place of effect k of the chosen model, the best first.
+
+    Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and not polished.
+    """
+    observed = fitter.observed
+    open_gap = leaves_gap(best, null, observed)
+    mine = best.members[k].place
+    others = tuple(m for i, m in enumerate(best.members) if i != k)
+    known = _known(best, {m.place for m in others}, tried)
+    without = fitter.fit(others)
+    shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
+    found = []
+    most = PAIRS if open_gap else TRIED
+    for share in sharpened(fitter, one_variant(shares, 2 * most), without)[:most]:
+        candidate = share.members[0]
+        try:
+            fit = known.get(candidate.place) or fitter.fit((candidate, *others))
+            fit, behind = _caught_up(fit, best, fitter, value, polish=not open_gap)
+        except (InvalidParameter, NotConverged, ValueError):
+            continue
+        member = next(m for m in fit.members if m.place == candidate.place)
+        told = not open_gap or not foretells_better(best, fit, observed)
+        if open_gap and not foretells_better(fit, best, observed):
+            behind = max(behind, 0.0)
+        found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told))
+    return sorted(found, key=lambda rival: rival.behind)
+
+
+def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dict[tuple[str, str], Fit]:
+    """Models that were tried and differ from the chosen one by one effect, by its place."""
+    return {
+        next(iter(set(f.places) - others)): f
+        for f in tried
+        if others < set(f.places) and len(f.members) == len(best.members)
+    }
+
+
+def _caught_up(
+    fit: Fit, best: Fit, fitter: Fitter, value: Mapping[Channel, float], polish: bool
+) -> tuple[Fit, float]:
+    """A rival's model with as much care as the chosen one where it comes close, and its ln Z behind that."""
+    observed, about = fitter.observed, fitter
+    behind = log_bayes_factor(best, fit, observed, value)
+    if behind < CLOSE:
+        about = fitter.about(fit)
+        fit = about.fit(fit.members)
+        behind = log_bayes_factor(best, fit, observed, value)
+    if behind < WITHIN_SIGHT and polish:
+        fit, _ = polished(fit, about)
+        behind = log_bayes_factor(best, fit, observed, value)
+    return fit, behind
+
+
+def probabilities(rivals: Sequence[Rival], gain: float) -> list[float]:
+    """Eq. (1) of the chosen effect and its rivals; `gain` is ln B_n."""
+    behind = [0.0, *(rival.behind for rival in rivals)]
+    odds = [exp(-min(max(each, -50.0), 700.0)) for each in behind]
+    nothing = exp(-min(max(gain, 0.0), 700.0))
+    return [each / (nothing + sum(odds)) for each in odds]

@@ -1,0 +1,271 @@
+"""Screening: how much of the gap every effect at every place could explain, from finite steps.
+
+With q the residual and D the probes of a candidate (`candidates.candidates`), both without what
+clocks, frames and nominal values explain,
+
+    min over alpha of |q + D alpha|^2 + |alpha/10|^2,      share = 1 - min/|q|^2                       (1)
+
+The probes of all candidates are simulated once; sets of two and more are then linear algebra. A probe is
+about one sigma of what is plausible: the second term keeps alphas below some ten of them. Laws that cannot be
+negative are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, Candidate
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.simulation import Progress, reported
+
+Ranked = tuple[float, tuple[int, ...]]
+"""Share that a set explains, and which candidates are in it."""
+
+RIDGE = 0.1
+LONGER = 2.0
+"""Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
+RELIEF = 1.0
+"""Squared sigmas that a set without a share must spare."""
+AMONG = 16
+"""Places that are tried in sets of three."""
+HARDLY = 0.02
+"""Part of the greatest move below which a component of a vector is not fitted."""
+KEPT = 100
+"""Sets of which a size is worked out."""
+NONE: Mapping[str, str] = MappingProxyType({})
+ONE_SIGNED = ("joint_hysteresis", "backlash", "coulomb_friction", "viscous_friction", "motor_friction")
+
+
+@dataclass(frozen=True, eq=False)
+class Probed:
+    """A candidate and what its probes do to the residual, shape (n, probes)."""
+
+    candidate: Candidate
+    moves: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """What a set of candidates explains.
+
+    Attributes
+    ----------
+    members : tuple of Candidate
+        Of the size that explains most, ready to be fitted.
+    share : float
+        Of the squared gap, eq. (1).
+    relief : float
+        By how much clocks, frames and nominal values need leave their priors less, in squared sigmas.
+    """
+
+    members: tuple[Candidate, ...]
+    share: float
+    relief: float = 0.0
+
+    def __str__(self) -> str:
+        return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {m.at}" for m in self.members)
+
+
+def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
+    """Simulates the probes of all candidates; those that cannot be simulated are left out."""
+    observed, arm = fitter.observed.with_step(LONGER * fitter.observed.step), fitter.start
+    probed = []
+    with reported(progress, "probing effects") as report:
+        for k, candidate in enumerate(found):
+            try:
+                there = candidate.base(arm)
+                models = [there, *(there.with_effect(each) for each in candidate.probes)]
+                observed.prepare(models)
+                before, *after = [observed.residual(model) for model in models]
+            except (InvalidParameter, NotConverged):
+                continue
+            moves = np.stack([r - before for r in after], axis=1)
+            probed.append(_seen(Probed(candidate, moves)))
+            if report is not None:
+                report((k + 1) / len(found))
+    return probed
+
+
+def _seen(probed: Probed) -> Probed:
+    """Without components of a vector that hardly move anything: across the plane of a planar arm."""
+    candidate, moves = probed.candidate, probed.moves
+    size = np.linalg.norm(moves, axis=0)
+    sized = [name for name in candidate.free if name not in SHAPES]
+    if len(sized) != len(size) or not all("." in name for name in sized):
+        return probed
+    keep = [k for k in range(len(size)) if size[k] > HARDLY * size.max()]
+    if not 0 < len(keep) < len(size):
+        return probed
+    seen = {sized[k] for k in keep}
+    free = tuple(name for name in candidate.free if name in seen or name in SHAPES)
+    probes = tuple(candidate.probes[k] for k in keep)
+    return Probed(replace(candidate, free=free, probes=probes), moves[:, keep])
+
+
+def screen(
+    fitter: Fitter, probed: Sequence[Probed], fit: Fit, pairs: Mapping[str, str] = NONE
+) -> list[Share]:
+    """Candidates that could explain what a fit leaves, the best first.
+
+    Parameters
+    ----------
+    fitter : Fitter
+        Records and unknowns.
+    probed : sequence of Probed
+        What the probes do.
+    fit : Fit
+        Its effects may change along, to first order.
+    pairs : dict of str to str
+        Joints that are one place, `companions.cardan_joints`: a law at both is tried as one candidate.
+    """
+    linear = Linear(fitter, probed, fit)
+    sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
+    return linear.shares(linear.ranked(sets))
+
+
+def together(fitter: Fitter, probed: Sequence[Probed], fit: Fit, size: int) -> list[Share]:
+    """Sets of two or three candidates that explain most together, the best first.
+
+    All pairs are looked at; of triples all among the `AMONG` places that explain most alone, half as many
+    more that do so in a pair: what explains nothing by itself may be needed beside another.
+    """
+    linear = Linear(fitter, probed, fit)
+    two = linear.ranked(linear.sets(linear.free, 2))
+    if size == 2:
+        return linear.shares(two, KEPT)
+    alone = linear.ranked((k,) for k in linear.free)
+    few: dict[tuple[str, str], int] = {}
+    for ranked, most in ((alone, AMONG), (two, AMONG + AMONG // 2)):
+        for k in (k for _, chosen in ranked for k in chosen):
+            if len(few) < most:
+                few.setdefault(probed[k].candidate.place, k)
+    return linear.shares(linear.ranked(linear.sets(list(few.values()), size)), KEPT)
+
+
+def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
+    """Shares taken anew with each set at the size found, since laws bend between a probe and that size."""
+    models = []
+    for share in shares:
+        members = (*fit.members, *share.members)
+        with suppress(InvalidParameter):  # a ripple that would turn the output back
+            models.append((share, members, fitter.with_effects(members)))
+    fitter.observed.prepare(arm for _, _, arm in models)
+    found = []
+    for share, members, _ in models:
+        try:
+            move = fitter.residual(members) - fit.residual
+        except (InvalidParameter, NotConverged):
+            continue
+        _, projection = fitter.eliminated(members)
+        rest = projection.rest(np.column_stack([fit.residual, move]))
+        q, d = rest[:, 0], rest[:, 1]
+        times = max(-float(d @ q) / max(float(d @ d), 1e-300), 0.0)
+        left = q + times * d
+        found.append(replace(share, share=1.0 - float(left @ left) / fit.cost))
+    return sorted(found, key=lambda s: -s.share)
+
+
+class Linear:
+    """Eq. (1) for any set of candidates about a fit, from one Gram matrix of all moves.
+
+    With D the moves of all candidates and the derivatives of the fit by its own effects, less what unknowns
+    explain, G = D^T D and b = D^T q hold everything: a set takes its rows and columns,
+
+        alpha = -(G + ridge)^-1 b,   |q + D alpha|^2 = |q|^2 + 2 alpha b + alpha G alpha               (2)
+
+    Sets that take different unknowns into their effects have matrices of their own.
+    """
+
+    def __init__(self, fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> None:
+        self.fitter, self.probed, self.fit = fitter, probed, fit
+        taken = set(fit.places)
+        self.free = [k for k, p in enumerate(probed) if p.candidate.place not in taken]
+        ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
+        self._columns = [np.arange(ends[k], ends[k + 1]) for k in range(len(probed))]
+        self._own = np.arange(ends[-1], ends[-1] + fit.slopes.shape[1])
+        self._moves = np.concatenate([*(p.moves for p in probed), fit.slopes], axis=1)
+        self._takes = [fitter.taken([p.candidate]) for p in probed]
+        self._fitted = fitter.taken(fit.members)
+        self._grams: dict[frozenset[str], tuple[Floats, Floats, float, Floats]] = {}
+
+    def sets(self, among: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
+        """All sets of different places."""
+        for found in combinations(among, size):
+            if len({self.probed[k].candidate.place for k in found}) == size:
+                yield found
+
+    def companions(self, pairs: Mapping[str, str]) -> Iterator[tuple[int, ...]]:
+        """The same variant of a law at both axes of a place."""
+        for i in self.free:
+            one = self.probed[i].candidate
+            for j in self.free:
+                other = self.probed[j].candidate
+                if pairs.get(one.at) == other.at and other.effect == one.effect.replace(at=other.at):
+                    yield i, j
+
+    def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
+        """Share and members of those in which no law would have to be negative, the best first.
+
+        Not those that explain nothing, unless they spare clocks, frames and nominal values a strain: a late
+        clock is linear for its own derivative, and less so for a finite step.
+        """
+        found = [(*self._solved(each)[::2], each) for each in sets]
+        kept = [(share, each) for share, relief, each in found if share > 0 or relief > RELIEF]
+        return sorted(kept, key=lambda pair: -pair[0])
+
+    def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
+        """The first of them at the sizes of eq. (2)."""
+        found = []
+        for share, chosen in ranked[:most]:
+            _, alphas, relief = self._solved(chosen)
+            members = []
+            try:
+                for index, mine in zip(chosen, alphas, strict=True):
+                    candidate = self.probed[index].candidate
+                    members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
+            except (InvalidParameter, ValueError):
+                continue
+            found.append(Share(tuple(members), share, relief))
+        return found
+
+    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats], float]:
+        """Eq. (2) for one set, and its relief; a share of -1 where a law would have to be negative."""
+        gram, b, square, asked = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
+        parts = [self._columns[k] for k in chosen]
+        columns = np.concatenate([*parts, self._own])
+        own = len(columns) - len(self._own)
+        G, b = gram[np.ix_(columns, columns)], b[columns]
+        ridge = np.diag([RIDGE**2] * own + [1.0] * len(self._own))
+        alphas = np.asarray(np.linalg.solve(G + ridge, -b), dtype=float)  # eq. (2)
+        mine = np.split(alphas[:own], np.cumsum([len(part) for part in parts])[:-1])
+        if not all(_possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
+            return -1.0, mine, 0.0
+        left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
+        asks = asked[:, 0] + asked[:, 1 + columns] @ alphas
+        before = self.fit.rest[len(self.fit.residual) :]
+        return 1.0 - left / self.fit.cost, mine, float(before @ before - asks @ asks)
+
+    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float, Floats]:
+        if taken not in self._grams:
+            rest = self.fitter.without(taken)[1].rest(np.column_stack([self.fit.residual, self._moves]))
+            q, d = rest[:, 0], rest[:, 1:]
+            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q), rest[len(self.fit.residual) :])
+        return self._grams[taken]
+
+
+def _possible(candidate: Candidate, alphas: Floats) -> bool:
+    """Whether a law has the sign that it can have."""
+    if candidate.name in ONE_SIGNED and candidate.without is None:
+        return bool(alphas.max() > 0)
+    if candidate.name in SPRINGS and candidate.without is None:
+        return bool(alphas[0] > 0)
+    return True

@@ -1,0 +1,184 @@
+"""Experiments from a drive or from a record that is made again, and what is assumed where nobody says.
+
+A sensor that states no noise has that of `NOISE`, and a tracker a clock and a registration of its own, known
+to `CLOCK` and `FRAME`; `Experiment.assumed` says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.experiments.experiment import Experiment
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.record import Clock, Frame, Record, Signal
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+
+RATE_HZ = 10.0
+"""Of a tracker that is assumed [Hz]."""
+NOISE = {
+    "position": 5e-5,
+    "deflection": 5e-5,
+    "orientation": 1e-4,
+    "inclination": 1e-4,
+    "joint_angle": 5e-6,
+    "joint_rate": 1e-4,
+    "angular_rate": 1e-3,
+    "acceleration": 0.02,
+    "strain": 1e-6,
+    "force": 1.0,
+    "motor_torque": 2.0,
+}
+"""1 sigma of sensors that state none [SI]: a laser tracker, an encoder, MEMS, a strain gauge, a load cell."""
+CONTROLLER, TRACKER = "controller", "tracker"
+CLOCK = Clock(sigma=2e-3)
+FRAME = Frame(translation=1e-3, rotation=5e-4)
+"""1 sigma of a tracker's clock [s] and registration [m], [rad]."""
+
+
+def from_drive(
+    name: str,
+    drive: Drive,
+    arm: Arm,
+    clocks: Mapping[str, Clock] | None = None,
+    frames: Mapping[str, Frame] | None = None,
+) -> Experiment:
+    """A motion beside the model's sensors, or, where it has none, a tracker at its last point."""
+    encoders = {
+        joint: next((s.name for s in arm.sensors if _shows(s, joint)), joint) for joint in drive.joints
+    }
+    own = next((s.clock for s in arm.sensors if s.name in encoders.values() and s.clock), CONTROLLER)
+    said: list[str] = []
+    sensors = [sensor for sensor in arm.sensors if sensor.name not in encoders.values()]
+    if not sensors:
+        sensors = [_tracker(arm, drive)]
+        said.append(
+            f"the model has no sensors; assumed is a tracker of point '{sensors[0].point}' with "
+            f"{NOISE['position']:g} m noise at {RATE_HZ:g} Hz"
+        )
+    placed = [_placed(sensor, said) for sensor in sensors]
+    known_clocks, known_frames = dict(clocks or {}), dict(frames or {})
+    late = {s.clock for s in placed if s.clock not in (None, own)} - set(known_clocks)
+    where = {s.frame for s in placed if s.frame != "base"} - set(known_frames)
+    if late:
+        said.append(f"clocks are known to {CLOCK.sigma:g} s: {', '.join(sorted(map(str, late)))}")
+    if where:
+        said.append(
+            f"registrations are known to {FRAME.translation:g} m and {FRAME.rotation:g} rad: "
+            f"{', '.join(sorted(where))}"
+        )
+    return Experiment(
+        name,
+        drive,
+        encoders,
+        tuple(placed),
+        {own: Clock(), **{str(clock): CLOCK for clock in sorted(map(str, late))}, **known_clocks},
+        {**{frame: FRAME for frame in sorted(where)}, **known_frames},
+        assumed=tuple(said),
+    )
+
+
+def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] | None = None) -> Experiment:
+    """A record made once more: its motion, signals, rates, clocks, frames and payloads.
+
+    Parameters
+    ----------
+    name : str
+        For people.
+    record : Record
+        A motion.
+    arm : Arm
+        The model.
+    noise : dict of str to float, optional
+        1 sigma of signals that state none [SI].
+    """
+    drive = _ended(Drive.from_record(record, arm))
+    drivers = {str(record.signals[d].joint): d for d in record.drive}
+    own = next((record.signals[d].clock for d in record.drive), record.reference_clock)
+    said: list[str] = []
+    sensors = [
+        _as_sensor(signal, drive.start, noise or {}, said)
+        for signal in record.signals.values()
+        if signal.name not in record.drive and _measured(signal)
+    ]
+    if not sensors:
+        alone = from_drive(name, drive, arm, record.clocks, record.frames)
+        return replace(alone, drivers=drivers, payloads=record.payloads, links=record.links)
+    clocks = {own: record.clocks[own], **record.clocks}
+    return Experiment(
+        name,
+        drive,
+        drivers,
+        tuple(sensors),
+        clocks,
+        record.frames,
+        record.payloads,
+        record.links,
+        tuple(said),
+    )
+
+
+def _ended(drive: Drive) -> Drive:
+    """The same until the motion ends: held after it, its rate would jump, as that of no motor does."""
+    last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
+    return replace(drive, end=min(drive.end, last))
+
+
+def _shows(sensor: Sensor, joint: str) -> bool:
+    """Whether a sensor of the model shows a motor's angle."""
+    return sensor.quantity == "joint_angle" and sensor.joint == joint and sensor.side != "output"
+
+
+def _measured(signal: Signal) -> bool:
+    """Whether a simulation predicts a signal."""
+    return signal.quantity in NOISE and len(signal.time) > 1
+
+
+def _tracker(arm: Arm, drive: Drive) -> Sensor:
+    """What is assumed where a model has no sensors."""
+    if not arm.points:
+        raise InvalidParameter(
+            "has neither sensors nor points, so there is nothing to look at; add [[points]] or [[sensors]]",
+            where="sensors",
+        )
+    name = arm.points[-1].name
+    free = name if name not in drive.joints else f"{name}_tracker"
+    return Sensor(name=free, quantity="position", point=name, rate_hz=RATE_HZ)
+
+
+def _placed(sensor: Sensor, said: list[str]) -> Sensor:
+    """A sensor with noise, and, of a tracker that names neither clock nor frame, these."""
+    changes: dict[str, Any] = {}
+    if not sensor.noise_std and not sensor.step:
+        changes["noise_std"] = NOISE.get(sensor.quantity, 1.0) / sensor.si[1]
+        said.append(f"noise of sensor '{sensor.name}' is {NOISE.get(sensor.quantity, 1.0):g} (SI)")
+    if sensor.quantity in ("position", "orientation") and sensor.clock is None and sensor.frame == "base":
+        changes |= {"clock": TRACKER, "frame": TRACKER}
+    return sensor.replace(**changes) if changes else sensor
+
+
+def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
+    """A sensor that would give a signal again."""
+    span = float(signal.time[-1] - signal.time[0])
+    sigma = signal.noise_std or noise.get(signal.name)
+    if not sigma:
+        sigma = NOISE[signal.quantity]
+        said.append(f"noise of signal '{signal.name}' is {sigma:g} (SI)")
+    shared = ("joint", "point", "link", "payload", "side", "position", "fibre", "clock", "frame")
+    given: dict[str, Any] = {key: value for key in shared if (value := getattr(signal, key)) is not None}
+    if signal.axes:
+        given["axes"] = signal.axes
+    return Sensor(
+        name=signal.name,
+        quantity=signal.quantity,
+        unit=signal.unit or None,
+        noise_std=float(sigma),
+        rate_hz=(len(signal.time) - 1) / span,
+        start=max(0.0, float(signal.time[0]) - start),
+        **given,
+    )

@@ -1,0 +1,134 @@
+"""Planning: which effects an experiment could tell apart, before it is run.
+
+    motions, sensors -> virtual records of the nominal model -> what every effect at every place would do to
+    them -> expected log Bayes factors of all pairs -> what would part those that are tied
+
+The same candidates, probes and unknowns as in a diagnosis, without data; see `experiments.separation`
+for the numbers.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from flexarm.arm import Arm
+from flexarm.configuration import version
+from flexarm.diagnosis.experiments.additions import menu
+from flexarm.diagnosis.experiments.experiment import Experiment
+from flexarm.diagnosis.experiments.experiment_from import from_drive, from_record
+from flexarm.diagnosis.experiments.laboratory import Laboratory
+from flexarm.diagnosis.experiments.plan_result import Plan, Tie
+from flexarm.diagnosis.experiments.planned_effect import planned_effect
+from flexarm.diagnosis.experiments.separation import against_none, cliques, gaps_of, matrix, shown_by
+from flexarm.diagnosis.experiments.ties import lesser_factor, pairs, ties
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.record import Record
+
+if TYPE_CHECKING:
+    from flexarm.record import Clock, Frame
+
+Progress = Callable[[float, str], object] | None
+
+
+def plan(
+    arm: Arm,
+    drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],
+    *,
+    clocks: Mapping[str, Clock] | None = None,
+    frames: Mapping[str, Frame] | None = None,
+    jobs: int | None = None,
+    step: float = 4e-3,
+    alpha: float = -0.05,
+    progress: Progress = None,
+) -> Plan:
+    """Which effects at which places an experiment could tell apart, and the cheapest addition for the rest.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model, with `[[sensors]]`; without them a tracker of its last point is assumed, and said.
+    drives : dict of str to Drive or Record, or sequence of them
+        The motions. A record is made again: its signals, rates, noise, clocks, frames and payloads.
+    clocks, frames : dict, optional
+        How well clocks and frames of the model's sensors are known, as a record would state it.
+    jobs : int, optional
+        Number of simulations at once; default one a core.
+    step, alpha : float
+        Of all simulations [s], [-].
+    progress : callable, optional
+        Gets the share done and what is being done.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no motion, or nothing that a sensor could see.
+    NotConverged
+        If the nominal model cannot be simulated.
+
+    Examples
+    --------
+    >>> found = flexarm.plan(arm, {"swing": flexarm.Drive.from_csv("swing.csv", arm)})  # doctest: +SKIP
+    >>> print(found)  # doctest: +SKIP
+    """
+    begun = time.monotonic()
+    tell = progress or (lambda done, what: None)
+    runs = [_experiment(name, drive, arm, clocks, frames) for name, drive in _by_name(drives).items()]
+    if not runs:
+        raise InvalidParameter("needs at least one motion", where="drives")
+    tell(0.02, "simulating")
+    additions = menu(arm, runs, runs[0].run(arm, step, alpha))
+    lab = Laboratory(arm, additions, step, alpha, jobs or os.cpu_count() or 1)
+    bench, rows = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
+    base = bench.only(rows.all())
+    shown = shown_by(base)
+    seen = against_none(base, gaps_of(base, shown))
+    factors = matrix(base, shown)
+    tied = ties(factors, seen)
+    tell(0.6, "looking for additions")
+    partings = lab.partings(bench, rows, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions"))
+    said = tuple(dict.fromkeys(sentence for run in runs for sentence in run.assumed))
+    places = [each[0].candidate.place for each in base.effects]
+    return Plan(
+        arm,
+        tuple(run.name for run in runs),
+        tuple(
+            planned_effect(variants[s.variant].candidate, s, float(e), arm, lab.units)
+            for variants, s, e in zip(base.effects, shown, seen, strict=True)
+        ),
+        factors,
+        tuple(cliques(tied)),
+        tuple(
+            Tie(places[i], places[j], lesser_factor(factors, seen, i, j), tuple(partings.get((i, j), ())))
+            for i, j in pairs(tied)
+        ),
+        said,
+        {"version": version(), "seconds": time.monotonic() - begun},
+    )
+
+
+def _experiment(
+    name: str,
+    drive: Drive | Record,
+    arm: Arm,
+    clocks: Mapping[str, Clock] | None,
+    frames: Mapping[str, Frame] | None,
+) -> Experiment:
+    if isinstance(drive, Record):
+        return from_record(name, drive, arm)
+    return from_drive(name, drive, arm, clocks, frames)
+
+
+def _by_name(
+    drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],
+) -> dict[str, Drive | Record]:
+    if isinstance(drives, Mapping):
+        return dict(drives)
+    return {f"run_{k + 1}": drive for k, drive in enumerate(drives)}

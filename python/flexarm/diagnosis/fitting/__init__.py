@@ -1,0 +1,1 @@
+"""Effects, clocks, frames and uncertain values fitted through the full simulation."""

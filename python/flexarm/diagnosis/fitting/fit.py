@@ -1,0 +1,60 @@
+"""A model with effects that were fitted, and what was eliminated along.
+
+    residual = r(z),    rest = what clocks, frames and nominal values leave of it,    C = |rest|^2     (1)
+
+`fitting.fitter` makes fits, `projection` says what is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.fitting.coordinate import Coordinate
+from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.fitting.unknowns import Unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model with a set of effects, fitted.
+
+    Attributes
+    ----------
+    members : tuple of Candidate
+        The effects, each at its optimum.
+    coordinates, z : tuple of Coordinate and ndarray, shape (k,)
+        What was fitted, in sigmas of the priors.
+    arm : Arm
+        With the effects, unknowns at their centres.
+    residual : ndarray, shape (n,)
+        Of that model, eq. (1) of `observed`.
+    rest : ndarray, shape (n + m,)
+        Of which clocks, frames and nominal values explain nothing more.
+    slopes : ndarray, shape (n, k)
+        Derivatives of `residual` by z.
+    unknowns, projection
+        What was eliminated.
+    """
+
+    members: tuple[Candidate, ...]
+    coordinates: tuple[Coordinate, ...]
+    z: Floats
+    arm: Arm
+    residual: Floats
+    rest: Floats
+    slopes: Floats
+    unknowns: Unknowns
+    projection: Projection
+
+    @property
+    def cost(self) -> float:
+        """C of (1)."""
+        return float(self.rest @ self.rest)
+
+    @property
+    def places(self) -> tuple[tuple[str, str], ...]:
+        """Name and place of each effect."""
+        return tuple(member.place for member in self.members)

@@ -1,0 +1,175 @@
+"""What all fits to the same records share, and the fits themselves.
+
+Clocks, frames and nominal values act nearly in proportion. Their derivatives J are therefore taken about one
+model and kept, and its residuals are corrected for what simulations miss for their time steps, c. With the
+unknowns of that model at x0, the residual of any model with effects is, at the centres of their priors,
+
+    r = r(effects, x0) + c - J x0,                                                                     (1)
+
+from which `fitting.projection` eliminates them all. A fitter *about* another model has J, x0 and c
+of that one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidates.candidate import Candidate, value_of
+from flexarm.diagnosis.fitting.coordinate import coordinates_of
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.least_squares import LeastSquares
+from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.fitting.unknowns import Unknowns
+from flexarm.diagnosis.residuals.observed import Observed
+
+LIKELY = 2.0
+"""Sigmas within which nominal values are centred."""
+CENTRED, LESS = 3, 0.98
+"""Rounds in which nominal values are centred, and the part of the gap below which one was worth while."""
+
+
+@dataclass(eq=False)
+class Fitter:
+    """What all fits share: records, unknowns, and derivatives by these at the nominal model.
+
+    Attributes
+    ----------
+    observed : Observed
+        The records.
+    unknowns : Unknowns
+        Clocks, frames, nominal values; its `arm` is the nominal model.
+    slopes : ndarray
+        Derivatives of the residual by them, at `at`.
+    at : ndarray
+        Where the unknowns are, from the centres of their priors.
+    correction : ndarray
+        Added to residuals: what simulations miss for their time steps, at `at`.
+    """
+
+    observed: Observed
+    unknowns: Unknowns
+    slopes: Floats
+    at: Floats
+    correction: Floats
+
+    def __post_init__(self) -> None:
+        self._projections: dict[frozenset[str], tuple[Unknowns, Projection]] = {}
+        centres = np.array([u.centre for u in self.unknowns.each])
+        self.start = self.unknowns.put(self.unknowns.arm, centres + self.at)
+
+    @classmethod
+    def nominal(cls, observed: Observed, unknowns: Unknowns) -> Fitter:
+        """About the nominal model."""
+        arm = unknowns.arm
+        slopes = observed.slopes(arm, unknowns.keys)
+        return cls(observed, unknowns, slopes, np.zeros(len(unknowns.each)), observed.correction(arm))
+
+    def about(self, fit: Fit) -> Fitter:
+        """The same about a fitted model, where derivatives are those of the model with its effects."""
+        at = self.at.copy()
+        best = dict(zip(fit.unknowns.keys, fit.projection.best(fit.residual), strict=True))
+        for k, unknown in enumerate(self.unknowns.each):
+            at[k] = unknown.kept(best.get(unknown.key, 0.0))
+        return self._moved(at, fit)
+
+    def _moved(self, at: Floats, fit: Fit) -> Fitter:
+        """The same with unknowns elsewhere."""
+        there = replace(self, at=at)
+        arm = there.with_effects(fit.members)
+        keys = fit.unknowns.keys
+        slopes = self.slopes.copy()
+        slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
+        return replace(there, slopes=slopes, correction=self.observed.correction(arm))
+
+    def centred(self) -> Fitter:
+        """The same about nominal values that fit better, for those that act otherwise than in proportion.
+
+        Clocks and frames stay: effects may take their places. So do values where they are hardly likely.
+        """
+        there, fit = self, self.fit(())
+        nominal = np.array([unknown.kind == "nominal" for unknown in self.unknowns.each])
+        reach = LIKELY * self.unknowns.sigma
+        for _ in range(CENTRED):
+            best = np.clip(fit.projection.best(fit.residual), -reach, reach)
+            kept = [u.kept(float(x)) for u, x in zip(self.unknowns.each, best, strict=True)]
+            about = there._moved(np.where(nominal, kept, 0.0), fit)
+            better = about.fit(())
+            if better.cost > LESS * fit.cost:
+                break
+            there, fit = about, better
+        return there
+
+    def residual(self, members: Sequence[Candidate]) -> Floats:
+        """Eq. (1) for a set of effects."""
+        raw = self.observed.residual(self.with_effects(members)) + self.correction
+        taken = self.taken(members)
+        at = np.array(
+            [0.0 if u.key in taken else x for u, x in zip(self.unknowns.each, self.at, strict=True)]
+        )
+        return raw - self.slopes @ at if at.any() else raw  # eq. (1)
+
+    def taken(self, members: Sequence[Candidate]) -> frozenset[str]:
+        """Unknowns that are effects of a set."""
+        fitted = {(member.name, member.at) for member in members}
+        return frozenset(
+            u.key for u in self.unknowns.each if u.key.startswith("effects.") and u.place in fitted
+        )
+
+    def eliminated(self, members: Sequence[Candidate]) -> tuple[Unknowns, Projection]:
+        """Unknowns that a set of effects leaves: a clock or a zero that is an effect is none of them."""
+        return self.without(self.taken(members))
+
+    def without(self, taken: frozenset[str]) -> tuple[Unknowns, Projection]:
+        """All unknowns but some, and what eliminates them."""
+        if taken not in self._projections:
+            left = self.unknowns.without(set(taken))
+            keep = [k for k, u in enumerate(self.unknowns.each) if u.key not in taken]
+            self._projections[taken] = (left, Projection(self.slopes[:, keep], left.sigma))
+        return self._projections[taken]
+
+    def fit(self, members: Sequence[Candidate], evaluations: int = 8, tolerance: float = 2e-3) -> Fit:
+        """The least of (1) of `least_squares`, for a set of effects that start at their own values.
+
+        Raises
+        ------
+        NotConverged, InvalidParameter
+            If not even the start can be simulated.
+        """
+        members = tuple(members)
+        coordinates = coordinates_of(members, self.with_effects(members))
+        if not coordinates:
+            return self._as_it_is(members)
+        left, projection = self.eliminated(members)
+        problem = LeastSquares(self, members, coordinates, projection)
+        start = [c.z(value_of(members[c.candidate].effect, c.name)) for c in coordinates]
+        z = problem.solved(np.array(start), evaluations, tolerance)
+        residual, slopes = problem.raw(z), problem.differences(z)
+        fitted = problem.members_at(z)
+        rest = projection.rest(residual)
+        arm = self.with_effects(fitted)
+        return Fit(fitted, coordinates, z, arm, residual, rest, slopes, left, projection)
+
+    def _as_it_is(self, members: tuple[Candidate, ...]) -> Fit:
+        """A model in which nothing is free but what is eliminated."""
+        left, projection = self.eliminated(members)
+        residual = self.residual(members)
+        rest, nothing = projection.rest(residual), np.empty((len(residual), 0))
+        arm = self.with_effects(members)
+        return Fit(members, (), np.array([]), arm, residual, rest, nothing, left, projection)
+
+    def with_effects(self, members: Sequence[Candidate]) -> Arm:
+        """The nominal model with effects, and with what they need."""
+        arm = self.start
+        present = {member.place for member in members}
+        for member in members:
+            if member.needs is not None and (member.needs.name, member.needs.at) not in present:
+                arm = arm.with_effect(member.needs)
+        springs_first = sorted(members, key=lambda m: m.name not in ("joint_compliance", "base_compliance"))
+        for member in springs_first:
+            arm = arm.with_effect(member.effect)
+        return arm

@@ -1,0 +1,193 @@
+"""Effects fitted through the full simulation: the least-squares problem, and the derivatives that solve it.
+
+    min over z of  C(r(z)) + sum_i ln(1 + (z_i/3)^2)                                                   (1)
+
+z are the effects' parameters on the scales of their priors (`fitting.coordinate`), C the residual
+that clocks, frames and nominal values cannot explain (`projection`). The prior is widened to a third of its
+weight and has Student's wide tails, since it need not know this machine: it keeps what the data do not
+determine, such as a damping, at plausible values, and hardly moves what they do.
+
+SciPy's least_squares solves (1) within bounds. Its derivatives come from finite steps, as laws that are not
+smooth need them, and from there on from Broyden's update [Broyden1965] while that foretells what a step does,
+
+    J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                          (2)
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.fitting.coordinate import STEP, Coordinate
+from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.errors import InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.fitting.fitter import Fitter
+
+FORETOLD = 0.25
+"""Part of a step's effect that (2) may have missed before differences are taken anew."""
+CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
+"""Laws with corners."""
+
+
+class LeastSquares:
+    """Rows of (1) and their derivatives, all evaluations kept.
+
+    What cannot be simulated counts as so far off that a step there is taken back.
+    """
+
+    def __init__(
+        self,
+        fitter: Fitter,
+        members: tuple[Candidate, ...],
+        coordinates: tuple[Coordinate, ...],
+        projection: Projection,
+    ) -> None:
+        self.fitter, self.members = fitter, members
+        self.coordinates, self.projection = coordinates, projection
+        self._raw: dict[bytes, Floats] = {}
+        self._slopes: dict[bytes, Floats] = {}
+        self._differences: dict[bytes, Floats] = {}
+        self._last: Floats | None = None
+
+    def solved(self, start: Floats, evaluations: int, tolerance: float) -> Floats:
+        """Where (1) is least within the bounds.
+
+        Raises
+        ------
+        NotConverged, InvalidParameter
+            If the start cannot be simulated.
+        """
+        from scipy.optimize import least_squares
+
+        self.raw(start)  # an error here is the caller's
+        bounds = np.array([c.bound for c in self.coordinates])
+        finest = float(self._steps(start).min()) / STEP
+        found = least_squares(
+            self.rows,
+            np.clip(start, -0.99 * bounds, 0.99 * bounds),
+            self.jacobian,
+            bounds=(-bounds, bounds),
+            x_scale=1.0,
+            max_nfev=evaluations,
+            ftol=tolerance * 1e-1,
+            xtol=tolerance * finest,
+            gtol=1e-12,
+        )
+        return np.asarray(found.x)
+
+    def members_at(self, z: Floats) -> tuple[Candidate, ...]:
+        """The effects with these parameters."""
+        found = list(self.members)
+        for k, member in enumerate(found):
+            values = {
+                c.name: c.value(float(x))
+                for c, x in zip(self.coordinates, z, strict=True)
+                if c.candidate == k
+            }
+            found[k] = replace(member, effect=member.effect.with_parameters(values))
+        return tuple(found)
+
+    def raw(self, z: Floats) -> Floats:
+        """Residuals of the model."""
+        key = z.tobytes()
+        if key not in self._raw:
+            self._raw[key] = self.fitter.residual(self.members_at(z))
+        return self._raw[key]
+
+    def rows(self, z: Floats) -> Floats:
+        """Rows of (1); where nothing can be simulated, the sum is so large that the step is taken back."""
+        try:
+            rest = self.projection.rest(self.raw(z))
+        except (NotConverged, InvalidParameter):
+            return np.full(len(self.fitter.observed) + self.projection.added + len(z), 1e4)
+        return np.concatenate([rest, self._prior(z)[0]])
+
+    def _prior(self, z: Floats) -> tuple[Floats, Floats]:
+        """The priors' rows of (1) and their derivatives."""
+        weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in self.coordinates])
+        x = weak * z
+        rows = np.sign(x) * np.sqrt(np.log1p(x**2))
+        near = np.abs(x) < 1e-4  # where the row is x
+        slopes = np.where(near, 1.0, x / (1 + x**2) / np.where(near, 1.0, rows))
+        return rows, weak * slopes
+
+    def jacobian(self, z: Floats) -> Floats:
+        """Derivatives of the rows."""
+        return np.vstack([self.projection.rest(self.slopes_at(z)), np.diag(self._prior(z)[1])])
+
+    def slopes_at(self, z: Floats) -> Floats:
+        """Derivatives of the residuals by z, eq. (2) where that is enough."""
+        key = z.tobytes()
+        if key not in self._slopes:
+            self._slopes[key] = found if (found := self._updated(z)) is not None else self.differences(z)
+        self._last = z.copy()
+        return self._slopes[key]
+
+    def _updated(self, z: Floats) -> Floats | None:
+        """Eq. (2) from the last derivatives; None if there are none or they foretold too little.
+
+        A single difference costs as little.
+        """
+        if self._last is None or len(z) == 1:
+            return None
+        slopes, dz = self._slopes[self._last.tobytes()], z - self._last
+        step = self.raw(z) - self.raw(self._last)
+        missed = step - slopes @ dz
+        if float(missed @ missed) > FORETOLD**2 * float(step @ step):
+            return None
+        updated: Floats = slopes + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
+        return updated
+
+    def differences(self, z: Floats) -> Floats:
+        """Derivatives from finite steps, forward or backward where there is room."""
+        key = z.tobytes()
+        if key not in self._differences:
+            exact = self._exact(z)
+            if exact is not None:
+                self._differences[key] = exact
+                return exact
+            here = self.raw(z)
+            ahead = z + np.diag(self._steps(z))
+            self.fitter.observed.prepare(arm for there in ahead if (arm := self._arm(there)) is not None)
+            columns = [self._column(z, k, float(step), here) for k, step in enumerate(self._steps(z))]
+            self._differences[key] = np.stack(columns, axis=1)
+        return self._differences[key]
+
+    def _arm(self, z: Floats) -> Arm | None:
+        try:
+            return self.fitter.with_effects(self.members_at(z))
+        except InvalidParameter:
+            return None
+
+    def _exact(self, z: Floats) -> Floats | None:
+        """The same of laws without corners in poses, which have derivatives of their own."""
+        names = [(self.members[c.candidate], c.name) for c in self.coordinates]
+        arm = self._arm(z)
+        if arm is None or any(member.name in CORNERS for member, _ in names):
+            return None
+        keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
+        found = self.fitter.observed.pose_slopes(arm, keys)
+        slope = [c.slope(float(x)) for c, x in zip(self.coordinates, z, strict=True)]
+        return None if found is None else found * slope
+
+    def _steps(self, z: Floats) -> Floats:
+        seconds = self.fitter.observed.seconds
+        return np.array([c.step(float(x), seconds) for c, x in zip(self.coordinates, z, strict=True)])
+
+    def _column(self, z: Floats, k: int, ahead: float, here: Floats) -> Floats:
+        for step in (ahead, -ahead):
+            there = z.copy()
+            there[k] += step
+            try:
+                found: Floats = (self.raw(there) - here) / step
+            except (NotConverged, InvalidParameter):
+                continue
+            return found
+        return np.zeros_like(here)

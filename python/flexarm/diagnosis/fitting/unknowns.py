@@ -1,0 +1,183 @@
+"""What is never known exactly and always fitted along: clocks, registrations and nominal values.
+
+Each is a parameter of the model with a Gaussian prior. Clocks and frames get effects of their own in the
+model, `time_delay` and `frame_registration`, that start at zero: those of one name in several records are one
+clock and one frame. Nominal values are those of `[uncertainty]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import parameters, with_value
+from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects.frame_registration import FrameRegistration
+from flexarm.effects.time_delay import TimeDelay
+from flexarm.record import Record
+
+UNKNOWN_DELAY = 1.0
+"""1 sigma of a clock of which nothing is known, about the first guess [s]."""
+UNKNOWN_POSE = {"translation": 0.1, "rotation": 0.1}
+"""1 sigma of a frame of which nothing is known, about the first guess [m], [rad]."""
+KEPT = 0.8
+"""Greatest part that a nominal value may lose."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A number that is fitted along.
+
+    Attributes
+    ----------
+    key : str
+        Parameter of the model.
+    centre, sigma : float
+        Gaussian prior [unit].
+    unit : str
+        Of both.
+    kind : {"clock", "frame", "nominal"}
+        What it is.
+    """
+
+    key: str
+    centre: float
+    sigma: float
+    unit: str
+    kind: Literal["clock", "frame", "nominal"]
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """Effect and place of a clock's or frame's."""
+        _, name, at, *_ = self.key.split(".")
+        return name, at
+
+    def kept(self, step: float) -> float:
+        """A step from the centre, shortened where a nominal value would all but lose its sign.
+
+        Steps are linear, and far from the optimum they can be far too long: a stiffness that is known to less
+        than itself stays above a fifth of it.
+        """
+        if self.kind != "nominal" or not self.sigma < abs(self.centre):
+            return step
+        return max(step, -KEPT * self.centre) if self.centre > 0 else min(step, -KEPT * self.centre)
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """All of them.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model with the effects that carry them.
+    each : tuple of Unknown
+        In the order of the columns of a Jacobian.
+    """
+
+    arm: Arm
+    each: tuple[Unknown, ...]
+
+    @property
+    def keys(self) -> list[str]:
+        """Of the model's parameters."""
+        return [unknown.key for unknown in self.each]
+
+    @property
+    def sigma(self) -> np.ndarray:
+        """1 sigma of each."""
+        return np.array([unknown.sigma for unknown in self.each])
+
+    def put(self, arm: Arm, values: np.ndarray) -> Arm:
+        """A model of which these have other values."""
+        for unknown, value in zip(self.each, values, strict=True):
+            arm = with_value(arm, unknown.key, float(value))
+        return arm
+
+    def without(self, keys: set[str]) -> Unknowns:
+        """Fewer."""
+        return Unknowns(self.arm, tuple(u for u in self.each if u.key not in keys))
+
+
+def unknowns(observed: Observed) -> Unknowns:
+    """Clocks and frames of the records, and the model's uncertain values."""
+    arm = observed.arm
+    clocks, frames = _clocks(observed), _frames(observed)
+    for name in clocks:
+        if arm.effect("time_delay", name) is None:
+            arm = arm.with_effect(TimeDelay(at=name))
+    for name in frames:
+        if arm.effect("frame_registration", name) is None:
+            arm = arm.with_effect(FrameRegistration(at=name))
+    found = []
+    for name, sigma in clocks.items():
+        (p,) = parameters(arm, [f"effects.time_delay.{name}.delay"])
+        found.append(Unknown(p.key, p.value, sigma, p.unit, "clock"))
+    for name, sigmas in frames.items():
+        for kind, sigma in sigmas.items():
+            if sigma > 0:
+                there = parameters(arm, [f"effects.frame_registration.{name}.{kind}"])
+                found += [Unknown(p.key, p.value, sigma, p.unit, "frame") for p in there]
+    return Unknowns(arm, (*found, *nominal(arm, observed.records)))
+
+
+def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
+    """Nominal values with an uncertainty; a payload that every record weighed is known."""
+    weighed = set.intersection(*(set(record.payloads) for record in records.values())) if records else set()
+    found = []
+    for key in arm.uncertainty:
+        value, sigma = arm.sigma(key)
+        words = key.split(".")
+        if words[0] == "payloads" and words[1] in weighed and words[2].startswith("mass"):
+            continue
+        there = parameters(arm, [_bare(arm, key)])
+        sigmas = np.broadcast_to(sigma, (len(there),)) if isinstance(value, tuple) else [sigma]
+        found += [
+            Unknown(p.key, p.value, float(s), p.unit, "nominal")
+            for p, s in zip(there, sigmas, strict=True)
+            if s > 0
+        ]
+    return found
+
+
+def _bare(arm: Arm, key: str) -> str:
+    """A key of `[uncertainty]` without the unit at its end."""
+    from flexarm.arm.uncertainty import owner_of
+
+    place = owner_of(arm, key)
+    return ".".join((*place.prefix, place.field))
+
+
+def _clocks(observed: Observed) -> dict[str, float]:
+    """1 sigma of the offset of every clock of evidence but the drive's [s]."""
+    found: dict[str, float] = {}
+    for each in observed.rows:
+        record = observed.records[each.record]
+        name = record.signals[each.signal].clock
+        own = drive_clock(record)
+        if name == own or record.kind == "static":
+            continue
+        clock = record.clocks[name]
+        sigma = float(np.hypot(clock.sigma, record.clocks[own].sigma))
+        found[name] = UNKNOWN_DELAY if clock.unknown or record.clocks[own].unknown else sigma
+    return {name: sigma for name, sigma in found.items() if sigma > 0}
+
+
+def _frames(observed: Observed) -> dict[str, dict[str, float]]:
+    """1 sigma of the registration of every frame of evidence [m], [rad]."""
+    found: dict[str, dict[str, float]] = {}
+    for each in observed.rows:
+        record = observed.records[each.record]
+        signal = record.signals[each.signal]
+        frame = record.frames.get(signal.frame)
+        if frame is None or signal.quantity not in ("position", "orientation"):
+            continue
+        sigmas = UNKNOWN_POSE if frame.unknown else {k: getattr(frame, k) for k in UNKNOWN_POSE}
+        if any(sigma > 0 for sigma in sigmas.values()):
+            found[signal.frame] = dict(sigmas)
+    return found

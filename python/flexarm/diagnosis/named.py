@@ -1,0 +1,121 @@
+"""Effects and values as a diagnosis names them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted parameter.
+
+    Attributes
+    ----------
+    name : str
+        As `Effect.parameters` spells it, such as "stiffness" or "offset.x".
+    value, std, low90, high90 : float
+        Estimate, 1 sigma, and the 90 % interval [unit].
+    unit : str
+        Of all four.
+    """
+
+    name: str
+    value: float
+    std: float
+    low90: float
+    high90: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """An effect that the data cannot tell from the named one.
+
+    Attributes
+    ----------
+    name, at : str
+        Effect and place.
+    probability : float
+        Among the named effect and its alternatives.
+    """
+
+    name: str
+    at: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect that the diagnosis names.
+
+    Attributes
+    ----------
+    name, at : str
+        Effect and place.
+    probability : float
+        That this is the effect, all alternatives considered.
+    parameters : tuple of Estimate
+        What was fitted.
+    alternatives : tuple of Alternative
+        All others within a Bayes factor of 20.
+    evidence : str
+        One sentence for a person.
+    """
+
+    name: str
+    at: str
+    probability: float
+    parameters: tuple[Estimate, ...] = ()
+    alternatives: tuple[Alternative, ...] = ()
+    evidence: str = ""
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """A clock offset or registration that was fitted along: an effect within its stated uncertainty."""
+
+    name: str
+    at: str
+    parameters: tuple[Estimate, ...]
+
+
+@dataclass(frozen=True)
+class Refined:
+    """A nominal value that was refined within its stated uncertainty; `parameter` is its key."""
+
+    parameter: str
+    value: float
+    std: float
+    nominal: float
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """A candidate that was tried: its evidence against the chosen effects', and why it was not taken.
+
+    `log_bayes_factor` is the natural logarithm of evidence with the candidate over evidence with what was
+    chosen: 0 is as good, below -ln 20 is out of reach.
+    """
+
+    name: str
+    at: str
+    log_bayes_factor: float
+    why: str
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A model on the way from the nominal to the repaired one, with its gap by record [the signal's unit].
+
+    Attributes
+    ----------
+    label : str
+        What was added: "nominal", an effect, "nominal values refined".
+    rms : dict of str to float
+        Total rms of the main signal, aligned, by record (the held-out one too).
+    """
+
+    label: str
+    rms: Mapping[str, float]

@@ -1,0 +1,83 @@
+"""Why an effect is named, in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from flexarm.diagnosis.choosing.choose import Choice
+from flexarm.diagnosis.choosing.evidence import above_noise
+from flexarm.diagnosis.choosing.left_out import missed
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.wording import place_words, with_unit
+
+SHRUNK = 0.95
+"""Part of a gap that may be left where it is said to fall."""
+UNUSUAL = 3.0
+"""Sigmas of its prior from which a parameter is said to be unlike those of other machines."""
+
+
+def evidence_sentence(
+    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
+) -> str:
+    """What speaks for effect k of a choice, and what does not; one sentence for a person."""
+    best, member = choice.best, choice.best.members[k]
+    before = max(above_noise(choice.null.rest, observed).values())
+    after = max(above_noise(best.rest, observed).values())
+    rivals = choice.rivals[k]
+    what = place_words(member.name, member.at)
+    shrinks = (
+        f"falls from {before:.2g} to {after:.2g}" if after < SHRUNK * before else f"stays at {after:.2g}"
+    )
+    text = (
+        f"with {what} the largest gap above the noise {shrinks} times the noise (ln Bayes factor "
+        f"{choice.gain:.0f} over the nominal model)"
+    )
+    text += "".join(f"; {said}" for said in _strained(choice.null))
+    if rivals:
+        rival = rivals[0]
+        who = place_words(*rival.candidate.place)
+        text += f"; next is {who}, behind by a ln Bayes factor of {rival.behind:.1f}"
+    if open_gap:
+        text += (
+            f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
+            f"{missed(choice.null, observed):.2g} without"
+        )
+    text += "".join(f"; {said}" for said in _unusual(best, k))
+    for each in moving:
+        text += (
+            f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
+        )
+    return text + "."
+
+
+def _strained(null: Fit) -> Iterator[str]:
+    """What the model without effects must assume of a clock, a frame or a nominal value."""
+    if not len(null.unknowns.each):
+        return
+    pulls = np.abs(null.projection.best(null.residual)) / null.unknowns.sigma
+    worst = int(np.argmax(pulls))
+    unknown = null.unknowns.each[worst]
+    if pulls[worst] > UNUSUAL:
+        _, _, at, *rest = unknown.key.split(".")
+        what = (
+            f"value {unknown.key}"
+            if unknown.kind == "nominal"
+            else f"{'.'.join(rest)} of {unknown.kind} {at}"
+        )
+        yield f"without it the {what} would be off by {pulls[worst]:.2g} times its stated sigma"
+
+
+def _unusual(fit: Fit, k: int) -> Iterator[str]:
+    """Parameters of an effect that are far from those of other machines."""
+    for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
+        if coordinate.candidate == k and abs(z) > UNUSUAL and coordinate.prior.scale != "uniform":
+            prior, value = coordinate.prior, coordinate.value(float(z))
+            low, high = (with_unit(end, prior.unit) for end in (prior.low, prior.high))
+            yield (
+                f"its {coordinate.name} of {with_unit(value, prior.unit)} is unusual, 95 % of machines have "
+                f"{low} to {high}"
+            )

@@ -1,0 +1,64 @@
+"""The repaired model: the nominal one with refined values and the effects that were found.
+
+Effects that explain all are kept. Where a gap is left, they are kept if they are better than none: if they
+close half the gap also where it was not fitted, or if they predict, each part of the training from the others
+(`choosing.transfer`).
+"""
+
+from __future__ import annotations
+
+from math import log10
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import with_value
+from flexarm.diagnosis.candidates.candidate import SPRINGS
+from flexarm.diagnosis.choosing.choose import Choice
+from flexarm.diagnosis.choosing.left_out import missed
+from flexarm.diagnosis.choosing.transfer import carried
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.named import Refined
+from flexarm.diagnosis.outcome.estimates import Estimates
+from flexarm.diagnosis.residuals.observed import Observed
+
+WORTH_KEEPING = 0.5
+"""Least part of the gap in data left out that effects close, to be kept where they do not explain all."""
+CARRIED = 0.2
+"""The same of what the model as stated misses in each part of the training, were it left out of the fit."""
+
+
+def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
+    """The nominal model with refined values and the effects of a fit."""
+    for refined in filter(moved, sizes.refined):
+        arm = with_value(arm, refined.parameter, _rounded(refined.value, refined.std))
+    found = zip(fit.members, sizes.effects, strict=True)
+    for member, values in sorted(found, key=lambda pair: pair[0].name not in SPRINGS):
+        if member.needs is not None and arm.effect(member.needs.name, member.needs.at) is None:
+            arm = arm.with_effect(member.needs)
+        rounded = {each.name: _rounded(each.value, each.std) for each in values}
+        arm = arm.with_effect(member.effect.with_parameters(rounded))
+    return arm
+
+
+def moved(refined: Refined) -> bool:
+    """Whether the data say anything of a nominal value: not of one across the plane of a planar arm."""
+    return abs(refined.value - refined.nominal) > 1e-3 * refined.std
+
+
+def _rounded(value: float, std: float) -> float:
+    """A value to a thousandth of its standard deviation, so that files do not feign more."""
+    return value if not std > 0 else round(value, 3 - int(np.floor(log10(std))))
+
+
+def worth_keeping(choice: Choice, observed: Observed) -> bool:
+    """Whether a fit that does not explain all is better than none: it closes half, or it predicts."""
+    if not choice.best.members:
+        return False
+    best, null = choice.best, choice.null
+    return _closes(best, null, observed) or carried(best, null, observed) > CARRIED
+
+
+def _closes(best: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a fit closes enough of the gap, also where it was not fitted, to be kept with one left."""
+    return missed(best, observed) < (1 - WORTH_KEEPING) * missed(null, observed)

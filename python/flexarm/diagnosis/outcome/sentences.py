@@ -1,0 +1,130 @@
+"""What a diagnosis says, in sentences: the verdict, the gap, what the data cannot tell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexarm.diagnosis.wording import listed, number, place_words, probability, scale
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.gap.pooled_gap import PooledGap
+    from flexarm.diagnosis.named import NamedEffect
+    from flexarm.diagnosis.outcome.result import Diagnosis
+
+HEADLINES = {
+    "effects": "A physical effect is missing from the model",
+    "adequate": "The model is adequate",
+    "unexplained": "A gap remains that no known effect explains",
+    "unusable": "These data cannot be used as they are",
+}
+"""A verdict in a headline."""
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The verdict as a headline; several effects in the plural."""
+    if diagnosis.verdict == "effects" and len(diagnosis.effects) > 1:
+        return f"{len(diagnosis.effects)} physical effects are missing from the model"
+    return HEADLINES[diagnosis.verdict]
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """What was found, in one or two sentences."""
+    told = {
+        "effects": _effects,
+        "adequate": _adequate,
+        "unexplained": _unexplained,
+        "unusable": _unusable,
+    }[diagnosis.verdict](diagnosis)
+    return " ".join(part for part in told if part)
+
+
+def named(effect: NamedEffect) -> str:
+    """An effect with place, probability, and what the data cannot tell it from."""
+    text = f"{place_words(effect.name, effect.at)} (probability {probability(effect.probability)})"
+    if not effect.alternatives:
+        return text
+    rivals = [place_words(other.name, other.at) for other in effect.alternatives]
+    return f"{text}, which the data cannot tell from {listed(rivals, 'or')}"
+
+
+def gap_sentence(diagnosis: Diagnosis) -> str:
+    """How far the gap shrinks, on what was held out if anything was."""
+    held_out = [f"{name!r}" for name in diagnosis.held_out]
+    records = "records" if len(held_out) > 1 else "record"
+    where = f"held-out {records} {listed(held_out)}" if held_out else "training records"
+    gap = diagnosis.gap(diagnosis.held_out or diagnosis.training)
+    if gap.before_rms is None or gap.after_rms is None:
+        return ""
+    before, after, noise = _in_one_unit(gap, diagnosis.unit)
+    return (
+        f"On the {where} the gap of {diagnosis.main_signal!r} {_change(gap, before, after)}"
+        f"{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
+    )
+
+
+def _change(gap: PooledGap, before: str, after: str) -> str:
+    """What happens to a gap; a per cent is no change."""
+    ratio = (gap.after_rms or 0.0) / (gap.before_rms or 1.0)
+    if 0.99 < ratio < 1.01:
+        return f"is {after} rms"
+    return f"{'shrinks' if ratio < 1 else 'grows'} from {before} to {after} rms"
+
+
+def hold_out_sentence(diagnosis: Diagnosis) -> str:
+    """What the held-out data are to the training; empty where nothing was fitted."""
+    if not diagnosis.has_gap:
+        return ""
+    fitted = listed([f"{name!r}" for name in diagnosis.training])
+    if diagnosis.held_out:
+        held_out = listed([f"{name!r}" for name in diagnosis.held_out])
+        return (
+            f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
+            f"{_article(diagnosis.hold_out_kind)} of the training"
+            f"{f': {diagnosis.hold_out_why}' if diagnosis.hold_out_why else ''}."
+        )
+    return f"Fitted on {fitted}; whole blocks of it were held back to choose."
+
+
+def _effects(diagnosis: Diagnosis) -> list[str]:
+    names = listed([named(effect) for effect in diagnosis.effects])
+    return [f"Missing from the model: {names}.", gap_sentence(diagnosis)]
+
+
+def _adequate(diagnosis: Diagnosis) -> list[str]:
+    keys = [each.parameter for each in diagnosis.refined if each.value != each.nominal]
+    if not keys:
+        return ["No effect is missing as far as these data tell: the gap is noise.", gap_sentence(diagnosis)]
+    who = "a nominal value" if len(keys) == 1 else f"{len(keys)} nominal values"
+    explain = "explains" if len(keys) == 1 else "explain"
+    return [
+        f"No effect is missing as far as these data tell: {who} inside the stated uncertainty "
+        f"({listed(keys)}) {explain} the gap.",
+        gap_sentence(diagnosis),
+    ]
+
+
+def _unexplained(diagnosis: Diagnosis) -> list[str]:
+    part = listed([named(effect) for effect in diagnosis.effects])
+    return [
+        diagnosis.remainder or "What remains of the gap exceeds the noise, and no known effect explains it.",
+        f"Part of the gap may be {part}." if part else "",
+        gap_sentence(diagnosis),
+    ]
+
+
+def _unusable(diagnosis: Diagnosis) -> list[str]:
+    faults = listed([place_words(effect.name, effect.at) for effect in diagnosis.effects])
+    evidence = [effect.evidence[:1].upper() + effect.evidence[1:] for effect in diagnosis.effects]
+    return [f"The sensor is at fault, not the physics: {faults}." if faults else "", *evidence]
+
+
+def _in_one_unit(gap: PooledGap, unit: str) -> tuple[str, str, str]:
+    """Before, after and noise with the prefix that suits the first."""
+    factor, shown = scale([gap.before_rms], unit)
+    values = (gap.before_rms, gap.after_rms, gap.noise_rms)
+    before, after, noise = (f"{number(None if v is None else factor * v)} {shown}".rstrip() for v in values)
+    return before, after, noise
+
+
+def _article(kind: str) -> str:
+    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {kind}"

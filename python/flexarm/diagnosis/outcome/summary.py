@@ -1,0 +1,114 @@
+"""A diagnosis as text in a terminal: verdict, effects with intervals, rivals, gap, what to measure next."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from flexarm.diagnosis.outcome.refinement import refinements
+from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, verdict_sentence
+from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.named import Estimate, NamedEffect
+    from flexarm.diagnosis.outcome.result import Diagnosis
+
+WIDTH = 100
+
+
+def summary(diagnosis: Diagnosis) -> str:
+    """All that matters on one screen."""
+    parts = [
+        [f"{headline(diagnosis)}  [{diagnosis.verdict}]", *_wrapped(verdict_sentence(diagnosis))],
+        _effects(diagnosis),
+        _refined(diagnosis),
+        _nuisances(diagnosis),
+        _gaps(diagnosis),
+        _remarks(diagnosis),
+    ]
+    return "\n\n".join("\n".join(part) for part in parts if part)
+
+
+def _wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=indent,
+        subsequent_indent=indent if then is None else then,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _effects(diagnosis: Diagnosis) -> list[str]:
+    lines: list[str] = []
+    for effect in diagnosis.effects:
+        lines += _effect(effect)
+    return lines
+
+
+def _effect(effect: NamedEffect) -> list[str]:
+    title = f"{place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
+    lines = [title, *(_row(each) for each in effect.parameters)]
+    lines += _wrapped(effect.evidence, "  ")
+    for other in effect.alternatives:
+        words = place_words(other.name, other.at)
+        lines.append(f"  or {words}, probability {probability(other.probability)}")
+    return lines
+
+
+def _row(estimate: Estimate) -> str:
+    value, low, high, unit = interval(estimate)
+    return f"  {estimate.name:<18}{value:>12} {unit:<12} 90 %: {low} to {high}"
+
+
+def _refined(diagnosis: Diagnosis) -> list[str]:
+    found = list(refinements(diagnosis))
+    lines = ["nominal values refined, +- 1 sigma"] if found else []
+    for each in found:
+        if each.determined or each.changed:
+            moved, std, unit = each.texts
+            nominal = with_unit(each.refined.nominal, each.refined.unit, 4)
+            pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
+            lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
+    left = [each.refined.parameter for each in found if not (each.determined or each.changed)]
+    return lines + (
+        _wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else []
+    )
+
+
+def _nuisances(diagnosis: Diagnosis) -> list[str]:
+    lines = ["fitted along, within what the records state; 90 %"] if diagnosis.nuisances else []
+    for nuisance in diagnosis.nuisances:
+        lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
+        lines += [f"  {_row(each)}" for each in nuisance.parameters]
+    return lines
+
+
+def _gaps(diagnosis: Diagnosis) -> list[str]:
+    """A table by record, and what the records are to one another."""
+    names = [*diagnosis.training, *diagnosis.held_out]
+    rows = {name: diagnosis.gap([name]) for name in names}
+    rows = {name: gap for name, gap in rows.items() if gap.before_rms is not None}
+    if not rows:
+        return []
+    factor, unit = scale([gap.before_rms for gap in rows.values()], diagnosis.unit)
+    head = f"gap of {diagnosis.main_signal} [{unit}]"
+    lines = [f"{head:<30}{'before':>10}{'after':>10}{'noise':>10}{'max':>10}{'after':>10}"]
+    for name, gap in rows.items():
+        label = f"  {name} (held out)" if name in diagnosis.held_out else f"  {name}"
+        values = (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
+        cells = [number(None if v is None else factor * v) for v in values]
+        lines.append(f"{label:<30}" + "".join(f"{cell:>10}" for cell in cells))
+    return [*lines, *_wrapped(hold_out_sentence(diagnosis))]
+
+
+def _remarks(diagnosis: Diagnosis) -> list[str]:
+    lines: list[str] = []
+    if diagnosis.remainder and diagnosis.verdict != "unexplained":
+        lines += _wrapped(f"remains: {diagnosis.remainder}", "", "  ")
+    for remark in diagnosis.remarks:
+        lines += _wrapped(f"note: {remark}", "", "  ")
+    if diagnosis.next_experiment:
+        lines += _wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
+    return lines

@@ -1,0 +1,180 @@
+"""What was measured, beside what a model predicts of it: one vector of residuals over their noise.
+
+    r(model) = (y - f(model)) / sigma                                                                 (1)
+
+y are all values of all signals that are evidence, in all records, sigma is their noise
+(`residuals.observed_rows`). Clocks and frames stand where the records state them (or, unknown ones,
+where a first guess puts them); everything else, their errors too, is a parameter of the model. Rows are the
+same for every model.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from copy import copy
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.comparison.start import first_guess
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.unknowns import stated
+from flexarm.diagnosis.at_once import at_once
+from flexarm.diagnosis.residuals.observed_rows import Rows, evidence_rows, put_over_noise
+from flexarm.diagnosis.residuals.residual_slopes import differences, pose_slopes
+from flexarm.diagnosis.residuals.runs import Runs
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.record import Record
+
+KEPT_RESIDUALS = 400
+"""Number of residuals that are remembered."""
+
+
+@dataclass(eq=False)
+class Observed:
+    """Records, and the residuals (1) of any model of the arm against them.
+
+    Attributes
+    ----------
+    arm : Arm
+        The nominal model.
+    records : dict of str to Record
+        What was measured.
+    step, alpha : float
+        Of all simulations [s], [-].
+    jobs : int
+        Number of simulations at once.
+    placement : dict of str to Placement
+        Clocks and frames by record.
+    rows : tuple of Rows
+        What the entries of a residual are.
+    skipped : dict of str to str
+        Signals of no use, "record: signal", and why.
+    runs : Runs
+        Simulations beside the records.
+    """
+
+    arm: Arm
+    records: Mapping[str, Record]
+    step: float = 2e-3
+    alpha: float = -0.05
+    jobs: int = 1
+    placement: dict[str, Placement] = field(init=False, default_factory=dict)
+    rows: tuple[Rows, ...] = field(init=False, default=())
+    skipped: dict[str, str] = field(init=False, default_factory=dict)
+    runs: Runs = field(init=False)
+    _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
+
+    def __post_init__(self) -> None:
+        self.runs = Runs(self.records, self.step, self.alpha)
+        rows: list[Rows] = []
+        for name, record in self.records.items():
+            pair = self.runs.beside(name, self.arm)
+            self.placement[name] = first_guess(pair, stated(record))
+            self.skipped |= {f"{name}: {signal}": why for signal, why in pair.skipped.items()}
+            rows.extend(evidence_rows(name, pair, self.placement[name], rows[-1].where.stop if rows else 0))
+        self.rows = tuple(rows)
+        if not rows:
+            reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
+            raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
+
+    def __len__(self) -> int:
+        """Number of residuals."""
+        return int(self.rows[-1].where.stop)
+
+    @property
+    def seconds(self) -> float:
+        """Length of the longest motion [s]; 0 if all are poses."""
+        motions = (each for each in self.rows if self.records[each.record].kind == "motion")
+        return max((float(np.ptp(each.time)) for each in motions), default=0.0)
+
+    def channels(self) -> Iterator[tuple[Rows, slice]]:
+        """Rows by channel."""
+        for each in self.rows:
+            yield each, each.where
+
+    def rows_of(self, record: str) -> Iterator[Rows]:
+        """Rows of one record."""
+        return (each for each in self.rows if each.record == record)
+
+    def with_step(self, step: float) -> Observed:
+        """The same rows against other simulations."""
+        found = copy(self)
+        found.step, found.runs = step, self.runs.with_step(step)
+        found._residuals = OrderedDict()
+        return found
+
+    def with_drives(self, records: Mapping[str, Record]) -> Observed:
+        """The same rows against simulations along the drives of other records."""
+        found = self.with_step(self.step)
+        found.records, found.runs = records, Runs(records, self.step, self.alpha)
+        return found
+
+    def with_noise(self, times: Floats) -> Observed:
+        """The same rows with more noise, times as much in each of `rows`."""
+        found = self.with_step(self.step)
+        found.rows = tuple(
+            replace(each, sigma=each.sigma * float(t)) for each, t in zip(self.rows, times, strict=True)
+        )
+        return found
+
+    def residual(self, arm: Arm) -> Floats:
+        """Eq. (1) for a model, shape (len(self),)."""
+        return self._residual(arm, self.jobs)
+
+    def _residual(self, arm: Arm, jobs: int) -> Floats:
+        key = (arm.joints, arm.links, arm.payloads, arm.points, arm.effects, arm.motors, arm.controllers)
+        if key not in self._residuals:
+            found = np.empty(len(self))
+            beside = partial(self.runs.beside, arm=arm)
+            for name, pair in zip(self.records, at_once(beside, self.records, jobs), strict=True):
+                self.put(found, name, pair)
+            found.setflags(write=False)
+            self._residuals[key] = found
+            while len(self._residuals) > KEPT_RESIDUALS:
+                self._residuals.popitem(last=False)
+        return self._residuals[key]
+
+    def put(self, found: Floats, name: str, pair: Subject) -> None:
+        """Writes the rows of one record into a residual."""
+
+        def of_signal(signal: str) -> Floats:
+            return pair.residual(pair.record.signals[signal], self.placement[name], hold=True)
+
+        put_over_noise(found, self.rows_of(name), of_signal)
+
+    def prepare(self, arms: Iterable[Arm]) -> None:
+        """Computes residuals of many models, `jobs` at once; `residual` says later which of them failed."""
+        wanted = list(arms)
+        if self.jobs > 1 and len(wanted) > 1:
+            at_once(self._tried, wanted, self.jobs)
+
+    def _tried(self, arm: Arm) -> None:
+        with suppress(InvalidParameter, NotConverged):
+            self._residual(arm, 1)
+
+    def correction(self, arm: Arm) -> Floats:
+        """What (1) misses of its value for vanishing time steps h, shape (len(self),).
+
+        r(h/4) + (r(h/4) - r(h/2))/3 - r(h): Richardson's extrapolation, as the method is of order two.
+        """
+        if all(record.kind == "static" for record in self.records.values()):
+            return np.zeros(len(self))
+        half, quarter = (self.with_step(self.step / n).residual(arm) for n in (2, 4))
+        found: Floats = quarter + (quarter - half) / 3 - self.residual(arm)
+        return found
+
+    def slopes(self, arm: Arm, keys: list[str]) -> Floats:
+        """Derivatives of (1) by parameters of the model, shape (len(self), len(keys))."""
+        exact = self.pose_slopes(arm, keys)
+        return differences(self, arm, keys) if exact is None else exact
+
+    def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
+        """The same from the derivatives of equilibria; None where they have none."""
+        return pose_slopes(self, arm, keys)
