@@ -243,7 +243,7 @@ def test_failed_numbers_end_as_exit_code_3_with_time_iteration_and_residual(
     def fail(**options: object) -> None:
         raise NotConverged("no equilibrium", time=0.824, iteration=12, residual=3.1e-2)
 
-    monkeypatch.setattr(app, "app", fail)
+    monkeypatch.setattr(app, "app_for", lambda arguments: fail)
     assert run(["static", "arm.toml"]) == 3
     assert (
         capsys.readouterr().err
@@ -259,7 +259,7 @@ def test_ctrl_c_is_one_line_and_no_traceback(
     def interrupt(**options: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(app, "app", interrupt)
+    monkeypatch.setattr(app, "app_for", lambda arguments: interrupt)
     assert run(["check", "arm.toml"]) == 130
     assert capsys.readouterr() == ("", "interrupted: nothing was written\n")
 

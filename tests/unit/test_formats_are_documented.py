@@ -27,7 +27,7 @@ from flexarm.arm import (
 from flexarm.diagnosis.outcome import report_file
 from flexarm.quantities import QUANTITIES
 from flexarm.record import CarriedPayload, Clock, Frame, Record
-from flexarm.record.table import RecordTable, SignalTable
+from flexarm.record.file_table import RecordTable, SignalTable
 from flexarm.tables import Table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")

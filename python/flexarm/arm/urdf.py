@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import hypot
 from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree
-from xml.etree.ElementTree import Element
+from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.inertia import Matrix
 from flexarm.arm.rotation import added, from_rpy, rotated, scaled, times, transposed
 from flexarm.errors import InvalidFile
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 _TYPES = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
 _NOT_TABLES = {"format", "name", "gravity", "uncertainty", "urdf"}
@@ -74,6 +75,8 @@ def read_urdf(path: Path) -> dict[str, Any]:
     InvalidFile
         With file and place of what is wrong.
     """
+    from xml.etree import ElementTree
+
     try:
         robot = ElementTree.fromstring(path.read_bytes())
     except OSError as error:

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from importlib import import_module
 from inspect import cleandoc
 from typing import Annotated
 
 import typer
 
-from flexarm.cli.check import check
-from flexarm.cli.compare import compare
-from flexarm.cli.diagnose import diagnose
-from flexarm.cli.example import example
-from flexarm.cli.linearise import linearise
-from flexarm.cli.modes import modes
-from flexarm.cli.plan import plan
-from flexarm.cli.reduce import reduce
-from flexarm.cli.reproduce import reproduce
-from flexarm.cli.simulate import simulate
-from flexarm.cli.static import static
+COMMANDS = (
+    "example",
+    "check",
+    "static",
+    "modes",
+    "linearise",
+    "simulate",
+    "compare",
+    "diagnose",
+    "plan",
+    "reduce",
+    "reproduce",
+)
+"""In the order of the help. Each is a function in a module of its name."""
 
 HELP = """
 Flexible robot arms by finite elements, beside what was measured on them.
@@ -41,13 +46,28 @@ Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no conve
 (Ctrl-C): nothing is written then.
 """
 
-app = typer.Typer(
-    name="flexarm",
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    add_completion=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+
+def app_for(arguments: list[str]) -> typer.Typer:
+    """The application with the command that is asked for; with all of them where that is none.
+
+    What the options of the other commands are costs 20 ms to find out.
+    """
+    return _app(arguments[:1] if arguments and arguments[0] in COMMANDS else COMMANDS)
+
+
+def _app(commands: Iterable[str]) -> typer.Typer:
+    app = typer.Typer(
+        name="flexarm",
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        add_completion=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback(help=_help(HELP))(_common)
+    for name in commands:
+        command = getattr(import_module(f"flexarm.cli.{name}"), name)
+        app.command(help=_help(command.__doc__ or ""))(command)
+    return app
 
 
 def _print_version(wanted: bool) -> None:
@@ -70,20 +90,3 @@ def _help(text: str) -> str:
     """Help with its indented lines kept: a backspace tells the formatter not to wrap a paragraph."""
     paragraphs = cleandoc(text).split("\n\n")
     return "\n\n".join(f"\b\n{part}" if part.startswith(" ") else part for part in paragraphs)
-
-
-app.callback(help=_help(HELP))(_common)
-for command in (
-    example,
-    check,
-    static,
-    modes,
-    linearise,
-    simulate,
-    compare,
-    diagnose,
-    plan,
-    reduce,
-    reproduce,
-):
-    app.command(help=_help(command.__doc__ or ""))(command)

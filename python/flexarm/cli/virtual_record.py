@@ -11,7 +11,7 @@ from flexarm.measurement.clocks import EXACT
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.measure import measure
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
-from flexarm.record import Record, Signal
+from flexarm.record import Clock, Record, Signal
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -37,11 +37,10 @@ def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Recor
     seed : int
         Seed of the sensors' noise.
     """
-    seen = measure(run, arm.sensors, np.random.default_rng(seed))
-    signals = dict(seen.signals) or {name: _position(run, i, name) for i, name in enumerate(run.points)}
-    drives = [_drive(run, joint, signals) for joint in driven]
+    seen = measure(run, arm.sensors, np.random.default_rng(seed)) if arm.sensors else _every_point(run)
+    drives = [_drive(run, joint, dict(seen.signals)) for joint in driven]
     return seen.replace(
-        signals={**{signal.name: signal for signal in drives}, **signals},
+        signals={**{signal.name: signal for signal in drives}, **seen.signals},
         drive=tuple(signal.name for signal in drives),
         description=f"simulation of {arm.name}",
     )
@@ -71,6 +70,12 @@ def _again(signal: Signal, run: Simulation, record: Record, placement: Placement
     if signal.name in record.drive and signal.quantity != "joint_angle":
         return signal
     return signal.replace(values=predict(run, signal, placement.clock(signal), placement.frame(signal)))
+
+
+def _every_point(run: Simulation) -> Record:
+    """Positions of all points, by the one clock there is."""
+    signals = [_position(run, i, name) for i, name in enumerate(run.points)]
+    return Record(signals={signal.name: signal for signal in signals}, clocks={CLOCK: Clock()})
 
 
 def _position(run: Simulation, i: int, name: str) -> Signal:

@@ -11,7 +11,7 @@ from flexarm.tables.table import Path
 from flexarm.units import factor_to
 
 if TYPE_CHECKING:
-    from flexarm.record.table import RecordTable
+    from flexarm.record.file_table import RecordTable
 
 Found = Iterable[tuple[Path, str]]
 

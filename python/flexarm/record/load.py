@@ -12,9 +12,10 @@ from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, Problem
 from flexarm.record.columns import CsvFile
+from flexarm.record.file_table import RecordTable, SignalTable
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal
-from flexarm.record.table import Clock, RecordTable, SignalTable
+from flexarm.record.table import Clock
 from flexarm.tables import check_table, read_toml
 from flexarm.tables.place import line_in
 from flexarm.units import factor_to, si_factor

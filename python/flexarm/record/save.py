@@ -10,7 +10,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal
-from flexarm.tables.toml import toml_text
+from flexarm.tables import toml_text
 
 _UNIT_SUFFIX = {
     "m": "m",

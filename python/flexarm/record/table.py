@@ -1,14 +1,13 @@
-"""The tables of `record.toml`: clocks, frames, what a run carried, signals."""
+"""Tables that a record holds: clocks, frames, what a run carried."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import model_validator
 
 from flexarm.arm.inertia import Inertia, impossible
-from flexarm.arm.sensor import Measurement
-from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, Vector3, value_in
+from flexarm.tables import Inconsistent, Number, Table, Vector3, value_in
 
 
 class Clock(Table):
@@ -60,100 +59,3 @@ class DrawnLink(Table):
     """How far a link was drawn out in a run, such as the boom of a crane."""
 
     length: Number = value_in("m", "length of the beam", gt=0)
-
-
-def _as_clock(value: Any) -> Any:
-    if value == "unknown":
-        return Clock(unknown=True)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return {"sigma": value}
-    if not isinstance(value, dict | Clock):
-        raise ValueError(f'must be 1 sigma [s], {{ offset = , sigma = }} or "unknown", got {value!r}')
-    return value
-
-
-def _as_frame(value: Any) -> Any:
-    if value == "unknown":
-        return Frame(unknown=True)
-    if not isinstance(value, dict | Frame):
-        raise ValueError(
-            f'must be a table such as {{ translation = 1e-3, rotation = 5e-4 }} or "unknown", got {value!r}'
-        )
-    return value
-
-
-def _as_tuple(value: Any) -> Any:
-    if isinstance(value, str):
-        return (value,)
-    return tuple(value) if isinstance(value, list) else value
-
-
-Settings = Annotated[dict[Name, Number], AfterValidator(FrozenDict)]
-"""Values of a controller by key, such as its gains."""
-Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
-Clocks = Annotated[dict[Name, Annotated[Clock, BeforeValidator(_as_clock)]], AfterValidator(FrozenDict)]
-Frames = Annotated[dict[Name, Annotated[Frame, BeforeValidator(_as_frame)]], AfterValidator(FrozenDict)]
-
-
-class SignalTable(Measurement):
-    """A signal of a record: what `Measurement` says, and where its samples stand.
-
-    Parameters
-    ----------
-    file : str
-        CSV file in the record's directory.
-    time : str, optional
-        Name of the column of stamps; not in a record of poses.
-    time_unit : str
-        Unit of the stamps, default s.
-    pose : str, optional
-        Name of the column of poses, in a record of poses.
-    channels : list of str
-        Names of the columns of values.
-    """
-
-    file: str = Field(description="name of a CSV file in the record's directory", min_length=1)
-    time: str | None = None
-    time_unit: str = "s"
-    pose: str | None = None
-    channels: Names = Field(description="names of the columns of values")
-
-    @model_validator(mode="after")
-    def _check_channels(self) -> Self:
-        wanted = self.spec.channels or len(self.directions)
-        if len(self.channels) != wanted:
-            what = f"axes = {list(self.directions)}" if self.directions else self.quantity
-            raise Inconsistent(
-                (
-                    ("channels",),
-                    f"must be {wanted} for {what}, got {len(self.channels)}: {list(self.channels)}",
-                )
-            )
-        if len(set(self.channels)) < len(self.channels):
-            raise Inconsistent((("channels",), f"a column is named twice: {list(self.channels)}"))
-        return self
-
-
-class RecordTable(Table):
-    """The whole of `record.toml`."""
-
-    format: Literal["flexarm-record/1"] = "flexarm-record/1"
-    description: str = ""
-    kind: Literal["motion", "static"] = "motion"
-    initial: Literal["equilibrium", "moving"] = "equilibrium"
-    drive: Names = ()
-    joints: Annotated[dict[Name, Number], AfterValidator(FrozenDict)] = FrozenDict()
-    payloads: Annotated[dict[Name, CarriedPayload], AfterValidator(FrozenDict)] = FrozenDict()
-    controllers: Annotated[dict[Name, Settings], AfterValidator(FrozenDict)] = FrozenDict()
-    links: Annotated[dict[Name, DrawnLink], AfterValidator(FrozenDict)] = FrozenDict()
-    clocks: Clocks = FrozenDict()
-    frames: Frames = FrozenDict()
-    signals: tuple[SignalTable, ...] = ()
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        from flexarm.record.consistency import inconsistencies
-
-        if found := inconsistencies(self):
-            raise Inconsistent(*found)
-        return self

@@ -16,7 +16,8 @@ from flexarm.tables.table import (
     unit_of,
     value_in,
 )
-from flexarm.tables.toml import read_toml, toml_text
+from flexarm.tables.toml import read_toml
+from flexarm.tables.toml_writer import toml_text
 
 __all__ = [
     "FrozenDict",

@@ -1,4 +1,4 @@
-"""Reading and writing TOML text, with errors that name the file and the line."""
+"""Reading TOML text, with errors that name the file and the line."""
 
 from __future__ import annotations
 
@@ -62,38 +62,3 @@ def _split_place(message: str) -> tuple[str, str]:
     """Tomllib's "Invalid value (at line 3, column 5)" as sentence and place."""
     match = re.fullmatch(r"(.*?) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     return (match[1], match[2]) if match else (message, "TOML")
-
-
-def toml_text(data: dict[str, Any]) -> str:
-    """TOML text: lists of tables as `[[name]]`, tables at the top as `[name]`, deeper ones inline."""
-    import tomlkit
-
-    document = tomlkit.document()
-    for key, value in data.items():
-        if isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
-            tables = tomlkit.aot()
-            for item in value:
-                table = tomlkit.table()
-                for name, content in item.items():
-                    table.add(name, _inline(content))
-                tables.append(table)
-            document.add(key, tables)
-        elif isinstance(value, dict):
-            table = tomlkit.table()
-            for name, content in value.items():
-                table.add(tomlkit.key(name), _inline(content))
-            document.add(key, table)
-        else:
-            document.add(key, _inline(value))
-    return tomlkit.dumps(document)
-
-
-def _inline(value: Any) -> Any:
-    import tomlkit
-
-    if isinstance(value, dict):
-        table = tomlkit.inline_table()
-        for name, content in value.items():
-            table.add(tomlkit.key(name), _inline(content))
-        return table
-    return tomlkit.item(value)
