@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from tests.helpers.example_scripts import load_script
 from tests.helpers.pose_fit import fitted
 
@@ -11,9 +12,6 @@ import flexarm
 from flexarm import Arm, InvalidFile, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
-
-yaml = pytest.importorskip("yaml")
-
 
 SCRIPT = load_script("hilti_trailblazer", "make_records")
 POSE = {

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yourdfpy
 
 import flexarm
 from flexarm import Arm
 
-yourdfpy = pytest.importorskip("yourdfpy")
 MODEL = Path(__file__).resolve().parents[2] / "examples/hilti_trailblazer/robot.toml"
 ARM = [f"dsr_joint{k}" for k in range(1, 7)]
 

@@ -158,7 +158,6 @@ def test_a_case_that_failed_is_counted_and_said():
 @pytest.mark.parametrize("group", COUNTS)
 def test_a_seed_gives_one_plan(group):
     """And another seed another one; the first of a longer plan are those of a shorter one."""
-    pytest.importorskip("numba")
     plan = planned(group, 8, 3)
     assert len({spec.name for spec in plan}) == 8
     assert planned(group, 8, 3)[:5] == planned(group, 5, 3)
@@ -166,7 +165,6 @@ def test_a_seed_gives_one_plan(group):
 
 
 def test_singles_take_every_effect_in_turn():
-    pytest.importorskip("numba")
     from hidden_effects import HIDDEN
 
     assert {spec.effects[0] for spec in planned("single", len(HIDDEN), 1)} == set(HIDDEN)

@@ -23,7 +23,6 @@ def test_a_renderer_that_fails_leaves_no_image(monkeypatch):
 
 
 def test_a_square_seen_from_the_front_is_a_square_that_is_yellow_at_the_top():
-    pytest.importorskip("pyvista")
     image = rendered([SQUARE], 1.0, "viridis", (0.0, -90.0))
     if image is None:
         pytest.skip("pyvista cannot render here")
