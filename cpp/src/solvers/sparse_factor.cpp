@@ -6,7 +6,8 @@
 #include <klu.h>
 
 #include <algorithm>
-#include <vector>
+
+#include "flexarm/solvers/triangular_factors.hpp"
 #else
 #include <Eigen/SparseLU>
 #endif
@@ -19,72 +20,13 @@ namespace {
 // Below this estimate of 1/condition the solution has no digits left.
 constexpr double singular_rcond = 1e-18;
 
-/// KLU's factors in the open, L U + F = R⁻¹ P A Q with U's diagonal last in its columns and L's first, of one
-/// diagonal block after the other; F is what lies beside the blocks.
-struct Triangles {
-  struct Part {
-    std::vector<int> start, row;
-    std::vector<double> value;
-
-    void resize(int n, int entries) {
-      start.resize(n + 1);
-      row.resize(entries);
-      value.resize(entries);
-    }
-  };
-  Part L, U, F;
-  std::vector<int> P, Q, blocks;
-  std::vector<double> scale;
-  SparseFactor::Rows x;
-  bool current = false;
-
-  void take(klu_symbolic* symbolic, klu_numeric* numeric, klu_common* common) {
-    const int n = symbolic->n;
-    L.resize(n, numeric->lnz);
-    U.resize(n, numeric->unz);
-    F.resize(n, std::max(1, numeric->nzoff));
-    P.resize(n);
-    Q.resize(n);
-    blocks.resize(n + 1);
-    scale.assign(n, 1.0);
-    klu_extract(numeric, symbolic, L.start.data(), L.row.data(), L.value.data(), U.start.data(), U.row.data(),
-                U.value.data(), F.start.data(), F.row.data(), F.value.data(), P.data(), Q.data(),
-                scale.data(), blocks.data(), common);
-    n_blocks = symbolic->nblocks;
-    current = true;
-  }
-
-  void solve(SparseFactor::Rows& X) {
-    const auto n = static_cast<int>(P.size());
-    x.resize(n, X.cols());
-    for (int k = 0; k < n; ++k) x.row(k) = 1 / scale[k] * X.row(P[k]);
-    for (int block = n_blocks - 1; block >= 0; --block) {
-      const int first = blocks[block], last = blocks[block + 1];
-      for (int k = first; k < last; ++k) subtract(L, k, L.start[k] + 1, L.start[k + 1]);
-      for (int k = last - 1; k >= first; --k) {
-        const int diagonal = U.start[k + 1] - 1;
-        x.row(k) *= 1 / U.value[diagonal];
-        subtract(U, k, U.start[k], diagonal);
-      }
-      for (int k = first; k < last; ++k) subtract(F, k, F.start[k], F.start[k + 1]);
-    }
-    for (int k = 0; k < n; ++k) X.row(Q[k]) = x.row(k);
-  }
-
- private:
-  /// Takes column k of a factor, times the solution's k-th row, from the rows below or above.
-  void subtract(const Part& part, int k, int begin, int end) {
-    const Eigen::Index m = x.cols();
-    const double* known = x.data() + k * m;
-    for (int p = begin; p < end; ++p) {
-      double* row = x.data() + part.row[p] * m;
-      const double factor = part.value[p];
-      for (Eigen::Index j = 0; j < m; ++j) row[j] -= factor * known[j];
-    }
-  }
-
-  int n_blocks = 0;
-};
+/// KLU's factors in the open.
+void extract(klu_symbolic* symbolic, klu_numeric* numeric, klu_common* common, TriangularFactors& to) {
+  to.resize(symbolic->n, numeric->lnz, numeric->unz, std::max(1, numeric->nzoff), symbolic->nblocks);
+  klu_extract(numeric, symbolic, to.L.start.data(), to.L.row.data(), to.L.value.data(), to.U.start.data(),
+              to.U.row.data(), to.U.value.data(), to.F.start.data(), to.F.row.data(), to.F.value.data(),
+              to.P.data(), to.Q.data(), to.scale.data(), to.blocks.data(), common);
+}
 
 }  // namespace
 
@@ -102,7 +44,8 @@ struct SparseFactor::Backend {
   }
 
   bool factor(const Eigen::SparseMatrix<double>& A) {
-    triangles.current = false;
+    if (in_the_open && triangles.refactor(A)) return true;
+    in_the_open = false;
     auto* columns = const_cast<int*>(A.outerIndexPtr());
     auto* rows = const_cast<int*>(A.innerIndexPtr());
     auto* values = const_cast<double*>(A.valuePtr());
@@ -128,14 +71,22 @@ struct SparseFactor::Backend {
     return klu_rgrowth(columns, rows, values, symbolic, numeric, &common) == 1 && common.rgrowth > 1e-8;
   }
 
-  void solve(double* x, int n, int n_rhs) { klu_solve(symbolic, numeric, n, n_rhs, x, &common); }
-
-  void solve(Rows& X) {
-    if (!triangles.current) triangles.take(symbolic, numeric, &common);
-    triangles.solve(X);
+  void solve(double* x, int n, int n_rhs) {
+    if (!in_the_open) {
+      klu_solve(symbolic, numeric, n, n_rhs, x, &common);
+      return;
+    }
+    for (int k = 0; k < n_rhs; ++k) triangles.solve(x + k * n, 1);
   }
 
-  Triangles triangles;
+  void solve(Rows& X) {
+    if (!in_the_open) extract(symbolic, numeric, &common, triangles);
+    in_the_open = true;
+    triangles.solve(X.data(), X.cols());
+  }
+
+  TriangularFactors triangles;
+  bool in_the_open = false;  // from the first solution by rows on they are made there
 };
 
 const char* SparseFactor::backend() { return "KLU"; }

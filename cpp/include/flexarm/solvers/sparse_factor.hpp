@@ -2,7 +2,8 @@
 /// LU factors of a sparse matrix whose pattern stays while its numbers change: analyse once, refactor often.
 ///
 /// KLU (SuiteSparse) where the build has it, Eigen's SparseLU otherwise. KLU keeps its pivots from one set of
-/// numbers to the next and pivots anew when their growth tells that it must.
+/// numbers to the next and pivots anew when their growth tells that it must. Who solves for rows has them
+/// eliminated by triangular_factors.hpp, for as long as KLU's pivots serve.
 #pragma once
 
 #include <Eigen/SparseCore>
