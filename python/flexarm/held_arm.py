@@ -18,6 +18,7 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.sensitivity import Sensitivities, collected, varied
 
 
@@ -130,12 +131,13 @@ class HeldArm:
         arrays = _seen(self.arm, self.system, equilibrium.state, loads)
         if not self.parameters:
             return Held(values, equilibrium, arrays, None)
-        slopes = self._slopes(equilibrium, arrays, loads, turning or {})
+        slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})
         slopes["drive_angle"] = self._drive_slopes(turning or {})
         return Held(values, equilibrium, arrays, Sensitivities(self.parameters, slopes))
 
     def _slopes(
         self,
+        values: list[float],
         equilibrium: _core.Equilibrium,
         arrays: Mapping[str, Floats],
         loads: _core.Loads,
@@ -146,6 +148,15 @@ class HeldArm:
         beside = [*self._beside, *(self._turned(each) for each in turning.values())]
         places = [*self._places, *(keys.index(key) for key in turning)]
         moving = _core.static_derivative(self.system, equilibrium, beside)
+        refuse_gaps_without_side(
+            self.arm,
+            [self.parameters[place] for place in places],
+            beside,
+            self.system,
+            equilibrium,
+            moving,
+            lambda other: _core.static_equilibrium(other, values, loads),
+        )
         found = {name: np.zeros((*array.shape, len(beside))) for name, array in arrays.items()}
         for k, pair in enumerate(beside):
             up = _seen(self.arm, pair.plus, _core.moved(self.system, state, moving, k, pair.up), loads)

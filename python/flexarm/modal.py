@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents
+from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.result import Result, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities, collected, varied
 
@@ -165,7 +166,12 @@ def modes(
         raise InvalidParameter(f"must be at least 1, got {count}", where="count")
     system = assemble(arm)
     g = np.array(arm.gravity) if gravity else np.zeros(3)
-    equilibrium = _core.static_equilibrium(system, joint_values(arm, joints or {}), _core.Loads(gravity=g))
+    values, loads = joint_values(arm, joints or {}), _core.Loads(gravity=g)
+
+    def at_rest(of: _core.System) -> _core.Equilibrium:
+        return _core.static_equilibrium(of, values, loads)
+
+    equilibrium = at_rest(system)
     found = _core.modes(system, equilibrium, count)
     shape = np.array(found.shapes).T.reshape(len(found.frequency_hz), len(arm.points), 6)
     return Modes(
@@ -175,7 +181,7 @@ def modes(
         damping_ratio=frozen(found.damping_ratio),
         shape=frozen(shape),
         solver={"backend": _core.build_info().solver, "iterations": found.iterations},
-        sensitivities=_derivatives(arm, parameters(arm, sensitivities), system, equilibrium, count),
+        sensitivities=_derivatives(arm, parameters(arm, sensitivities), system, equilibrium, count, at_rest),
     )
 
 
@@ -185,9 +191,14 @@ def _derivatives(
     system: _core.System,
     equilibrium: _core.Equilibrium,
     count: int,
+    at_rest: Callable[[_core.System], _core.Equilibrium],
 ) -> Sensitivities | None:
     if not wanted:
         return None
     beside, places = varied(arm, wanted, assemble)
+    named = [wanted[place] for place in places]
+    if any(parameter.one_sided for parameter in named):
+        moving = _core.static_derivative(system, equilibrium, beside)
+        refuse_gaps_without_side(arm, named, beside, system, equilibrium, moving, at_rest, stiff=True)
     slopes = np.asarray(_core.frequency_derivatives(system, equilibrium, count, beside))
     return collected(wanted, places, {"frequency": slopes})

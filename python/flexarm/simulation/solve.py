@@ -13,6 +13,7 @@ import numpy as np
 from flexarm import _core
 from flexarm.arm.parameter import Parameter
 from flexarm.assembly import assemble, joint_values
+from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.sensitivity import Redrive, collected, varied
 from flexarm.simulation.energies import energies_of
 from flexarm.simulation.from_core import simulation_of
@@ -61,11 +62,20 @@ def differentiated(
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
     varied_systems, places = varied(run.arm, wanted, lambda arm: assemble(arm, run.kinds), redrive)
-    if held is system:
-        initial = _core.static_derivative(held, equilibrium, varied_systems, run.options.start)
-    else:
+    still = varied_systems
+    if held is not system:
         still, _ = varied(run.arm, wanted, lambda arm: assemble(arm, run.prescribed), redrive)
-        initial = _core.static_derivative(held, equilibrium, still, run.options.start)
+    initial = _core.static_derivative(held, equilibrium, still, run.options.start)
+    refuse_gaps_without_side(
+        run.arm,
+        [wanted[place] for place in places],
+        still,
+        held,
+        equilibrium,
+        initial,
+        lambda other: _start(run, other, motions),
+    )
+    if held is not system:
         initial = _core.released_derivative(held, initial, system)
         equilibrium = _core.released(held, equilibrium, system)
     run.options.tolerance = _DIFFERENTIATED
