@@ -1,5 +1,6 @@
 #include "flexarm/assembly/equations.hpp"
 
+#include "flexarm/assembly/tangent_terms.hpp"
 #include "flexarm/errors.hpp"
 
 namespace flexarm::assembly {

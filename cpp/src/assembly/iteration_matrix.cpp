@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flexarm/assembly/tangent_terms.hpp"
+
 namespace flexarm::assembly {
 namespace {
 

@@ -2,19 +2,52 @@
 
 #include <algorithm>
 
+#include "flexarm/assembly/tangent_terms.hpp"
+
 namespace flexarm::assembly {
+
+namespace {
+
+void clear(Eigen::SparseMatrix<double>& matrix) {
+  std::fill(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros(), 0.0);
+}
+
+/// Adds the k-th numbers that are told at the k-th slot.
+struct Adding {
+  const int* slot;
+  double *M, *C, *K;
+  double constraint_scale;
+  const VectorXd &law_damping, &law_stiffness;
+
+  void add(int, int, double mass, double damping, double stiffness) {
+    const int at = *slot++;
+    if (M != nullptr) M[at] += mass;
+    C[at] += damping;
+    K[at] += stiffness;
+  }
+  void constrain(int, int, double value) { K[*slot++] += constraint_scale * value; }
+  void law(std::size_t k, int, int, double sign) {
+    const int at = *slot++;
+    C[at] += sign * law_damping[static_cast<Eigen::Index>(k)];
+    K[at] += sign * law_stiffness[static_cast<Eigen::Index>(k)];
+  }
+};
+
+}  // namespace
 
 template <int D>
 void TangentPartsIn<D>::assemble(const StateIn<D>& state, const LoadsIn<D>& loads, double constraint_scale,
                                  bool friction) {
-  const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(system_.laws().size()));
-  if (slots_.empty()) {
-    find_slots(state, loads);
-    fill(M_, state, loads, {1, 0, 0, 0}, none);  // constant in local frames
-  }
-  const TangentFactors damping{0, 1, 0, 0}, stiffness{0, 0, 1, constraint_scale};
-  fill(C_, state, loads, damping, system_.law_tangents(state, damping, friction));
-  fill(K_, state, loads, stiffness, system_.law_tangents(state, stiffness, friction));
+  const bool first = slots_.empty();
+  if (first) find_slots(state, loads);
+  const VectorXd damping = system_.law_tangents(state, {0, 1, 0, 0}, friction),
+                 stiffness = system_.law_tangents(state, {0, 0, 1, 0}, friction);
+  clear(C_);
+  clear(K_);
+  if (first) clear(M_);  // constant in local frames
+  system_.emit_terms(state, loads, {true, true},
+                     Adding{slots_.data(), first ? M_.valuePtr() : nullptr, C_.valuePtr(), K_.valuePtr(),
+                            constraint_scale, damping, stiffness});
 }
 
 template <int D>
@@ -34,16 +67,6 @@ void TangentPartsIn<D>::find_slots(const StateIn<D>& state, const LoadsIn<D>& lo
     slots_.push_back(static_cast<int>(std::lower_bound(first, last, entry.row()) - K_.innerIndexPtr()));
   }
   M_ = C_ = K_;
-}
-
-template <int D>
-void TangentPartsIn<D>::fill(Matrix& matrix, const StateIn<D>& state, const LoadsIn<D>& loads,
-                             const TangentFactors& factors, const VectorXd& law_tangents) {
-  double* values = matrix.valuePtr();
-  std::fill(values, values + matrix.nonZeros(), 0.0);
-  std::size_t k = 0;
-  system_.emit_tangent(state, loads, factors, law_tangents,
-                       [&](int, int, double value) { values[slots_[k++]] += value; });
 }
 
 template class TangentPartsIn<2>;

@@ -124,7 +124,13 @@ typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::stiffness_matrix(const F
                                                                          const TwistD& v1, const TwistD& v2,
                                                                          double t) const {
   const TwistD d = logarithm<D>(relative<D>(H1, H2));
-  const auto B = strain_matrix(d);
+  return stiffness_at(d, strain_matrix(d), v1, v2, t);
+}
+
+template <int D>
+typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::stiffness_at(const TwistD& d, const StrainMatrix& B,
+                                                                     const TwistD& v1, const TwistD& v2,
+                                                                     double t) const {
   TwistD stress = K_.cwiseProduct(d - rest(t));
   TwistMatrix<D> material = K_.asDiagonal();
   if (eta_ > 0) {
@@ -143,8 +149,16 @@ typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::stiffness_matrix(const F
 template <int D>
 typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::damping_matrix(const FrameD& H1,
                                                                        const FrameD& H2) const {
-  const auto B = strain_matrix(logarithm<D>(relative<D>(H1, H2)));
-  return eta_ * B.transpose() * K_.asDiagonal() * B;
+  return damping_at(strain_matrix(logarithm<D>(relative<D>(H1, H2))));
+}
+
+template <int D>
+void BeamElementIn<D>::find_tangents(const FrameD& H1, const FrameD& H2, const Ends& v, double t,
+                                     bool damping, bool stiffness, TangentMatrices& found) const {
+  const TwistD d = logarithm<D>(relative<D>(H1, H2));
+  const StrainMatrix B = strain_matrix(d);
+  if (stiffness) found.stiffness = stiffness_at(d, B, v.template head<n>(), v.template tail<n>(), t);
+  if (damping) found.damping = damping_at(B) + gyroscopic_matrix(v);
 }
 
 template <int D>

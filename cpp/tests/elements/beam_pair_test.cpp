@@ -3,28 +3,14 @@
 #include <random>
 #include <vector>
 
+#include "beams.hpp"
 #include "flexarm/elements/beam_pair.hpp"
 
 using namespace flexarm::elements;
+using namespace flexarm::tests;
 using namespace flexarm::geometry;
 
 namespace {
-
-BeamElement plump_beam(int node1, int node2, double length, double damping_time) {
-  const BeamProperties plump{.EA = 900,
-                             .GJ = 30,
-                             .EIy = 50,
-                             .EIz = 20,
-                             .GAy = 400,
-                             .GAz = 250,
-                             .rho_A = 2.0,
-                             .rho_Iy = 0.03,
-                             .rho_Iz = 0.05,
-                             .rho_J = 0.08};
-  BeamElement beam(node1, node2, {}, Frame::translation({length, 0, 0}), plump);
-  beam.set_damping_time(damping_time);
-  return beam;
-}
 
 /// Three nodes of two beams: bent by about `turn` [rad] and moving, from seeded numbers.
 struct Motion {
@@ -67,7 +53,8 @@ Eigen::VectorXd one_by_one(const std::vector<BeamElement>& beams, const Motion& 
 
 TEST_CASE("two beams side by side give the forces of each, however far they are bent") {
   for (const double damping_time : {0.0, 1e-3}) {
-    const std::vector<BeamElement> beams = {plump_beam(0, 1, 0.7, damping_time), plump_beam(1, 2, 0.9, 0.0)};
+    const std::vector<BeamElement> beams = {straight_beam(0.7, plump, damping_time, 0, 1),
+                                            straight_beam(0.9, plump, 0.0, 1, 2)};
     const BeamPairIn<3> pair(beams[0], beams[1]);
     for (const double turn : {1e-6, 0.02, 0.2, 2.0}) {  // across all limits of the series
       const Motion at(turn);
@@ -80,8 +67,8 @@ TEST_CASE("two beams side by side give the forces of each, however far they are 
 }
 
 TEST_CASE("beams with growing bows stay alone") {
-  BeamElement growing = plump_beam(0, 1, 0.7, 0);
+  BeamElement growing = straight_beam(0.7, plump, 0, 0, 1);
   growing.set_bow(Vector6d::Constant(1e-3), 10.0);
-  CHECK(!BeamPairIn<3>::suits(growing, plump_beam(1, 2, 0.9, 0)));
-  CHECK(BeamPairIn<3>::suits(plump_beam(0, 1, 0.7, 0), plump_beam(1, 2, 0.9, 0)));
+  CHECK(!BeamPairIn<3>::suits(growing, straight_beam(0.9, plump, 0, 1, 2)));
+  CHECK(BeamPairIn<3>::suits(straight_beam(0.7, plump, 0, 0, 1), straight_beam(0.9, plump, 0, 1, 2)));
 }

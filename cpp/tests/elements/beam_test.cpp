@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "beams.hpp"
 #include "numerics.hpp"
 
 using namespace flexarm::tests;
@@ -16,18 +17,6 @@ namespace {
 constexpr double L = 0.8;
 constexpr double rigid_in_shear = std::numeric_limits<double>::infinity();
 
-/// All stiffnesses and inertias different and of one size, so that no term hides behind another.
-const BeamProperties plump{.EA = 900,
-                           .GJ = 30,
-                           .EIy = 50,
-                           .EIz = 20,
-                           .GAy = 400,
-                           .GAz = 250,
-                           .rho_A = 2.0,
-                           .rho_Iy = 0.03,
-                           .rho_Iz = 0.05,
-                           .rho_J = 0.08};
-
 BeamProperties without_shear_and_rotary_inertia() {
   BeamProperties p = plump;
   p.GAy = p.GAz = rigid_in_shear;
@@ -35,11 +24,7 @@ BeamProperties without_shear_and_rotary_inertia() {
   return p;
 }
 
-BeamElement straight(const BeamProperties& p = plump, double eta = 0) {
-  BeamElement beam(0, 1, Frame{}, Frame::translation({L, 0, 0}), p);
-  beam.set_damping_time(eta);
-  return beam;
-}
+BeamElement straight(const BeamProperties& p = plump, double eta = 0) { return straight_beam(L, p, eta); }
 
 /// A deformed element anywhere in space: relative rotations up to about 1 rad.
 struct Placement {
@@ -237,6 +222,17 @@ TEST_CASE("The gyroscopic matrix is the derivative of the inertia forces, which 
   const auto f = [&](const VectorXd& d) -> VectorXd { return beam.inertia_forces(v + d, v_dot); };
   CHECK(relative_error(beam.gyroscopic_matrix(v), differences(f, 12)) < 1e-11);
   CHECK(std::abs(v.dot(beam.inertia_forces(v, Vector12d::Zero()))) < 1e-13);
+}
+
+TEST_CASE("Tangents that are found together are those that are found one by one") {
+  Random random(10);
+  const BeamElement beam = straight(plump, 0.03);
+  const Placement p = deformed(random);
+  const Vector12d v = random.vector(12);
+  BeamElement::TangentMatrices found;
+  beam.find_tangents(p.H1, p.H2, v, 0, true, true, found);
+  CHECK(found.stiffness == beam.stiffness_matrix(p.H1, p.H2, v.head<6>(), v.tail<6>()));
+  CHECK(found.damping == beam.damping_matrix(p.H1, p.H2) + beam.gyroscopic_matrix(v));
 }
 
 TEST_CASE("A rigidly moving element has the kinetic energy of a straight rod") {

@@ -1,13 +1,13 @@
 /// A bow: a strain that a beam has without stress, and that may grow.
 #include <doctest/doctest.h>
 
+#include "beams.hpp"
 #include "flexarm/elements/beam.hpp"
 #include "numerics.hpp"
 
 using namespace flexarm::tests;
 using namespace flexarm::geometry;
 using flexarm::elements::BeamElement;
-using flexarm::elements::BeamProperties;
 
 namespace {
 
@@ -16,19 +16,8 @@ const Vector6d d0 = L * Vector6d::Unit(0);
 const Vector6d b = (Vector6d() << 0.01, 0, 0, 0, 0.2, -0.3).finished() * L;
 
 BeamElement bowed(double time) {
-  const BeamProperties plump{.EA = 900,
-                             .GJ = 30,
-                             .EIy = 50,
-                             .EIz = 20,
-                             .GAy = 400,
-                             .GAz = 250,
-                             .rho_A = 2.0,
-                             .rho_Iy = 0.03,
-                             .rho_Iz = 0.05,
-                             .rho_J = 0.08};
-  BeamElement beam(0, 1, Frame{}, Frame::translation({L, 0, 0}), plump);
+  BeamElement beam = straight_beam(L, plump, eta);
   beam.set_bow(b, time);
-  beam.set_damping_time(eta);
   return beam;
 }
 

@@ -87,6 +87,11 @@ struct TangentFactors {
   double constraint = 1;  ///< scale s of constraints and multipliers: rows s Φ, forces s Φ_qᵀ λ̂
 };
 
+/// Which terms of a tangent are wanted, beside those of mass and constraints, which cost little.
+struct WantedTerms {
+  bool damping, stiffness;
+};
+
 template <int D>
 class SystemIn {
  public:
@@ -149,10 +154,15 @@ class SystemIn {
                 const std::vector<bool>& left_out = {}) const;
 
   /// Tangent of (1), (2) with respect to the unknowns, as triplets in an order that never changes:
-  /// add(row, column, value). `law_tangents` are the stiffnesses to use for the laws.
+  /// add(row, column, value). `law_tangents` are the stiffnesses to use for the laws. This and the next are
+  /// defined in tangent_terms.hpp.
   template <class Add>
   void emit_tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
                     const VectorXd& law_tangents, Add&& add) const;
+
+  /// What the tangent is made of, in the same order; those that are not wanted are 0.
+  template <class Terms>
+  void emit_terms(const StateD& state, const LoadsD& loads, WantedTerms wanted, Terms&& terms) const;
 
   /// The same as a sparse matrix; with `constraints` off only the n_free() x n_free() block.
   Eigen::SparseMatrix<double> tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
@@ -182,6 +192,12 @@ class SystemIn {
   TwistD point_velocity(const StateD& state, int point) const;
 
  protected:
+  template <class Terms>
+  void emit_elements(const StateD& state, const LoadsD& loads, WantedTerms wanted, Terms& terms) const;
+  template <class Terms>
+  void emit_weights(const StateD& state, const LoadsD& loads, WantedTerms wanted, Terms& terms) const;
+  template <class Terms>
+  void emit_joints(const StateD& state, WantedTerms wanted, Terms& terms) const;
   int row(const Part& part, int k) const;  // of its k-th velocity
   void pair_beams();                       // once they are complete
   void add_masses(const StateD& state, const LoadsD& loads, VectorXd& r) const;
@@ -210,110 +226,5 @@ class SystemIn {
   std::vector<double> scalar_inertia_;
   std::vector<AttachmentIn<D>> points_;
 };
-
-template <int D>
-template <class Add>
-void SystemIn<D>::emit_tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
-                               const VectorXd& law_tangents, Add&& add) const {
-  const auto block = [&](int row, int column, const auto& B) {
-    for (int j = 0; j < B.cols(); ++j)
-      for (int i = 0; i < B.rows(); ++i) add(row + i, column + j, B(i, j));
-  };
-  const auto scalar = [&](int row, int column, double value) {
-    if (is_free(row) && is_free(column)) add(scalar_offset() + row, scalar_offset() + column, value);
-  };
-
-  for (const Beam& beam : beams_) {
-    const int n1 = n * beam.node1(), n2 = n * beam.node2();
-    const FrameD &H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
-    elements::TwoTwists<D> v;
-    v << state.v.template segment<n>(n1), state.v.template segment<n>(n2);
-    elements::TwoTwistsMatrix<D> S = c.mass * beam.mass();
-    if (c.stiffness != 0) {
-      S += c.stiffness *
-           beam.stiffness_matrix(H1, H2, v.template head<n>(), v.template tail<n>(), state.elapsed());
-    }
-    if (c.damping != 0) S += c.damping * (beam.damping_matrix(H1, H2) + beam.gyroscopic_matrix(v));
-    block(n1, n1, S.template topLeftCorner<n, n>());
-    block(n1, n2, S.template topRightCorner<n, n>());
-    block(n2, n1, S.template bottomLeftCorner<n, n>());
-    block(n2, n2, S.template bottomRightCorner<n, n>());
-  }
-  for (const auto& body : bodies_) {
-    const int at = n * body.node();
-    const TwistD v = state.v.template segment<n>(at);
-    block(at, at, TwistMatrixD(c.mass * body.mass() + c.damping * body.gyroscopic_matrix(v)));
-  }
-  for (const Part& part : superelements_) {
-    const auto at = configuration(part, state);
-    Eigen::MatrixXd S = c.mass * part.mass();
-    const VectorXd V = velocities(part, state.v);
-    if (c.stiffness != 0) S += c.stiffness * part.stiffness_matrix(at, V, loads.gravity);
-    if (c.damping != 0) S += c.damping * (part.damping_matrix(at) + part.gyroscopic_matrix(V));
-    for (int j = 0; j < part.size(); ++j)
-      for (int i = 0; i < part.size(); ++i) add(row(part, i), row(part, j), S(i, j));
-  }
-  for (int k = 0; k < n_nodes_; ++k) {
-    block(n * k, n * k, TwistMatrixD(c.stiffness * weights_[k].stiffness(state.frames[k].R, loads.gravity)));
-  }
-  for (const PointLoadIn<D>& load : loads.points) {
-    const auto& at = loaded_point(load.point);
-    if (load.follows) continue;
-    const geometry::Rotation<D>& R = state.frames[at.node].R;
-    TwistMatrixD K = elements::WeightIn<D>{1, at.offset.x}.stiffness(R, load.force);
-    if constexpr (D == 3) K.template bottomRightCorner<3, 3>() -= geometry::skew(R.transpose() * load.moment);
-    block(n * at.node, n * at.node, TwistMatrixD(c.stiffness * K));
-  }
-  for (int s = 0; s < n_free_scalars_; ++s) scalar(s, s, c.mass * scalar_inertia_[s]);
-  for (std::size_t k = 0; k < laws_.size(); ++k) {
-    const double kappa = law_tangents[k];
-    const PlacedLaw& law = laws_[k];
-    scalar(law.plus, law.plus, kappa);
-    if (law.minus < 0) continue;
-    scalar(law.minus, law.minus, kappa);
-    scalar(law.plus, law.minus, -kappa);
-    scalar(law.minus, law.plus, -kappa);
-  }
-
-  int first_row = n_free();
-  for (const Joint& joint : constraints_) {
-    const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
-    const FrameD &H_a = frame(state, a), &H_b = frame(state, b);
-    const double theta = q < 0 ? 0.0 : state.s[q];
-    const auto J = joint.jacobian(H_a, H_b, theta);
-    TwistD lambda = TwistD::Zero();
-    lambda.head(m) = state.multipliers.segment(first_row - n_free(), m);
-    const auto K = joint.geometric_stiffness(H_a, H_b, theta, lambda);
-    const auto both = [&](int column, const auto& B) {  // constraint rows and, transposed, multiplier columns
-      block(first_row, column, (c.constraint * B.topRows(m)).eval());
-      block(column, first_row, (c.constraint * B.topRows(m).transpose()).eval());
-    };
-    both(n * b, J.b);
-    if (a >= 0) {
-      both(n * a, J.a);
-      if (joint.type() == joints::JointType::spherical) {
-        block(n * a, n * a, TwistMatrixD(c.stiffness * K.a_a));
-        block(n * a, n * b, TwistMatrixD(c.stiffness * K.a_b));
-      }
-    }
-    if (q >= 0 && is_free(q)) {
-      both(scalar_offset() + q, J.theta);
-      if (a >= 0) block(n * a, scalar_offset() + q, TwistD(c.stiffness * K.a_theta));
-    }
-    first_row += m;
-  }
-  for (const joints::GearConstraint& gear : gears_) {
-    const auto both = [&](int coordinate, double value) {
-      if (!is_free(coordinate)) return;
-      add(first_row, scalar_offset() + coordinate, c.constraint * value);
-      add(scalar_offset() + coordinate, first_row, c.constraint * value);
-    };
-    const auto psi = gear.transmission(state.s[gear.input]);
-    both(gear.input, psi.first);
-    both(gear.output, -1);
-    scalar(gear.input, gear.input, c.stiffness * psi.second * state.multipliers[first_row - n_free()]);
-    ++first_row;
-  }
-}
 
 }  // namespace flexarm::assembly

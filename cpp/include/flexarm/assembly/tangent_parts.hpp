@@ -42,8 +42,6 @@ class TangentPartsIn {
 
  private:
   void find_slots(const StateIn<D>& state, const LoadsIn<D>& loads);
-  void fill(Matrix& matrix, const StateIn<D>& state, const LoadsIn<D>& loads, const TangentFactors& factors,
-            const VectorXd& law_tangents);
 
   const SystemIn<D>& system_;
   std::vector<int> slots_;  // where the k-th emitted number goes

@@ -33,6 +33,7 @@
 #include <array>
 #include <cmath>
 
+#include "flexarm/elements/uncoupled.hpp"
 #include "flexarm/geometry/plane.hpp"
 #include "flexarm/geometry/se3.hpp"
 #include "flexarm/model/arm.hpp"
@@ -45,14 +46,6 @@ using geometry::Matrix6d;
 using geometry::Twist;
 using geometry::TwistMatrix;
 using geometry::Vector6d;
-
-/// Two nodes' twists, one after the other.
-template <int D>
-using TwoTwists = Eigen::Matrix<double, 2 * geometry::freedoms<D>, 1>;
-template <int D>
-using TwoTwistsMatrix = Eigen::Matrix<double, 2 * geometry::freedoms<D>, 2 * geometry::freedoms<D>>;
-using Matrix12d = TwoTwistsMatrix<3>;
-using Vector12d = TwoTwists<3>;
 
 /// Stiffness and inertia per length of a beam, in section axes.
 struct BeamProperties {
@@ -68,42 +61,6 @@ struct BeamProperties {
 /// Shape functions of one bending plane at ξ in [0, 1]: rows (w, θ) from (w₁, θ₁, w₂, θ₂), θ = w' without
 /// shear.
 Eigen::Matrix<double, 2, 4> bending_shape(double xi, double length, double Phi);
-
-/// What a straight beam does not couple: stretch, twist and the two planes of bending.
-template <int D>
-struct Uncoupled {
-  static constexpr int n = geometry::freedoms<D>;
-  template <class Real>
-  using Ends = Eigen::Matrix<Real, 2 * n, 1>;
-
-  /// Components of a twist that stand alone, and those of each bending plane: w₁, θ₁, w₂, θ₂ of two twists.
-  using Bending = std::array<int, 4>;
-  static constexpr auto alone = [] {
-    if constexpr (D == 2) return std::array{0};
-    if constexpr (D == 3) return std::array{0, 3};
-  }();
-  static constexpr auto bending = [] {
-    if constexpr (D == 2) return std::array<Bending, 1>{{{1, 2, 4, 5}}};
-    if constexpr (D == 3) return std::array<Bending, 2>{{{1, 5, 7, 11}, {2, 4, 8, 10}}};
-  }();
-
-  /// M v of a matrix with such zeros.
-  template <class Real>
-  static Ends<Real> product(const Eigen::Matrix<Real, 2 * n, 2 * n>& M, const Ends<Real>& v) {
-    Ends<Real> p;
-    for (int k : alone) {
-      p[k] = M(k, k) * v[k] + M(k, k + n) * v[k + n];
-      p[k + n] = M(k + n, k) * v[k] + M(k + n, k + n) * v[k + n];
-    }
-    for (const auto& plane : bending) {
-      for (int row : plane) {
-        p[row] = M(row, plane[0]) * v[plane[0]] + M(row, plane[1]) * v[plane[1]] +
-                 M(row, plane[2]) * v[plane[2]] + M(row, plane[3]) * v[plane[3]];
-      }
-    }
-    return p;
-  }
-};
 
 template <int D>
 class BeamElementIn {
@@ -175,6 +132,13 @@ class BeamElementIn {
   /// ∂(4)/∂(velocities): gyroscopic terms.
   EndsMatrix gyroscopic_matrix(const Ends& v) const;
 
+  /// ∂(3) + ∂(4) by increments of the nodes and by velocities, where they are wanted.
+  struct TangentMatrices {
+    EndsMatrix stiffness, damping;
+  };
+  void find_tangents(const FrameD& H1, const FrameD& H2, const Ends& v, double t, bool damping,
+                     bool stiffness, TangentMatrices& found) const;
+
   /// Placement of the section at ξ in [0, 1], from the shape functions in the coordinates (1).
   FrameD interpolate(const FrameD& H1, const FrameD& H2, double xi) const;
 
@@ -208,6 +172,9 @@ class BeamElementIn {
 
   TwistMatrix<D> shape_matrix(double xi) const;
   StrainMatrix strain_matrix(const TwistD& d) const;  // B
+  EndsMatrix stiffness_at(const TwistD& d, const StrainMatrix& B, const TwistD& v1, const TwistD& v2,
+                          double t) const;
+  EndsMatrix damping_at(const StrainMatrix& B) const { return eta_ * B.transpose() * K_.asDiagonal() * B; }
 
   template <int>
   friend class BeamElementIn;

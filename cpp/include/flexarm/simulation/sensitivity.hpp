@@ -79,8 +79,7 @@ class SensitivitiesIn {
   assembly::TangentPartsIn<D> parts_;
   Eigen::SparseMatrix<double> S_;
   solvers::SparseFactor factor_;
-  MatrixXd unknowns_;               // of (4), one column a parameter
-  Slopes rhs_;                      // the same by rows
+  Slopes rhs_;                      // of (4), then its unknowns, one column a parameter
   Slopes a_rest_, V_, A_;           // (2) and (3) at ξ₁ = 0
   Slopes turned_;                   // T_r⁻¹ ξ₁
   Eigen::RowVectorXd dx_, dx_dot_;  // of a law
