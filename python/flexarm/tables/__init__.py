@@ -16,8 +16,7 @@ from flexarm.tables.table import (
     unit_of,
     value_in,
 )
-from flexarm.tables.toml import read_toml
-from flexarm.tables.toml_writer import toml_text
+from flexarm.tables.toml import read_toml, toml_text
 
 __all__ = [
     "FrozenDict",

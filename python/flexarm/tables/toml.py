@@ -1,9 +1,10 @@
-"""Reading TOML text, with errors that name the file and the line."""
+"""Reading and writing TOML text, with errors that name the file and the line."""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -62,3 +63,53 @@ def _split_place(message: str) -> tuple[str, str]:
     """Tomllib's "Invalid value (at line 3, column 5)" as sentence and place."""
     match = re.fullmatch(r"(.*?) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     return (match[1], match[2]) if match else (message, "TOML")
+
+
+def toml_text(data: Mapping[str, Any]) -> str:
+    """TOML text: lists of tables as `[[name]]`, tables at the top as `[name]`, deeper ones inline."""
+    import tomlkit
+
+    document = tomlkit.document()
+    for key, value in sorted(data.items(), key=lambda item: _has_header(item[1])):
+        if not _has_header(value):
+            document.add(tomlkit.key(key), _inline(value))
+        elif isinstance(value, Mapping):
+            document.add(tomlkit.key(key), _table(value))
+        else:
+            tables = tomlkit.aot()
+            for item in value:
+                tables.append(_table(item))
+            document.add(tomlkit.key(key), tables)
+    return tomlkit.dumps(document)
+
+
+def _has_header(value: Any) -> bool:
+    """Whether a value at the top stands below a header of its own, hence after all that do not."""
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and all(isinstance(item, Mapping) for item in value)
+    )
+
+
+def _table(content: Mapping[str, Any]) -> Any:
+    import tomlkit
+
+    table = tomlkit.table()
+    for key, value in content.items():
+        table.add(tomlkit.key(key), _inline(value))
+    return table
+
+
+def _inline(value: Any) -> Any:
+    import tomlkit
+
+    if isinstance(value, Mapping):
+        table = tomlkit.inline_table()
+        for name, content in value.items():
+            table.add(tomlkit.key(name), _inline(content))
+        return table
+    if isinstance(value, list | tuple):  # of tables, too, which tomlkit by itself would give headers
+        array = tomlkit.array()
+        for item in value:
+            array.append(_inline(item))
+        return array
+    return tomlkit.item(value)
