@@ -57,28 +57,32 @@ class LinkBow(Effect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Straightness of tubes, and the sun on one side of them."""
-        link = arm.link(self.at)
+        link, along = arm.link(self.at), self.along(arm)
         length = link.length if isinstance(link, Beam) else 1.0
         source = (
             "engineering judgement: tubes straight to 1 in 1000, whose arc puts the tip four times as far; "
             "10 K across a steel tube of 60 mm bend 3 m of it by 9 mm"
         )
-        along = "engineering judgement: 20 K of steel are 1 in 4000 of the length"
+        stretch = "engineering judgement: 20 K of steel are 1 in 4000 of the length"
         heat = "engineering judgement: a steel wall of 2 to 20 mm follows the air in minutes to hours"
         return {
             **{
                 f"tip_offset.{axis}": Prior(-4e-3 * length, 4e-3 * length, 0.0, "linear", "m", source)
-                if not self._along(arm, axis)
-                else Prior(-3e-4 * length, 3e-4 * length, 0.0, "linear", "m", along)
+                if f"tip_offset.{axis}" not in along
+                else Prior(-3e-4 * length, 3e-4 * length, 0.0, "linear", "m", stretch)
                 for axis in "xyz"
             },
             "time_constant": Prior(20.0, 1e4, 600.0, "log", "s", heat),
         }
 
-    def _along(self, arm: Arm, axis: str) -> bool:
-        """Whether an axis of the link's frame runs along the beam."""
+    def along(self, arm: Arm) -> tuple[str, ...]:
+        """Keys of the part of the tip's offset that runs along the beam and stretches it."""
         link = arm.link(self.at)
-        return isinstance(link, Beam) and abs(link.end["xyz".index(axis)]) > 0.9 * link.length
+        if not isinstance(link, Beam):
+            return ()
+        return tuple(
+            f"tip_offset.{k}" for k, x in zip("xyz", link.end, strict=True) if abs(x) > 0.9 * link.length
+        )
 
     def derivative(self, parameter: str) -> Derivative:
         """None by a time constant of zero, which is not the limit of short ones."""

@@ -14,6 +14,7 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, WAVES, value_of
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects.joint_compliance import TYPICAL_STIFFNESS
+from flexarm.effects.link_bow import LinkBow
 
 MULTIPLES = (1.0, 2.0, 3.0, 4.0)
 """Periods a motor turn that are probed; cycloidal and strain-wave reducers have small whole numbers."""
@@ -28,7 +29,7 @@ SOFTER = (1.0, 30.0, 300.0)
 
 
 def variants(
-    name: str, effect: Effect, rhythm: Sequence[float], softer: Sequence[float]
+    name: str, effect: Effect, arm: Arm, rhythm: Sequence[float], softer: Sequence[float]
 ) -> Iterator[dict[str, float]]:
     """What is not fitted but tried, or where a fit starts."""
     if name in SPRINGS and softer:
@@ -40,9 +41,11 @@ def variants(
     elif name == "joint_hysteresis":
         width = value_of(effect, "width")
         yield from ({"width": times * width} for times in WIDTHS)
-    elif name == "link_bow":
-        yield {"time_constant": 0.0}
-        yield from ({"time_constant": t} for t in GROWTH)
+    elif isinstance(effect, LinkBow):
+        straight = {
+            key: value_of(effect, key) for key in effect.along(arm)
+        }  # what stretches a link is no bow
+        yield from ({"time_constant": t, **straight} for t in (0.0, *GROWTH))
     else:
         yield {}
 

@@ -102,7 +102,7 @@ def _at_place(
             needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=2e-3 * TYPICAL_STIFFNESS)
     there = arm if needs is None else arm.with_effect(needs)
     typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
-    for fixed in variants(name, typical, rhythm, softer if without is None else ()):
+    for fixed in variants(name, typical, arm, rhythm, softer if without is None else ()):
         effect = typical.with_parameters(fixed)
         held = {key for key, value in fixed.items() if key not in STARTS or value == 0}
         priors = {**effect.priors(there), **stated}

@@ -7,20 +7,26 @@ close half the gap also where it was not fitted, or if they predict, each part o
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import partial
 from math import log10
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates.candidate import SPRINGS
+from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.choosing.choose import Choice
 from flexarm.diagnosis.choosing.left_out import missed
 from flexarm.diagnosis.choosing.transfer import carried
 from flexarm.diagnosis.fitting.fit import Fit
-from flexarm.diagnosis.named import Refined
+from flexarm.diagnosis.named import Estimate, Refined
 from flexarm.diagnosis.outcome.estimates import Estimates
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.errors import InvalidParameter
+
+Rounding = Callable[[float, float], float]
+"""Of a value, by its standard deviation."""
 
 WORTH_KEEPING = 0.5
 """Least part of the gap in data left out that effects close, to be kept where they do not explain all."""
@@ -31,14 +37,30 @@ CARRIED = 0.2
 def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
     """The nominal model with refined values and the effects of a fit."""
     for refined in filter(moved, sizes.refined):
-        arm = with_value(arm, refined.parameter, _rounded(refined.value, refined.std))
+        arm = _written(partial(_refined, arm, refined))
     found = zip(fit.members, sizes.effects, strict=True)
     for member, values in sorted(found, key=lambda pair: pair[0].name not in SPRINGS):
         if member.needs is not None and arm.effect(member.needs.name, member.needs.at) is None:
             arm = arm.with_effect(member.needs)
-        rounded = {each.name: _rounded(each.value, each.std) for each in values}
-        arm = arm.with_effect(member.effect.with_parameters(rounded))
+        arm = _written(partial(_added, arm, member, values))
     return arm
+
+
+def _written(change: Callable[[Rounding], Arm]) -> Arm:
+    """A model with its new values rounded, or as they are where one is so near a limit of what is allowed."""
+    try:
+        return change(_rounded)
+    except InvalidParameter:
+        return change(lambda value, _: value)
+
+
+def _refined(arm: Arm, refined: Refined, rounding: Rounding) -> Arm:
+    return with_value(arm, refined.parameter, rounding(refined.value, refined.std))
+
+
+def _added(arm: Arm, member: Candidate, values: Sequence[Estimate], rounding: Rounding) -> Arm:
+    sized = {each.name: rounding(each.value, each.std) for each in values}
+    return arm.with_effect(member.effect.with_parameters(sized))
 
 
 def moved(refined: Refined) -> bool:
