@@ -21,7 +21,7 @@ from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
-from flexarm.diagnosis.choosing.polish import polished
+from flexarm.diagnosis.choosing.polish import ROUNDS, STILL, further
 from flexarm.diagnosis.choosing.promising import PAIRS, TRIED, one_variant
 from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
@@ -30,7 +30,7 @@ from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
 
 WITHIN_SIGHT = 8.0
-"""How far behind in ln Z a rival is polished as the chosen model was."""
+"""How far behind in ln Z a rival is taken further as the chosen model was."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,15 +112,20 @@ def _caught_up(
     fit: Fit, best: Fit, fitter: Fitter, value: Mapping[Channel, float], polish: bool
 ) -> tuple[Fit, float]:
     """A rival's model with as much care as the chosen one where it comes close, and its ln Z behind that."""
-    observed, about = fitter.observed, fitter
+    observed = fitter.observed
     behind = log_bayes_factor(best, fit, observed, value)
-    if behind < CLOSE:
-        about = fitter.about(fit)
+    if behind >= CLOSE:
+        return fit, behind
+    about = fitter.about(fit)
+    if not polish:
         fit = about.fit(fit.members)
-        behind = log_bayes_factor(best, fit, observed, value)
-    if behind < WITHIN_SIGHT and polish:
-        fit, _ = polished(fit, about)
-        behind = log_bayes_factor(best, fit, observed, value)
+        return fit, log_bayes_factor(best, fit, observed, value)
+    fit = about.evaluated(fit.members)
+    for _ in range(ROUNDS):
+        fit, about = further(fit, about)
+        before, behind = behind, log_bayes_factor(best, fit, observed, value)
+        if before - behind < max(STILL, behind - WITHIN_SIGHT):  # another such step would not bring it near
+            break
     return fit, behind
 
 

@@ -12,18 +12,29 @@ freedom, as some machines are unlike all others,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, log, log1p, pi
+
+import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.prior import QUANTILE, Prior
+from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
-STEP = 1e-2
-"""Of differences, in sigmas of a prior: laws with corners need steps that reach beyond them."""
-TURN = 0.1
+FACTOR = 30.0
+"""The least reach of a logarithmic one: a mass that was written down wrong is many sigmas off."""
+STEP, ACROSS = 3e-4, 1e-2
+"""Of differences, in sigmas of a prior; laws with corners need steps that reach across those.
+
+A hundredth of a sigma of a stiffness turns the phase of a vibration by tenths of a radian in a minute. The
+derivative was off by 4 % then, which told it from the link's modulus, though nothing can.
+"""
+CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
+"""Laws with corners."""
+TURN = 0.01
 """Most that the step of a frequency may turn the phase until the end of a record [rad]."""
 
 
@@ -39,11 +50,14 @@ class Coordinate:
         Of the parameter.
     prior : Prior
         At the start of the fit.
+    smooth : bool
+        Whether its law has no corners.
     """
 
     candidate: int
     name: str
     prior: Prior
+    smooth: bool = True
 
     def z(self, value: float) -> float:
         """Sigmas from the mode."""
@@ -66,8 +80,13 @@ class Coordinate:
     def step(self, z: float, seconds: float) -> float:
         """Of differences; of a frequency so small that the wave stays in step for so many seconds."""
         if self.name != "frequency" or seconds == 0:
-            return STEP
-        return min(STEP, TURN / (2 * pi * seconds * self.slope(z)))
+            return self.widest_step
+        return min(self.widest_step, TURN / (2 * pi * seconds * self.slope(z)))
+
+    @property
+    def widest_step(self) -> float:
+        """Of differences, whatever z is."""
+        return STEP if self.smooth else ACROSS
 
     def log_density(self, z: float) -> float:
         """Eq. (2); of a uniform prior, the same everywhere."""
@@ -86,14 +105,36 @@ class Coordinate:
     @property
     def bound(self) -> float:
         """Greatest size of z in a fit."""
-        return BOUNDS[self.prior.scale]
+        bound = BOUNDS[self.prior.scale]
+        return max(bound, log(FACTOR) / min(self._pieces()[1:])) if self.prior.scale == "log" else bound
 
 
 def coordinates_of(members: Sequence[Candidate], arm: Arm) -> tuple[Coordinate, ...]:
     """The free parameters of a set of effects, in their order."""
     return tuple(
-        Coordinate(k, name, prior)
+        Coordinate(k, name, prior, member.name not in CORNERS)
         for k, member in enumerate(members)
         for name, prior in member.priors_in(arm).items()
         if name in member.free
     )
+
+
+def prior_rows(coordinates: Sequence[Coordinate], z: Floats) -> tuple[Floats, Floats]:
+    """The priors' rows of a least-squares problem, with squares ln(1 + (z/3)^2), and their derivatives."""
+    weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in coordinates])
+    x = weak * z
+    rows = np.sign(x) * np.sqrt(np.log1p(x**2))
+    near = np.abs(x) < 1e-4  # where the row is x
+    slopes = np.where(near, 1.0, x / (1 + x**2) / np.where(near, 1.0, rows))
+    return rows, weak * slopes
+
+
+def members_at(
+    members: Sequence[Candidate], coordinates: Sequence[Coordinate], z: Floats
+) -> tuple[Candidate, ...]:
+    """The effects with these parameters."""
+    found = list(members)
+    for k, member in enumerate(found):
+        values = {c.name: c.value(float(x)) for c, x in zip(coordinates, z, strict=True) if c.candidate == k}
+        found[k] = replace(member, effect=member.effect.with_parameters(values))
+    return tuple(found)

@@ -19,7 +19,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import Candidate, value_of
+from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.fitting.coordinate import coordinates_of
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.least_squares import LeastSquares
@@ -49,6 +49,8 @@ class Fitter:
         Where the unknowns are, from the centres of their priors.
     correction : ndarray
         Added to residuals: what simulations miss for their time steps, at `at`.
+    members : tuple of Candidate
+        Effects of the model that derivatives are taken about.
     """
 
     observed: Observed
@@ -56,6 +58,7 @@ class Fitter:
     slopes: Floats
     at: Floats
     correction: Floats
+    members: tuple[Candidate, ...] = ()
 
     def __post_init__(self) -> None:
         self._projections: dict[frozenset[str], tuple[Unknowns, Projection]] = {}
@@ -84,7 +87,7 @@ class Fitter:
         keys = fit.unknowns.keys
         slopes = self.slopes.copy()
         slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
-        return replace(there, slopes=slopes, correction=self.observed.correction(arm))
+        return replace(there, slopes=slopes, correction=self.observed.correction(arm), members=fit.members)
 
     def centred(self) -> Fitter:
         """The same about nominal values that fit better, for those that act otherwise than in proportion.
@@ -141,18 +144,27 @@ class Fitter:
             If not even the start can be simulated.
         """
         members = tuple(members)
-        coordinates = coordinates_of(members, self.with_effects(members))
-        if not coordinates:
+        problem = self._problem(members)
+        if not problem.coordinates:
             return self._as_it_is(members)
-        left, projection = self.eliminated(members)
-        problem = LeastSquares(self, members, coordinates, projection)
-        start = [c.z(value_of(members[c.candidate].effect, c.name)) for c in coordinates]
-        z = problem.solved(np.array(start), evaluations, tolerance)
-        residual, slopes = problem.raw(z), problem.differences(z)
-        fitted = problem.members_at(z)
-        rest = projection.rest(residual)
-        arm = self.with_effects(fitted)
-        return Fit(fitted, coordinates, z, arm, residual, rest, slopes, left, projection)
+        return self._found(problem, problem.solved(problem.z_of(members), evaluations, tolerance))
+
+    def evaluated(self, members: Sequence[Candidate]) -> Fit:
+        """A model with effects as they are, and its derivatives."""
+        problem = self._problem(tuple(members))
+        return self._found(problem, problem.z_of(members))
+
+    def _problem(self, members: tuple[Candidate, ...]) -> LeastSquares:
+        coordinates = coordinates_of(members, self.with_effects(members))
+        return LeastSquares(self, members, coordinates, self.eliminated(members)[1])
+
+    def _found(self, problem: LeastSquares, z: Floats) -> Fit:
+        """The fit at z."""
+        residual, slopes, projection = problem.raw(z), problem.differences(z), problem.projection
+        members = problem.members_at(z)
+        rest, left = projection.rest(residual), self.eliminated(members)[0]
+        arm = self.with_effects(members)
+        return Fit(members, problem.coordinates, z, arm, residual, rest, slopes, left, projection)
 
     def _as_it_is(self, members: tuple[Candidate, ...]) -> Fit:
         """A model in which nothing is free but what is eliminated."""

@@ -15,15 +15,15 @@ smooth need them, and from there on from Broyden's update [Broyden1965] while th
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.fitting.coordinate import STEP, Coordinate
+from flexarm.diagnosis.candidates.candidate import Candidate, value_of
+from flexarm.diagnosis.fitting.coordinate import Coordinate, members_at, prior_rows
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged
 
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
 FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
-CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
-"""Laws with corners."""
 
 
 class LeastSquares:
@@ -68,7 +66,7 @@ class LeastSquares:
 
         self.raw(start)  # an error here is the caller's
         bounds = np.array([c.bound for c in self.coordinates])
-        finest = float(self._steps(start).min()) / STEP
+        finest = float(min(self._steps(start) / [c.widest_step for c in self.coordinates]))
         found = least_squares(
             self.rows,
             np.clip(start, -0.99 * bounds, 0.99 * bounds),
@@ -82,17 +80,13 @@ class LeastSquares:
         )
         return np.asarray(found.x)
 
+    def z_of(self, members: Sequence[Candidate]) -> Floats:
+        """Their parameters."""
+        return np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in self.coordinates])
+
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
         """The effects with these parameters."""
-        found = list(self.members)
-        for k, member in enumerate(found):
-            values = {
-                c.name: c.value(float(x))
-                for c, x in zip(self.coordinates, z, strict=True)
-                if c.candidate == k
-            }
-            found[k] = replace(member, effect=member.effect.with_parameters(values))
-        return tuple(found)
+        return members_at(self.members, self.coordinates, z)
 
     def raw(self, z: Floats) -> Floats:
         """Residuals of the model."""
@@ -107,20 +101,13 @@ class LeastSquares:
             rest = self.projection.rest(self.raw(z))
         except (NotConverged, InvalidParameter):
             return np.full(len(self.fitter.observed) + self.projection.added + len(z), 1e4)
-        return np.concatenate([rest, self._prior(z)[0]])
-
-    def _prior(self, z: Floats) -> tuple[Floats, Floats]:
-        """The priors' rows of (1) and their derivatives."""
-        weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in self.coordinates])
-        x = weak * z
-        rows = np.sign(x) * np.sqrt(np.log1p(x**2))
-        near = np.abs(x) < 1e-4  # where the row is x
-        slopes = np.where(near, 1.0, x / (1 + x**2) / np.where(near, 1.0, rows))
-        return rows, weak * slopes
+        return np.concatenate([rest, prior_rows(self.coordinates, z)[0]])
 
     def jacobian(self, z: Floats) -> Floats:
         """Derivatives of the rows."""
-        return np.vstack([self.projection.rest(self.slopes_at(z)), np.diag(self._prior(z)[1])])
+        return np.vstack(
+            [self.projection.rest(self.slopes_at(z)), np.diag(prior_rows(self.coordinates, z)[1])]
+        )
 
     def slopes_at(self, z: Floats) -> Floats:
         """Derivatives of the residuals by z, eq. (2) where that is enough."""
@@ -170,7 +157,7 @@ class LeastSquares:
         """The same of laws without corners in poses, which have derivatives of their own."""
         names = [(self.members[c.candidate], c.name) for c in self.coordinates]
         arm = self._arm(z)
-        if arm is None or any(member.name in CORNERS for member, _ in names):
+        if arm is None or not all(c.smooth for c in self.coordinates):
             return None
         keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
         found = self.fitter.observed.pose_slopes(arm, keys)

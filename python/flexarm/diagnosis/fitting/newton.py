@@ -1,0 +1,65 @@
+"""Steps of Gauss and Newton in which effects, clocks, frames and nominal values move together.
+
+A fit moves z through the full simulation, and the unknowns x to first order about where they were. Where
+both act alike, such as the stiffness of a link and its modulus, what x does there is known too badly for z to
+follow it along the valley of the least C, and fits repeated about themselves creep. With r, J_z = dr/dz, and
+J_x = dr/dx of one and the same model,
+
+    min over dz of  C(r + J_z dz) + sum_i ln(1 + (z_i + dz_i)^2/9),                                    (1)
+
+where C eliminates x with J_x, and then both are simulated anew at z + dz and x + dx.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.fitting.coordinate import members_at, prior_rows
+from flexarm.diagnosis.fitting.fit import Fit
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.fitting.fitter import Fitter
+
+
+def evaluated(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+    """A fit as (1) needs it, with all derivatives of one model, and the fitter about that."""
+    if fitter.members == fit.members:
+        return fit, fitter
+    about = fitter.about(fit)
+    return about.evaluated(fit.members), about
+
+
+def stepped(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+    """The model after a step of (1) from an evaluated one, and the fitter about it.
+
+    Raises
+    ------
+    NotConverged, InvalidParameter
+        If there is no such model.
+    """
+    dz = _least(fit)
+    members = members_at(fit.members, fit.coordinates, fit.z + dz)
+    ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)
+    about = fitter.about(ahead)
+    return about.fit(members), about
+
+
+def objective(fit: Fit) -> float:
+    """What (1) makes least."""
+    return fit.cost + float(np.sum(prior_rows(fit.coordinates, fit.z)[0] ** 2))
+
+
+def _least(fit: Fit) -> Floats:
+    """dz of (1), within the bounds of z."""
+    rows, slopes = prior_rows(fit.coordinates, fit.z)
+    found = np.linalg.lstsq(
+        np.vstack([fit.projection.rest(fit.slopes), np.diag(slopes)]),
+        -np.concatenate([fit.projection.rest(fit.residual), rows]),
+        rcond=None,
+    )[0]
+    bounds = np.array([c.bound for c in fit.coordinates])
+    return np.asarray(np.clip(fit.z + found, -bounds, bounds) - fit.z)

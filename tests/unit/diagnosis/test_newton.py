@@ -1,0 +1,90 @@
+"""A link's stiffness beside its modulus: what acts alike is found together, with an interval of both."""
+
+import numpy as np
+import pytest
+from planted import run_of
+
+import flexarm
+from flexarm.arm.prior import Prior
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.choosing.polish import further, settled
+from flexarm.diagnosis.fitting.coordinate import ACROSS, STEP, Coordinate
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.newton import evaluated, objective
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.outcome.estimates import estimates
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects import LinkStiffness
+from flexarm.measurement import predict
+
+SCALE, MODULUS = 1.09, "links.rod.material.youngs_modulus"
+
+
+@pytest.fixture(scope="module")
+def first():
+    """The fit of a stiffness to a rod that is 9 % too stiff, of a modulus that is known to 1 %."""
+    run = run_of("one joint")
+    nominal = run.simulation.arm.replace(uncertainty={MODULUS: 0.01})
+    simulation = flexarm.simulate(
+        nominal.with_effect(LinkStiffness(at="rod", scale=SCALE)), run.record, step=1e-3
+    )
+    rng = np.random.default_rng(3)
+    shown = [
+        s if s.name in run.record.drive
+        else s.replace(values=(exact := predict(simulation, s)) + s.noise_std * rng.normal(size=exact.shape))
+        for s in run.record.signals.values()
+    ]  # fmt: skip
+    observed = Observed(nominal, {"run": run.record.replace(signals=shown)}, step=4e-3)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    member = [c for c in candidates(observed, fitter.unknowns.arm) if c.name == "link_stiffness"]
+    return fitter.fit(member), fitter
+
+
+def strain_of_the_modulus(fit):
+    k = fit.unknowns.keys.index(MODULUS)
+    return abs(fit.projection.best(fit.residual)[k]) / fit.unknowns.sigma[k]
+
+
+def test_derivatives_by_both_are_one(first):
+    """By dE/E as by ds/s: what differs could tell them apart. 3e-4 sigma of a stiffness leave 0.3 %."""
+    fit, _ = evaluated(*first)
+    k = fit.unknowns.keys.index(MODULUS)
+    modulus = fit.arm.link("rod").material.youngs_modulus
+    by_modulus = modulus * fit.projection.slopes[:, k]
+    [coordinate], [z] = fit.coordinates, fit.z
+    by_scale = coordinate.value(z) / coordinate.slope(z) * fit.slopes[:, 0]
+    assert np.linalg.norm(by_scale - by_modulus) < 5e-3 * np.linalg.norm(by_modulus)
+
+
+def test_the_modulus_goes_back_to_where_it_is_likely(first):
+    """Only its prior tells it from the stiffness, so that it is nominal where the product fits."""
+    fit, _ = settled(*first)
+    assert strain_of_the_modulus(fit) < 0.2
+    assert fit.members[0].effect.scale == pytest.approx(SCALE, rel=2e-3)
+
+
+def test_its_interval_is_as_wide_as_the_modulus_is_uncertain(first):
+    """1 % of the modulus are 1.64 % of half width at 90 %, to the 5 % that 600 draws know it."""
+    fit, about = settled(*first)
+    [[found]] = estimates(fit, about.observed).effects
+    half = (found.high90 - found.low90) / 2
+    assert half == pytest.approx(1.645 * 0.01 * SCALE, rel=0.12)
+
+
+def test_no_step_leads_up(first):
+    here, about = evaluated(*first)
+    ahead, _ = further(here, about)
+    assert objective(ahead) <= objective(here)
+
+
+@pytest.mark.parametrize("smooth, step", [(True, STEP), (False, ACROSS)])
+def test_laws_with_corners_are_stepped_across_them(smooth, step):
+    prior = Prior(0.6, 1.25, 1.0, "log", "-", "a test")
+    assert Coordinate(0, "scale", prior, smooth).step(0.0, 30.0) == step
+
+
+def test_a_mass_that_was_written_down_wrong_is_within_reach():
+    """A factor of thirty, though the prior holds machines to a few tenths; wide ones have eight sigmas."""
+    tight = Coordinate(0, "scale", Prior(0.85, 1.4, 1.0, "log", "-", "a test"))
+    assert tight.value(-tight.bound) < 1 / 29 and tight.value(tight.bound) > 29
+    assert Coordinate(0, "gap", Prior(3e-5, 5e-3, 4e-4, "log", "rad", "a test")).bound == 8.0
