@@ -26,6 +26,21 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
     assert acceptance.accepted(new, old, old, observed) is taken
 
 
+@pytest.mark.parametrize(
+    ("cost", "strained", "taken"), [(98.0, 0.0, False), (96.0, 0.0, True), (98.0, 1.5, True)]
+)
+def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatch, cost, strained, taken):
+    """However strong the evidence: a law that nobody knows is mimicked a little by many."""
+    new, old = (SimpleNamespace(strain=x, cost=c, rest=None) for x, c in ((0.0, cost), (strained, 100.0)))
+    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
+    monkeypatch.setattr(acceptance, "matters", lambda *_: True)
+    monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: True)
+    monkeypatch.setattr(acceptance, "worth", lambda *_: {})
+    monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: 1e3)
+    monkeypatch.setattr(acceptance, "missed", lambda fit, observed: fit.cost)
+    assert acceptance.accepted(new, old, old, None) is taken
+
+
 def test_no_effect_at_all_takes_part_in_the_odds():
     """Two names alike and odds of two over nothing: 2/5 each; strong evidence leaves nothing no part."""
     rivals = [SimpleNamespace(behind=0.0)]

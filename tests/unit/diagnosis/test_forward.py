@@ -32,6 +32,7 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "larger_fits", larger_fits)
     monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
     monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < 0.8 * old.cost)
+    monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
     monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
@@ -52,6 +53,15 @@ def test_no_model_is_gone_on_from_twice(search):
     assert search[1] == ["a", "ab"]
 
 
+def test_nothing_is_gone_on_from_that_takes_hardly_anything(search, monkeypatch):
+    """A machine with what no effect explains: each takes a hundredth, and nothing is looked for beside it."""
+    monkeypatch.setitem(COST, "a", 99)
+    monkeypatch.setitem(LINEAR, 1, ["a"])
+    monkeypatch.setitem(LINEAR, 2, [])
+    best, _ = search[0].forward(lambda what, done: None)
+    assert (best.name, search[1]) == ("", [])
+
+
 def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch):
     """Sizes of first order may be absurd; three are fitted all the same."""
     names = ["bow and tilt", "bow and play", "friction", "bow and mass", "tilt", "play", "mass"]
@@ -68,3 +78,28 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
     fitter = SimpleNamespace(fit=fitted, observed=None)
     nothing = SimpleNamespace(members=())
     assert promising.larger_fits(fitter, [], nothing, nothing, 2) == ["friction", "tilt", "play"]
+
+
+def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
+    shares = [SimpleNamespace(members=(name,), share=share) for name, share in (("tilt", 0.2), ("bow", 0.02))]
+    monkeypatch.setattr(promising, "together", lambda *_: shares)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "explained", lambda *_: False)
+    fitter = SimpleNamespace(fit=lambda members: members[0], observed=None)
+    nothing = SimpleNamespace(members=())
+    assert promising.larger_fits(fitter, [], nothing, nothing, 2) == ["tilt"]
+
+
+@pytest.mark.parametrize("gap, tried", [(True, 12), (False, 6)], ids=["all leave a gap", "one leaves none"])
+def test_twice_as_many_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, tried):
+    """To first order a heavy load further out looks like much else, and comes seventh."""
+    shares = [SimpleNamespace(members=(str(k),), share=0.9 - k / 100) for k in range(20)]
+    monkeypatch.setattr(promising, "screen", lambda *_: shares)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    monkeypatch.setattr(promising, "strain", lambda fit: 0.0)
+    monkeypatch.setattr(promising, "explained", lambda *_: False)
+    monkeypatch.setattr(promising, "leaves_gap", lambda *_: gap)
+    fitter = SimpleNamespace(fit=lambda members: members[0], observed=None)
+    nothing = SimpleNamespace(members=())
+    assert len(promising.larger_fits(fitter, [None] * 20, nothing, nothing)) == tried

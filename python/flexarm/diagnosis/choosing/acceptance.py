@@ -19,8 +19,12 @@ something else must be there if
     max_c s_c > max(LEFT, LEFT_SHARE max_c s_c0).                                                      (4)
 
 An effect is accepted if the evidence for it is strong and it matters. If it leaves a gap all the same, it
-must also foretell data that are left out better than the smaller model does, and what foretells them clearly
-better needs no other evidence, which rests on the size and correlation of a remainder that nobody knows.
+must also take a part of the whole one, C of `fitting.fit`, that is worth a name,
+
+    C_new < (1 - DENT) C_old, or S_new < S_old - STRAINED,                                            (5)
+
+and foretell data that are left out better than the smaller model does. What foretells them clearly better
+needs no other evidence, which rests on the size and correlation of a remainder that nobody knows.
 """
 
 from __future__ import annotations
@@ -48,6 +52,8 @@ MATTERS, SHARE = 0.5, 0.05
 """Least part explained in some channel, eq. (1): of the noise, and of what the nominal model leaves there."""
 STRAINED, FORBIDDEN = 1.0, 2.0
 """Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
+DENT = 0.03
+"""Least part of a gap that an effect takes if it leaves one, eq. (5): less is chance or disguise."""
 LEFT = 1.0
 """What may be left above the noise of a model that explains a record, over the noise."""
 LEFT_SHARE = 0.07
@@ -56,13 +62,15 @@ LEFT_SHARE = 0.07
 
 def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     """Whether evidence for a larger model is strong and what it explains matters."""
-    spared = strain(old) - strain(new) > STRAINED
+    spared = spares(new, old)
     if not (matters(new, old, null, observed) or spared):
         return False
     enough = SPARING if spared else STRONG
     strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > enough
     if not leaves_gap(new, null, observed):
         return strong
+    if not worth_a_name(new, old):
+        return False
     if strong:
         return missed(new, observed) < missed(old, observed)
     return foretells_better(new, old, observed)
@@ -77,6 +85,16 @@ def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
         if part > max(MATTERS, SHARE * first[each.record, each.signal, each.channel]):  # eq. (1)
             return True
     return False
+
+
+def worth_a_name(new: Fit, old: Fit) -> bool:
+    """Whether a larger model that leaves a gap takes enough of it, or spares a strain."""
+    return spares(new, old) or new.cost < (1.0 - DENT) * old.cost  # eq. (5)
+
+
+def spares(new: Fit, old: Fit) -> bool:
+    """Whether a larger model spares clocks, frames and nominal values a strain."""
+    return strain(old) - strain(new) > STRAINED
 
 
 def strain(fit: Fit) -> float:

@@ -15,9 +15,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.choosing.acceptance import accepted, explained
+from flexarm.diagnosis.choosing.acceptance import accepted, explained, worth_a_name
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
-from flexarm.diagnosis.choosing.polish import polished, settled, without_effects
+from flexarm.diagnosis.choosing.polish import settled, without_effects
 from flexarm.diagnosis.choosing.promising import larger_fits
 from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
@@ -73,10 +73,9 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     best, about = search.forward(tell)
     best, about = _backward(about, best, search.null)
     tell("weighing rivals", MOST / (MOST + 1))
-    choice = search.weighed(best, about)
-    best, about = settled(choice.best, choice.fitter)
+    choice = search.weighed(*settled(best, about))
     gains = [(f, log_bayes_factor(f, search.null, fitter.observed, choice.value)) for f in search.tried]
-    return replace(choice, best=best, fitter=about, tried=gains)
+    return replace(choice, tried=gains)
 
 
 class _Search:
@@ -123,7 +122,7 @@ class _Search:
             if best.members or self._explained(better):
                 break
             sets = larger_fits(about, self.probed, here, self.null, size, beside=better)
-            if len(better.members) == size - 1:
+            if len(better.members) == size - 1 and worth_a_name(better, best):
                 sets += larger_fits(there, self.probed, better, self.null, places=self.places)
                 self.complete = better
             self.tried += sets
@@ -144,7 +143,7 @@ class _Search:
             ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
             if ahead is None or ahead.behind >= 0 or not ahead.foretells:
                 break
-            choice = self._with_rivals(*polished(ahead.fit, choice.fitter.about(ahead.fit)))
+            choice = self._with_rivals(*settled(ahead.fit, choice.fitter.about(ahead.fit)))
         return choice
 
     def _with_rivals(self, best: Fit, about: Fitter) -> Choice:

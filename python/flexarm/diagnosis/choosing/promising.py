@@ -12,14 +12,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.choosing.acceptance import STRAINED, explained, strain
+from flexarm.diagnosis.choosing.acceptance import DENT, STRAINED, explained, leaves_gap, strain
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
 
 TRIED, PAIRS = 6, 3
-"""Candidates that are fitted at each step, and sets of two or three where no smaller one explains all."""
+"""Candidates that are fitted at each step, and sets of two or three where no smaller one explains all.
+
+At the first step as many more are fitted where all leave a gap.
+"""
 SETS = 12
 """Sets that are looked at for those: some are of sizes that cannot be simulated."""
 FAR = 0.3
@@ -41,15 +44,22 @@ def larger_fits(
 
     `places` are joints that are one place of the machine; `beside` is the best smaller set.
     """
-    if size == 1:
-        wanted = _promising(fitter, probed, best, places)
-    else:
-        shares = together(fitter, probed, best, size)
-        ahead = size == 2 or beside is None or _leads(shares, beside)
-        wanted = one_variant(shares, SETS) if ahead else []
+    if size > 1:
+        return _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
+    wanted, others = _promising(fitter, probed, best, places)
+    found = _fitted(fitter, wanted, best, null)
+    if not best.members and all(leaves_gap(f, null, fitter.observed) for f in found):
+        found += _fitted(fitter, others, best, null)
+    return found
+
+
+def _fitted(
+    fitter: Fitter, wanted: Sequence[Share], best: Fit, null: Fit, most: int | None = None
+) -> list[Fit]:
+    """The first that can be simulated; what promises far less is left out once one explains everything."""
     found: list[Fit] = []
     for share in wanted:
-        if size > 1 and len(found) == PAIRS:
+        if len(found) == most:
             break
         done = any(explained(f, null, fitter.observed) for f in found)
         if done and share.share < FAR * wanted[0].share:
@@ -61,6 +71,13 @@ def larger_fits(
     return found
 
 
+def _sets(fitter: Fitter, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None) -> list[Share]:
+    """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
+    shares = [share for share in together(fitter, probed, best, size) if share.share > DENT]
+    ahead = size == 2 or beside is None or _leads(shares, beside)
+    return one_variant(shares, SETS) if ahead else []
+
+
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     """The best variant of each, the best of those."""
     found: dict[tuple[tuple[str, str], ...], Share] = {}
@@ -69,11 +86,14 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     return list(found.values())[:most]
 
 
-def _promising(fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str]) -> list[Share]:
-    """Single candidates: what explains most, and where unknowns are strained what relieves them most."""
+def _promising(
+    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str]
+) -> tuple[list[Share], list[Share]]:
+    """Single candidates: what explains most, where unknowns are strained what relieves them; and others."""
     shares = one_variant(screen(fitter, probed, best, places), len(probed))
-    wanted = sharpened(fitter, shares[: 2 * TRIED], best)[:TRIED]
-    return wanted + _relieving(shares, wanted) if strain(best) > STRAINED else wanted
+    sharp = sharpened(fitter, shares[: 2 * TRIED], best)
+    wanted, others = sharp[:TRIED], sharp[TRIED:]
+    return wanted + _relieving(shares, sharp) if strain(best) > STRAINED else wanted, others
 
 
 def _relieving(shares: Sequence[Share], wanted: Sequence[Share]) -> list[Share]:

@@ -36,7 +36,7 @@ def evidence_sentence(
         f"with {what} the largest gap above the noise {shrinks} times the noise (ln Bayes factor "
         f"{choice.gain:.0f} over the nominal model)"
     )
-    text += "".join(f"; {said}" for said in _strained(choice.null))
+    text += "".join(f"; without it {said}" for said in _strained(choice.null))
     if rivals:
         rival = rivals[0]
         who = place_words(*rival.candidate.place)
@@ -46,6 +46,9 @@ def evidence_sentence(
             f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
             f"{missed(choice.null, observed):.2g} without"
         )
+    text += "".join(
+        f"; even with it {said}, so that something else may be missing" for said in _strained(best)
+    )
     text += "".join(f"; {said}" for said in _unusual(best, k))
     for each in moving:
         text += (
@@ -54,13 +57,13 @@ def evidence_sentence(
     return text + "."
 
 
-def _strained(null: Fit) -> Iterator[str]:
-    """What the model without effects must assume of a clock, a frame or a nominal value."""
-    if not len(null.unknowns.each):
+def _strained(fit: Fit) -> Iterator[str]:
+    """What a model must assume of a clock, a frame or a nominal value."""
+    if not len(fit.unknowns.each):
         return
-    pulls = np.abs(null.projection.best(null.residual)) / null.unknowns.sigma
+    pulls = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
     worst = int(np.argmax(pulls))
-    unknown = null.unknowns.each[worst]
+    unknown = fit.unknowns.each[worst]
     if pulls[worst] > UNUSUAL:
         _, _, at, *rest = unknown.key.split(".")
         what = (
@@ -68,7 +71,7 @@ def _strained(null: Fit) -> Iterator[str]:
             if unknown.kind == "nominal"
             else f"{'.'.join(rest)} of {unknown.kind} {at}"
         )
-        yield f"without it the {what} would be off by {pulls[worst]:.2g} times its stated sigma"
+        yield f"the {what} would be off by {pulls[worst]:.2g} times its stated sigma"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:

@@ -2,8 +2,8 @@
 
 A probability is that of the evidence among rivals within reach and no effect at all (eq. (1) of
 `choosing.rivals`), with two doubts that evidence does not know: some mechanism may be in no
-vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open, is at
-most as likely as not.
+vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open or a
+clock, a frame or a nominal value strained (eq. (2) of `choosing.acceptance`), is at most as likely as not.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.choosing.acceptance import REACH
+from flexarm.diagnosis.choosing.acceptance import REACH, STRAINED, strain
 from flexarm.diagnosis.choosing.choose import Choice
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor
 from flexarm.diagnosis.choosing.rivals import probabilities
@@ -24,7 +24,7 @@ from flexarm.diagnosis.residuals.observed import Observed
 CAP = 0.98
 """Greatest probability of a name: some mechanism may be in no vocabulary."""
 CONFIDENT = 0.5
-"""Greatest probability of a name whose parameter moves, or beside a gap that nothing explains."""
+"""Greatest probability of a name whose parameter moves, or beside what nothing explains."""
 
 Drift = Mapping[str, Any]
 """An effect's parameter fitted to each record, of `choosing.constancy`."""
@@ -34,12 +34,13 @@ def named_effects(
     choice: Choice, sizes: Estimates, drifts: Sequence[Drift], open_gap: bool, observed: Observed
 ) -> tuple[NamedEffect, ...]:
     """The chosen effects, each with its rivals within reach, the most probable first."""
+    doubtful = open_gap or strain(choice.best) > STRAINED
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
         odds = [min(p, CAP) for p in probabilities(near, choice.gain)]
         moving = [drift for drift in drifts if _moves(drift, member)]
-        first = min(odds[0], CONFIDENT) if moving or open_gap else odds[0]
+        first = min(odds[0], CONFIDENT) if moving or doubtful else odds[0]
         alternatives = tuple(
             Alternative(rival.candidate.name, rival.candidate.at, p)
             for rival, p in zip(near, odds[1:], strict=True)
