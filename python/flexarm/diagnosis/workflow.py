@@ -10,16 +10,13 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm import Arm
-from flexarm.comparison.beside import Beside, beside
-from flexarm.comparison.compare import compare
 from flexarm.configuration import version
 from flexarm.diagnosis.candidates.candidate_probes import SOFTER
 from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.candidates.coarse_encoders import with_coarse_encoders
+from flexarm.diagnosis.candidates.coarse_encoders import CoarseEncoder, with_coarse_encoders
 from flexarm.diagnosis.checks.check import check, named_records
 from flexarm.diagnosis.checks.checked import Checked
 from flexarm.diagnosis.choosing.acceptance import leaves_gap
@@ -29,19 +26,15 @@ from flexarm.diagnosis.choosing.screen import probe
 from flexarm.diagnosis.experiments.further import next_experiment
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.gap.floor import floor
-from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.gap.remainder import describe_remainder
 from flexarm.diagnosis.gap.rhythm import rhythms
-from flexarm.diagnosis.gap.ring_down import describe_ring_downs, ring_downs
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.named import NamedEffect
-from flexarm.diagnosis.outcome.estimates import estimates
+from flexarm.diagnosis.outcome.estimates import Estimates, estimates
 from flexarm.diagnosis.outcome.left_open import left_open
 from flexarm.diagnosis.outcome.naming import named_effects, rejected
 from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
-from flexarm.diagnosis.outcome.result import Diagnosis
-from flexarm.diagnosis.outcome.stages import gaps, main_signal, stages
+from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
+from flexarm.diagnosis.outcome.verified import Bench, verified
 from flexarm.diagnosis.residuals.observed import Observed
 
 if TYPE_CHECKING:
@@ -109,62 +102,78 @@ def diagnose(
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
     parted = _parted(checked.records, hold_out)
-    named = parted.training
     tell(0.1, "simulating")
-    observed = Observed(arm, named, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1)
+    observed = Observed(
+        arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
+    )
     observed, coarse = with_coarse_encoders(observed, seed)
     choice = _chosen(observed, tell)
     tell(0.8, "intervals")
+    found = _conclusion(choice, coarse, observed, seed)
+    tell(0.83, "next experiment")
+    further = next_experiment(choice, observed, found.open_gap)
+    tell(0.85, "verifying")
+    bench = Bench(parted.training, parted.held_out, step, alpha, observed.jobs)
+    updated, refined = left_open(
+        arm, found.repaired, tuple(filter(moved, found.sizes.refined)), bench.in_training
+    )
+    seen = verified(
+        bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
+    )
+    return Diagnosis(
+        found.verdict,
+        arm,
+        updated,
+        found.effects,
+        found.sizes.nuisances,
+        () if updated is observed.arm else refined,
+        rejected(choice, observed),
+        where=seen.located.where if seen.located else (),
+        before=seen.before,
+        after=seen.after,
+        training=tuple(parted.training),
+        held_out=tuple(parted.held_out),
+        hold_out_kind=parted.kind,
+        hold_out_why=parted.why,
+        main_signal=seen.main_signal,
+        stages=seen.stages,
+        constancy=found.drifts,
+        remainder=seen.remainder,
+        remarks=(*remarks, *seen.remarks),
+        next_experiment=further.sentence,
+        provenance=_provenance(seed, begun),
+        located=seen.located,
+        located_after=seen.located_after,
+    )
+
+
+@dataclass(frozen=True)
+class _Conclusion:
+    """What is said of a choice: verdict, names with their sizes, and the repaired model."""
+
+    verdict: Verdict
+    effects: tuple[NamedEffect, ...]
+    sizes: Estimates
+    drifts: tuple[Mapping[str, Any], ...]
+    repaired: Arm
+    open_gap: bool
+
+
+def _conclusion(
+    choice: Choice, coarse: Sequence[CoarseEncoder], observed: Observed, seed: int
+) -> _Conclusion:
+    """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing."""
     sizes = estimates(choice.best, observed, seed)
     open_gap = leaves_gap(choice.best, choice.null, observed)
-    drifts = constancy(choice.best, observed, choice.value)
+    drifts = tuple(constancy(choice.best, observed, choice.value))
     effects = (
         *(encoder.named() for encoder in coarse),
         *named_effects(choice, sizes, drifts, open_gap, observed),
     )
-    verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
     keep = not open_gap or worth_keeping(choice, observed)
-    updated = repaired(observed.arm, choice.best, sizes) if keep else observed.arm
-    tell(0.83, "next experiment")
-    further = next_experiment(choice, observed, open_gap)
-    tell(0.85, "verifying")
-    everything = {**named, **parted.held_out}
-    compared = partial(compare, step=step, alpha=alpha)
-    in_training, in_all = (
-        partial(gaps, compared, records=each, jobs=observed.jobs) for each in (named, everything)
-    )
-    updated, refined = left_open(arm, updated, tuple(filter(moved, sizes.refined)), in_training)
-    before, after = in_all(arm), in_all(updated)
-    main = main_signal(named, before)
-    steps = tuple(encoder.effect for encoder in coarse)
-    pairs_before = {name: beside(arm, record, step=step) for name, record in named.items()}
-    pairs_after = {name: beside(updated, record, step=step) for name, record in named.items()}
-    located, located_after = _located(pairs_before), _located(pairs_after)
-    return Diagnosis(
-        verdict,  # type: ignore[arg-type]
-        arm,
-        updated,
-        effects,
-        sizes.nuisances,
-        () if updated is observed.arm else refined,
-        rejected(choice, observed),
-        where=located.where if located else (),
-        before=before,
-        after=after,
-        training=tuple(named),
-        held_out=tuple(parted.held_out),
-        hold_out_kind=parted.kind,
-        hold_out_why=parted.why,
-        main_signal=main,
-        stages=stages(in_all, arm, updated, steps, choice.best.members, main, before, after),
-        constancy=tuple(drifts),
-        remainder=_remainder(pairs_before, located_after) if open_gap else "",
-        remarks=(*remarks, *floor(pairs_after, step=step, alpha=alpha).notes),
-        next_experiment=further.sentence,
-        provenance=_provenance(seed, begun),
-        located=located,
-        located_after=located_after,
-    )
+    model = repaired(observed.arm, choice.best, sizes) if keep else observed.arm
+    verdict: Verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
+    return _Conclusion(verdict, effects, sizes, drifts, model, open_gap)
 
 
 def _unusable(
@@ -227,18 +236,6 @@ def _chosen(observed: Observed, tell: Callable[[float, str], object]) -> Choice:
         lambda done: tell(0.15 + 0.25 * done, "screening"),
     )
     return choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
-
-
-def _located(pairs: Mapping[str, Beside]) -> Any:
-    kinds = {pair.record.kind for pair in pairs.values()}
-    return locate(pairs) if len(kinds) == 1 else None
-
-
-def _remainder(before: Mapping[str, Beside], after: Any) -> str:
-    """What is seen of a gap that stays open, in what is left and in how the machine rings down."""
-    left = describe_remainder(after) if after else None
-    swings = describe_ring_downs(ring_downs(before))
-    return " ".join(said for said in (str(left or ""), swings) if said)
 
 
 def _provenance(seed: int, begun: float) -> dict[str, Any]:

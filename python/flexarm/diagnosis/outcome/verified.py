@@ -1,0 +1,137 @@
+"""What a repair does to the gap: records before and after it, where the gap lies, what each effect brings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from flexarm.arm import Arm
+from flexarm.arm.effect import Effect
+from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.compare import compare
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.gap.floor import floor
+from flexarm.diagnosis.gap.locate import Located, locate
+from flexarm.diagnosis.gap.remainder import describe_remainder
+from flexarm.diagnosis.gap.ring_down import describe_ring_downs, ring_downs
+from flexarm.diagnosis.named import Stage
+from flexarm.diagnosis.outcome.stages import Gaps, gaps, main_signal, stages
+from flexarm.record import Record
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Records to try models on.
+
+    Attributes
+    ----------
+    training, held_out : dict of str to Record
+        What was fitted, and what was not.
+    step, alpha : float
+        Of the simulations [s], [-].
+    jobs : int
+        Simulations at once.
+    """
+
+    training: Mapping[str, Record]
+    held_out: Mapping[str, Record]
+    step: float
+    alpha: float
+    jobs: int
+
+    def in_training(self, model: Arm) -> Gaps:
+        """The gap of a model by record that was fitted."""
+        return self._gaps(model, self.training)
+
+    def in_all(self, model: Arm) -> Gaps:
+        """The same by any record."""
+        return self._gaps(model, {**self.training, **self.held_out})
+
+    def beside(self, model: Arm) -> dict[str, Beside]:
+        """A model beside each record that was fitted, sample by sample."""
+        return {name: beside(model, record, step=self.step) for name, record in self.training.items()}
+
+    def _gaps(self, model: Arm, records: Mapping[str, Record]) -> Gaps:
+        return gaps(partial(compare, step=self.step, alpha=self.alpha), model, records, self.jobs)
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """A repair beside all records.
+
+    Attributes
+    ----------
+    before, after : dict of str to Comparison
+        The nominal and the repaired model by record.
+    main_signal : str
+        The signal of the report's gap.
+    stages : tuple of Stage
+        Its gap, an effect at a time.
+    located, located_after : Located or None
+        Where the gap of the training lies; None where motions and poses are mixed.
+    remainder : str
+        What is seen of a gap that stays open.
+    remarks : tuple of str
+        Where the simulation is not clearly better than the data.
+    """
+
+    before: Gaps
+    after: Gaps
+    main_signal: str
+    stages: tuple[Stage, ...]
+    located: Located | None
+    located_after: Located | None
+    remainder: str
+    remarks: tuple[str, ...]
+
+
+def verified(
+    bench: Bench,
+    arm: Arm,
+    updated: Arm,
+    encoders: Sequence[Effect],
+    members: Sequence[Candidate],
+    open_gap: bool,
+) -> Verified:
+    """The nominal and the repaired model beside all records.
+
+    Parameters
+    ----------
+    bench : Bench
+        The records.
+    arm, updated : Arm
+        The two models.
+    encoders : sequence of Effect
+        Steps of encoders that were seen in their readings.
+    members : sequence of Candidate
+        The effects that were chosen.
+    open_gap : bool
+        Whether what is left is to be described.
+    """
+    before, after = bench.in_all(arm), bench.in_all(updated)
+    main = main_signal(bench.training, before)
+    pairs, pairs_after = bench.beside(arm), bench.beside(updated)
+    located_after = _located(pairs_after)
+    return Verified(
+        before,
+        after,
+        main,
+        stages(bench.in_all, arm, updated, encoders, members, main, before, after),
+        _located(pairs),
+        located_after,
+        _remainder(pairs, located_after) if open_gap else "",
+        tuple(floor(pairs_after, step=bench.step, alpha=bench.alpha).notes),
+    )
+
+
+def _located(pairs: Mapping[str, Beside]) -> Located | None:
+    kinds = {pair.record.kind for pair in pairs.values()}
+    return locate(pairs) if len(kinds) == 1 else None
+
+
+def _remainder(before: Mapping[str, Beside], after: Located | None) -> str:
+    """What is seen of a gap that stays open, in what is left and in how the machine rings down."""
+    left = describe_remainder(after) if after else None
+    swings = describe_ring_downs(ring_downs(before))
+    return " ".join(said for said in (str(left or ""), swings) if said)
