@@ -44,7 +44,10 @@ section = {width = 0.1}
 
 def test_numpy_numbers_are_written_like_others_and_what_is_no_number_is_infinite_or_nan():
     assert (
-        toml_text({"a": np.float64(0.1), "b": float("nan"), "c": -np.inf}) == "a = 0.1\nb = nan\nc = -inf\n"
+        toml_text(
+            {"a": np.float64(0.1), "b": float("nan"), "c": -np.inf, "d": np.int64(3), "e": np.bool_(True)}
+        )
+        == "a = 0.1\nb = nan\nc = -inf\nd = 3\ne = true\n"
     )
 
 

@@ -112,4 +112,4 @@ def _inline(value: Any) -> Any:
         for item in value:
             array.append(_inline(item))
         return array
-    return tomlkit.item(value)
+    return tomlkit.item(value.item() if hasattr(value, "item") else value)  # NumPy's numbers
