@@ -11,7 +11,7 @@ from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance
+from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance, PayloadMass
 from flexarm.measurement import predict
 
 SOFTER = 0.985
@@ -101,3 +101,17 @@ def test_a_frequency_is_found_to_a_small_part_of_a_turn(run):
     found = fit.members[0].effect
     assert found.frequency == pytest.approx(1.7, abs=5e-3 / both.seconds)
     assert (found.amplitude, found.phase) == pytest.approx((60.0, 0.6), rel=0.02)
+
+
+def test_a_value_that_an_effect_overrules_stays_where_it_was(run):
+    """A load's mass beside an effect that states it: moved along at no cost, it would replace the effect."""
+    nominal = run.simulation.arm
+    [load] = nominal.payloads
+    nominal = nominal.replace(uncertainty={f"payloads.{load.name}.mass": 0.005})
+    lighter = PayloadMass(at=load.name, mass=0.93 * load.mass)
+    both = observed(nominal, seen(run, nominal.with_effect(lighter)), step=4e-3)
+    fitter = Fitter.nominal(both, unknowns(both))
+    fit = fitter.fit([c for c in candidates(both, fitter.unknowns.arm) if c.name == "payload_mass"])
+    about = fitter.about(fit)
+    assert about.start.payload(load.name).mass == load.mass
+    assert about.fit(()).cost > 100 * about.fit(fit.members).cost

@@ -93,7 +93,7 @@ def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
 @pytest.mark.parametrize("gap, tried", [(True, 12), (False, 6)], ids=["all leave a gap", "one leaves none"])
 def test_twice_as_many_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, tried):
     """To first order a heavy load further out looks like much else, and comes seventh."""
-    shares = [SimpleNamespace(members=(str(k),), share=0.9 - k / 100) for k in range(20)]
+    shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.9 - k / 100) for k in range(20)]
     monkeypatch.setattr(promising, "screen", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
@@ -103,3 +103,18 @@ def test_twice_as_many_single_effects_are_fitted_where_all_leave_a_gap(monkeypat
     fitter = SimpleNamespace(fit=lambda members: members[0], observed=None)
     nothing = SimpleNamespace(members=())
     assert len(promising.larger_fits(fitter, [None] * 20, nothing, nothing)) == tried
+
+
+def test_what_relieves_a_strain_most_is_fitted_with_the_first_six(monkeypatch):
+    """It is ninth by what it explains; not after the others, which are fitted only where all leave a gap."""
+    shares = [
+        SimpleNamespace(members=(str(k),), places=(str(k),), share=0.9 - k / 100, relief=100.0 * (k == 8))
+        for k in range(20)
+    ]
+    monkeypatch.setattr(promising, "screen", lambda *_: shares)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    monkeypatch.setattr(promising, "strain", lambda fit: 2.0)
+    wanted, others = promising._promising(None, [None] * 20, None, {})
+    assert [share.members[0] for share in wanted[:7]] == ["0", "1", "2", "3", "4", "5", "8"]
+    assert "8" not in [share.members[0] for share in others]

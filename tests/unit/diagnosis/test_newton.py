@@ -7,10 +7,10 @@ from planted import run_of
 import flexarm
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.polish import further, settled
+from flexarm.diagnosis.choosing.polish import settled
 from flexarm.diagnosis.fitting.coordinate import ACROSS, STEP, Coordinate
 from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.newton import evaluated, objective
+from flexarm.diagnosis.fitting.newton import evaluated
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.outcome.estimates import estimates
 from flexarm.diagnosis.residuals.observed import Observed
@@ -71,10 +71,19 @@ def test_its_interval_is_as_wide_as_the_modulus_is_uncertain(first):
     assert half == pytest.approx(1.645 * 0.01 * SCALE, rel=0.12)
 
 
-def test_no_step_leads_up(first):
+def test_what_is_evaluated_stays_as_it_is(first):
     here, about = evaluated(*first)
-    ahead, _ = further(here, about)
-    assert objective(ahead) <= objective(here)
+    assert evaluated(here, about) == (here, about)
+
+
+def test_a_fit_of_another_fitter_is_evaluated_anew(first):
+    """Its effects are those of the fitter about it, but its derivatives by unknowns are not."""
+    fit, fitter = first
+    about = fitter.about(fit)
+    here, there = evaluated(fit, about)
+    assert there is about
+    assert here.projection is about.eliminated(here.members)[1]
+    assert here.projection is not fit.projection
 
 
 @pytest.mark.parametrize("smooth, step", [(True, STEP), (False, ACROSS)])

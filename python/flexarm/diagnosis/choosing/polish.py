@@ -17,10 +17,14 @@ from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.newton import evaluated, objective, stepped
 from flexarm.errors import InvalidParameter, NotConverged
 
-ROUNDS, BETTER, QUIET = 6, 0.98, 0.4
-"""Of `polished`: most rounds, what counts as less, and what is left above the noise where it ends."""
+ROUNDS = 6
+"""Most steps of `settled`."""
+IDLE, BETTER, QUIET = 2, 0.98, 0.4
+"""Of `polished`: idle rounds, what counts as less, and what is left above the noise where it ends."""
 STILL, SETTLED = 1.0, 0.1
 """Least fall of C in a round of each, in squared sigmas: those of the noise or, above it, of what is left."""
+FAILED = (InvalidParameter, NotConverged, ValueError)
+"""Of models that cannot be simulated, and of least squares that have no solution."""
 ALIKE = 2
 """Rounds in which the model without effects is fitted about itself."""
 
@@ -43,29 +47,20 @@ def without_effects(start: Fit, fitter: Fitter) -> Fit:
 def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     """A fit taken further until it leaves no less, and where it was found."""
     best, there, idle = fit, about, 0
-    for _ in range(ROUNDS):
-        quiet = max(above_noise(best.rest, about.observed).values()) < QUIET
-        if idle == 2 or (quiet and strain(best) < STRAINED):
-            break
-        ahead, about = further(best, there)
-        fell = best.cost - ahead.cost
-        idle = 0 if fell > (1 - BETTER) * best.cost else idle + 1
-        if fell > 0:
-            best, there = ahead, about
-        if abs(fell) < STILL * sigma_squared(best):
-            break
+    with suppress(*FAILED):
+        while idle < IDLE and not _quiet(best, about):
+            ahead, at = further(best, there)
+            fell = objective(best) - objective(ahead)
+            if fell < STILL * sigma_squared(best):
+                break
+            idle = 0 if fell > (1 - BETTER) * objective(best) else idle + 1
+            best, there = ahead, at
     return best, there
 
 
-def further(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
-    """A step of Newton from a fit; where that leads up, as with laws that bend, a fit about what it found."""
-    with suppress(InvalidParameter, NotConverged):
-        here, at = evaluated(fit, about)
-        ahead, there = stepped(here, at)
-        if objective(ahead) < objective(here):
-            return ahead, there
-    there = about.about(fit)
-    return there.fit(fit.members), there
+def _quiet(fit: Fit, about: Fitter) -> bool:
+    """Whether nothing is left that would be looked at, and no unknown is strained."""
+    return max(above_noise(fit.rest, about.observed).values()) < QUIET and strain(fit) < STRAINED
 
 
 def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
@@ -73,17 +68,40 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
 
     What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
     they act alike, and rivals that are compared before they have come to rest seem apart that are not. All
-    derivatives are of one model, or what acts alike would seem known apart.
+    derivatives are of one model, or what acts alike would seem known apart. Only beside corners a fit may be
+    so much better by its own account, in which unknowns act in proportion, that it stays as it is.
     """
-    best, there = fit, about
-    for _ in range(ROUNDS if fit.members else 0):
-        ahead, about = further(best, there)
-        fell = objective(best) - objective(ahead)
-        if fell > -STILL * sigma_squared(best):  # a fit's own C leaves out how derivatives change
-            best, there = ahead, about
-        if fell < SETTLED * sigma_squared(best):
-            break
-    return evaluated(best, there) if fit.members else (best, there)
+    here, at = fit, about
+    with suppress(*FAILED):
+        here, at = evaluated(fit, about)
+        for _ in range(ROUNDS if fit.members else 0):
+            ahead, there = evaluated(*further(here, at))
+            fell = objective(here) - objective(ahead)
+            if fell > 0:
+                here, at = ahead, there
+            if fell < SETTLED * sigma_squared(here):
+                break
+    rests = objective(here) < objective(fit) + STILL * sigma_squared(fit)
+    return (here, at) if rests else (fit, about)
+
+
+def further(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
+    """A step of Newton from a fit; where that leads up, as with laws that bend, a fit about what it found.
+
+    Never one of which the objective is higher than that of the fit, all derivatives taken about it.
+
+    Raises
+    ------
+    NotConverged, InvalidParameter, ValueError
+        If nothing can be simulated beside the fit.
+    """
+    here, at = evaluated(fit, about)
+    with suppress(*FAILED):
+        ahead, there = stepped(here, at)
+        if objective(ahead) < objective(here):
+            return ahead, there
+    again = at.fit(here.members)
+    return (again, at) if objective(again) < objective(here) else (here, at)
 
 
 def sigma_squared(fit: Fit) -> float:

@@ -92,14 +92,17 @@ def _promising(
     """Single candidates: what explains most, where unknowns are strained what relieves them; and others."""
     shares = one_variant(screen(fitter, probed, best, places), len(probed))
     sharp = sharpened(fitter, shares[: 2 * TRIED], best)
-    wanted, others = sharp[:TRIED], sharp[TRIED:]
-    return wanted + _relieving(shares, sharp) if strain(best) > STRAINED else wanted, others
+    wanted = sharp[:TRIED]
+    if strain(best) > STRAINED:
+        wanted += _relieving(shares, wanted)
+    there = {share.places for share in wanted}
+    return wanted, [share for share in sharp if share.places not in there]
 
 
 def _relieving(shares: Sequence[Share], wanted: Sequence[Share]) -> list[Share]:
     """Those that need nominal values and nuisances least, beside what explains most of the gap."""
-    there = {tuple(m.place for m in share.members) for share in wanted}
-    others = [share for share in shares if tuple(m.place for m in share.members) not in there]
+    there = {share.places for share in wanted}
+    others = [share for share in shares if share.places not in there]
     return sorted(others, key=lambda share: -share.relief)[: TRIED // 2]
 
 

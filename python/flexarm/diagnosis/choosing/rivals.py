@@ -21,7 +21,7 @@ from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
-from flexarm.diagnosis.choosing.polish import ROUNDS, STILL, further
+from flexarm.diagnosis.choosing.polish import FAILED, ROUNDS, further
 from flexarm.diagnosis.choosing.promising import PAIRS, TRIED, one_variant
 from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
@@ -30,7 +30,9 @@ from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
 
 WITHIN_SIGHT = 8.0
-"""How far behind in ln Z a rival is taken further as the chosen model was."""
+"""How far behind in ln Z a rival is in sight of the chosen model, and taken further."""
+NEARER = 0.3
+"""Least gain of ln Z in a step of a rival that comes nearer: a tenth of what decides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +75,7 @@ def rivals_of(
 ) -> list[Rival]:
     """What could stand in the place of effect k of the chosen model, the best first.
 
-    Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and not polished.
+    Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and fitted once.
     """
     observed = fitter.observed
     open_gap = leaves_gap(best, null, observed)
@@ -88,7 +90,7 @@ def rivals_of(
         candidate = share.members[0]
         try:
             fit = known.get(candidate.place) or fitter.fit((candidate, *others))
-            fit, behind = _caught_up(fit, best, fitter, value, polish=not open_gap)
+            fit, behind = _caught_up(fit, best, fitter, value, open_gap)
         except (InvalidParameter, NotConverged, ValueError):
             continue
         member = next(m for m in fit.members if m.place == candidate.place)
@@ -109,22 +111,23 @@ def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dic
 
 
 def _caught_up(
-    fit: Fit, best: Fit, fitter: Fitter, value: Mapping[Channel, float], polish: bool
+    fit: Fit, best: Fit, fitter: Fitter, value: Mapping[Channel, float], open_gap: bool
 ) -> tuple[Fit, float]:
-    """A rival's model with as much care as the chosen one where it comes close, and its ln Z behind that."""
+    """A rival's model after as many steps as could bring it near the chosen one, and its ln Z behind that."""
     observed = fitter.observed
     behind = log_bayes_factor(best, fit, observed, value)
     if behind >= CLOSE:
         return fit, behind
     about = fitter.about(fit)
-    if not polish:
-        fit = about.fit(fit.members)
-        return fit, log_bayes_factor(best, fit, observed, value)
-    fit = about.evaluated(fit.members)
-    for _ in range(ROUNDS):
-        fit, about = further(fit, about)
+    fit = about.fit(fit.members) if open_gap else about.evaluated(fit.members)
+    behind = log_bayes_factor(best, fit, observed, value)
+    for _ in range(0 if open_gap else ROUNDS):
+        try:
+            fit, about = further(fit, about)
+        except FAILED:
+            break
         before, behind = behind, log_bayes_factor(best, fit, observed, value)
-        if before - behind < max(STILL, behind - WITHIN_SIGHT):  # another such step would not bring it near
+        if before - behind < max(NEARER, behind - WITHIN_SIGHT):  # another such step would not bring it near
             break
     return fit, behind
 

@@ -71,6 +71,11 @@ class Share:
     share: float
     relief: float = 0.0
 
+    @property
+    def places(self) -> tuple[tuple[str, str], ...]:
+        """Name and place of each member."""
+        return tuple(member.place for member in self.members)
+
     def __str__(self) -> str:
         return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {m.at}" for m in self.members)
 

@@ -81,13 +81,18 @@ class Fitter:
         return self._moved(at, fit)
 
     def _moved(self, at: Floats, fit: Fit) -> Fitter:
-        """The same with unknowns elsewhere."""
+        """The same with unknowns elsewhere; those that an effect overrules, such as a mass, where they were.
+
+        Otherwise they would have moved, at no cost, in a model without that effect.
+        """
         there = replace(self, at=at)
         arm = there.with_effects(fit.members)
         keys = fit.unknowns.keys
         slopes = self.slopes.copy()
         slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
-        return replace(there, slopes=slopes, correction=self.observed.correction(arm), members=fit.members)
+        acting = np.where(slopes.any(axis=0), at, 0.0)
+        correction = self.observed.correction(arm)
+        return replace(self, at=acting, slopes=slopes, correction=correction, members=fit.members)
 
     def centred(self) -> Fitter:
         """The same about nominal values that fit better, for those that act otherwise than in proportion.
@@ -147,21 +152,24 @@ class Fitter:
         problem = self._problem(members)
         if not problem.coordinates:
             return self._as_it_is(members)
-        return self._found(problem, problem.solved(problem.z_of(members), evaluations, tolerance))
+        z = problem.solved(problem.z_of(members), evaluations, tolerance)
+        return self._found(problem, z, problem.members_at(z))
 
     def evaluated(self, members: Sequence[Candidate]) -> Fit:
         """A model with effects as they are, and its derivatives."""
-        problem = self._problem(tuple(members))
-        return self._found(problem, problem.z_of(members))
+        members = tuple(members)
+        problem = self._problem(members)
+        if not problem.coordinates:
+            return self._as_it_is(members)
+        return self._found(problem, problem.z_of(members), members)
 
     def _problem(self, members: tuple[Candidate, ...]) -> LeastSquares:
         coordinates = coordinates_of(members, self.with_effects(members))
         return LeastSquares(self, members, coordinates, self.eliminated(members)[1])
 
-    def _found(self, problem: LeastSquares, z: Floats) -> Fit:
-        """The fit at z."""
+    def _found(self, problem: LeastSquares, z: Floats, members: tuple[Candidate, ...]) -> Fit:
+        """The fit at z, which `members` have."""
         residual, slopes, projection = problem.raw(z), problem.differences(z), problem.projection
-        members = problem.members_at(z)
         rest, left = projection.rest(residual), self.eliminated(members)[0]
         arm = self.with_effects(members)
         return Fit(members, problem.coordinates, z, arm, residual, rest, slopes, left, projection)

@@ -7,7 +7,8 @@ J_x = dr/dx of one and the same model,
 
     min over dz of  C(r + J_z dz) + sum_i ln(1 + (z_i + dz_i)^2/9),                                    (1)
 
-where C eliminates x with J_x, and then both are simulated anew at z + dz and x + dx.
+where C eliminates x with J_x. About the model at z + dz and x + dx, with J_x of that one, z is then fitted:
+what bends beside the straight step is mended where it costs least.
 """
 
 from __future__ import annotations
@@ -27,14 +28,15 @@ if TYPE_CHECKING:
 
 def evaluated(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     """A fit as (1) needs it, with all derivatives of one model, and the fitter about that."""
-    if fitter.members == fit.members:
+    if fitter.members != fit.members:
+        fitter = fitter.about(fit)
+    elif fit.projection is fitter.eliminated(fit.members)[1]:
         return fit, fitter
-    about = fitter.about(fit)
-    return about.evaluated(fit.members), about
+    return fitter.evaluated(fit.members), fitter
 
 
 def stepped(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
-    """The model after a step of (1) from an evaluated one, and the fitter about it.
+    """The fit after a step of (1) from an evaluated one, and the fitter that made it.
 
     Raises
     ------
@@ -54,7 +56,7 @@ def objective(fit: Fit) -> float:
 
 
 def _least(fit: Fit) -> Floats:
-    """dz of (1), within the bounds of z."""
+    """dz of (1), cut where z would leave its bounds."""
     rows, slopes = prior_rows(fit.coordinates, fit.z)
     found = np.linalg.lstsq(
         np.vstack([fit.projection.rest(fit.slopes), np.diag(slopes)]),

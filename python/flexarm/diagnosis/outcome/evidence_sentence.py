@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
 from flexarm.diagnosis.choosing.choose import Choice
 from flexarm.diagnosis.choosing.evidence import above_noise
 from flexarm.diagnosis.choosing.left_out import missed
@@ -36,7 +37,7 @@ def evidence_sentence(
         f"with {what} the largest gap above the noise {shrinks} times the noise (ln Bayes factor "
         f"{choice.gain:.0f} over the nominal model)"
     )
-    text += "".join(f"; without it {said}" for said in _strained(choice.null))
+    text += "".join(f"; without it {said}" for said in _strained(choice.null, UNUSUAL))
     if rivals:
         rival = rivals[0]
         who = place_words(*rival.candidate.place)
@@ -46,9 +47,9 @@ def evidence_sentence(
             f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
             f"{missed(choice.null, observed):.2g} without"
         )
-    text += "".join(
-        f"; even with it {said}, so that something else may be missing" for said in _strained(best)
-    )
+    if strain(best) > STRAINED:
+        worst = "".join(_strained(best, FORBIDDEN))
+        text += f"; even with it {worst}, so that something else may be missing"
     text += "".join(f"; {said}" for said in _unusual(best, k))
     for each in moving:
         text += (
@@ -57,14 +58,14 @@ def evidence_sentence(
     return text + "."
 
 
-def _strained(fit: Fit) -> Iterator[str]:
-    """What a model must assume of a clock, a frame or a nominal value."""
+def _strained(fit: Fit, beyond: float) -> Iterator[str]:
+    """What a model must assume of a clock, a frame or a nominal value, if that is beyond so many sigmas."""
     if not len(fit.unknowns.each):
         return
     pulls = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
     worst = int(np.argmax(pulls))
     unknown = fit.unknowns.each[worst]
-    if pulls[worst] > UNUSUAL:
+    if pulls[worst] > beyond:
         _, _, at, *rest = unknown.key.split(".")
         what = (
             f"value {unknown.key}"

@@ -1,0 +1,86 @@
+"""Fits taken further, on objectives that are made up: how often, and which one comes out."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from flexarm.diagnosis.choosing import polish
+from flexarm.errors import NotConverged
+
+ABOUT = SimpleNamespace(observed=None)
+HONEST = SimpleNamespace(observed=None, fit=lambda members: fit(1e9))
+"""A fitter about a fit, which finds nothing better."""
+
+
+def fit(objective):
+    return SimpleNamespace(objective=objective, cost=objective, residual=[0.0], members=("spring",))
+
+
+@pytest.fixture
+def path(monkeypatch):
+    """Steps lead along objectives that a test appends; what a fit says of itself is 0.5 too little."""
+    objectives: list[float] = []
+
+    def evaluated(one, about):
+        return (one, about) if about is HONEST else (fit(one.objective + 0.5), HONEST)
+
+    def stepped(one, about):
+        if not objectives:
+            raise NotConverged("no equilibrium")
+        return fit(objectives.pop(0)), HONEST
+
+    monkeypatch.setattr(polish, "evaluated", evaluated)
+    monkeypatch.setattr(polish, "stepped", stepped)
+    monkeypatch.setattr(polish, "objective", lambda one: one.objective)
+    monkeypatch.setattr(polish, "sigma_squared", lambda one: 1.0)
+    monkeypatch.setattr(polish, "_quiet", lambda one, about: False)
+    return objectives
+
+
+def test_a_step_is_judged_against_the_same_model_evaluated(path):
+    """95 by its own account, 95.5 in truth: 95.3 is less, and the next 95.29 is where it rests."""
+    path += [95.3, 95.29]
+    assert polish.settled(fit(95.0), ABOUT)[0].objective == 95.29
+
+
+def test_what_is_better_by_its_own_account_than_all_that_follows_stays(path, monkeypatch):
+    """Beside corners unknowns do not act in proportion, and steps lead away: 100 in truth, then 95."""
+    evaluated = lambda one, about: (one, about) if about is HONEST else (fit(100.0), HONEST)  # noqa: E731
+    monkeypatch.setattr(polish, "evaluated", evaluated)
+    path += [95.0, 94.99, 94.98]
+    start = fit(90.0)
+    assert polish.settled(start, ABOUT) == polish.polished(start, ABOUT) == (start, ABOUT)
+
+
+def test_steps_end_where_they_bring_less_than_a_tenth_of_sigma_squared(path):
+    path += [95.0, 94.95, 1.0]
+    assert polish.settled(fit(99.0), ABOUT)[0].objective == 94.95
+    assert path == [1.0]
+
+
+def test_a_step_that_leads_up_gives_way_to_a_fit_about_the_same_model(path, monkeypatch):
+    again = SimpleNamespace(observed=None, fit=lambda members: fit(97.0))
+    monkeypatch.setattr(polish, "evaluated", lambda one, about: (fit(100.0), again))
+    path += [105.0]
+    assert polish.further(fit(90.0), ABOUT)[0].objective == 97.0
+
+
+def test_nothing_that_leads_up_is_taken(path, monkeypatch):
+    again = SimpleNamespace(observed=None, fit=lambda members: fit(101.0))
+    monkeypatch.setattr(polish, "evaluated", lambda one, about: (fit(100.0), again))
+    path += [105.0]
+    assert polish.further(fit(90.0), ABOUT)[0].objective == 100.0
+
+
+def test_what_cannot_be_simulated_further_stays_as_it_is(path, monkeypatch):
+    def evaluated(one, about):
+        raise NotConverged("no equilibrium")
+
+    monkeypatch.setattr(polish, "evaluated", evaluated)
+    start = fit(90.0)
+    assert polish.settled(start, ABOUT) == polish.polished(start, ABOUT) == (start, ABOUT)
+
+
+def test_polishing_ends_after_two_rounds_that_bring_less_than_a_fiftieth(path):
+    path += [60.0, 58.9, 57.8, 1.0]
+    assert polish.polished(fit(90.0), ABOUT)[0].objective == 57.8
