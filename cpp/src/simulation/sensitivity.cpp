@@ -90,7 +90,8 @@ SensitivitiesIn<D>::SensitivitiesIn(const SystemD& system, const solvers::HhtCoe
       partial_(system, variations_),
       now_(std::move(initial)),
       before_(now_),
-      parts_(system) {}
+      parts_(system),
+      step_(system, coefficients) {}
 
 template <int D>
 void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const VectorXd& exponent, double h,
@@ -106,72 +107,18 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
   partial_.evaluate(state_, now_, loads, laws_, rhs_);
   rhs_.bottomRows(system_.n_constraints()) *= scale;
   parts_.assemble(state_, loads, scale, true);
-  carry(exponent, h);
-  bring_along();
-  factor(exponent, h);
+  step_.prepare(exponent, h);
+  step_.carry(before_, parts_, rhs_);
+  factor(h);
   factor_.solve(rhs_);  // eq. (4)
   now_.multipliers = scale * rhs_.bottomRows(system_.n_constraints());
-  update(exponent, h);
+  step_.update(rhs_, now_);  // eq. (1) to (3)
   remember();
-}
-
-/// What (2) and (3) give at ξ₁ = 0: what state 0 brings along.
-template <int D>
-void SensitivitiesIn<D>::carry(const VectorXd& exponent, double h) {
-  const auto [alpha, beta, gamma] = coefficients_;
-  constexpr int n_node = freedoms<D>;
-  const int n = system_.n_free();
-  const auto v0 = before_.velocity.topRows(n), v_dot0 = before_.v_dot.topRows(n), a0 = before_.a.topRows(n);
-  a_rest_ = before_.position.topRows(n);
-  for (int k = 0; k < system_.n_nodes(); ++k) {
-    const Twist<D> h_k = exponent.segment<n_node>(n_node * k);
-    a_rest_.template middleRows<n_node>(n_node * k) = left_tangent_inverse<D>(h_k).lazyProduct(
-        before_.position.template middleRows<n_node>(n_node * k));  // eq. (1)
-  }
-  a_rest_ = -1 / (beta * h * h) * (a_rest_ + h * v0) - (0.5 - beta) / beta * a0;
-  V_ = v0 + h * ((1 - gamma) * a0 + gamma * a_rest_);
-  A_ = 1 / (1 + alpha) * (a_rest_ + alpha * v_dot0);
-}
-
-/// Takes C V + M A from the right side of (4). Both have the pattern of K, of which they need a part.
-template <int D>
-void SensitivitiesIn<D>::bring_along() {
-  const int* rows = parts_.C().innerIndexPtr();
-  const double *C = parts_.C().valuePtr(), *M = parts_.M().valuePtr();
-  const Eigen::Index n_parameters = rhs_.cols();
-  for (Eigen::Index j = 0; j < V_.rows(); ++j) {
-    const double *v = V_.data() + j * n_parameters, *a = A_.data() + j * n_parameters;
-    for (int k = parts_.C().outerIndexPtr()[j]; k < parts_.C().outerIndexPtr()[j + 1]; ++k) {
-      const double damping = C[k], mass = M[k];
-      if (damping == 0 && mass == 0) continue;
-      double* row = rhs_.data() + rows[k] * n_parameters;
-      for (Eigen::Index p = 0; p < n_parameters; ++p) row[p] -= damping * v[p] + mass * a[p];
-    }
-  }
-}
-
-/// Equations (1) to (3) from ξ₁.
-template <int D>
-void SensitivitiesIn<D>::update(const VectorXd& exponent, double h) {
-  const auto [alpha, beta, gamma] = coefficients_;
-  constexpr int n_node = freedoms<D>;
-  const int n = system_.n_free();
-  const auto v0 = before_.velocity.topRows(n), v_dot0 = before_.v_dot.topRows(n), a0 = before_.a.topRows(n);
-  now_.position.topRows(n) = rhs_.topRows(n);
-  turned_ = rhs_.topRows(n);
-  for (int k = 0; k < system_.n_nodes(); ++k) {
-    const Twist<D> h_k = exponent.segment<n_node>(n_node * k);
-    turned_.template middleRows<n_node>(n_node * k) =
-        right_tangent_inverse<D>(h_k).lazyProduct(rhs_.template middleRows<n_node>(n_node * k));
-  }
-  now_.a.topRows(n) = 1 / (beta * h * h) * turned_ + a_rest_;                          // eq. (2)
-  now_.velocity.topRows(n) = v0 + h * ((1 - gamma) * a0 + gamma * now_.a.topRows(n));  // eq. (3)
-  now_.v_dot.topRows(n) = 1 / (1 + alpha) * (now_.a.topRows(n) + alpha * v_dot0);
 }
 
 /// Equation (5).
 template <int D>
-void SensitivitiesIn<D>::factor(const VectorXd& exponent, double h) {
+void SensitivitiesIn<D>::factor(double h) {
   const auto [alpha, beta, gamma] = coefficients_;
   constexpr int n_node = freedoms<D>;
   const double c_C = gamma / (beta * h), c_M = 1 / (beta * h * h * (1 + alpha));
@@ -184,8 +131,7 @@ void SensitivitiesIn<D>::factor(const VectorXd& exponent, double h) {
       return;
     }
     using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, n_node>>;
-    const Twist<D> h_node = exponent.segment<n_node>(first);
-    const TwistMatrix<D> T = right_tangent_inverse<D>(h_node);
+    const TwistMatrix<D>& T = step_.right_inverse(first / n_node);
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, n_node>>(S + begin, rows, n_node).noalias() =
         Block(K + begin, rows, n_node) +
         (c_C * Block(C + begin, rows, n_node) + c_M * Block(M + begin, rows, n_node)) * T;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flexarm/solvers/lanes.hpp"
+
 namespace flexarm::solvers {
 namespace {
 
@@ -86,35 +88,62 @@ bool TriangularFactors::refactor(const Eigen::SparseMatrix<double>& A) {
   return sound && smallest > singular_ratio * largest;
 }
 
-void TriangularFactors::solve(double* X, Eigen::Index m) {
-  const auto n = static_cast<int>(P.size());
-  rows_.resize(n * m);
-  for (int k = 0; k < n; ++k) {
-    const double per_scale = 1 / scale[k];
-    for (Eigen::Index j = 0; j < m; ++j) rows_[k * m + j] = per_scale * X[P[k] * m + j];
-  }
-  for (auto block = static_cast<int>(blocks.size()) - 2; block >= 0; --block) {
-    const int first = blocks[block], last = blocks[block + 1];
-    for (int k = first; k < last; ++k) subtract(L, k, L.start[k] + 1, L.start[k + 1], m);
-    for (int k = last - 1; k >= first; --k) {
-      const int diagonal = U.start[k + 1] - 1;
-      const double per_pivot = 1 / U.value[diagonal];
-      for (Eigen::Index j = 0; j < m; ++j) rows_[k * m + j] *= per_pivot;
-      subtract(U, k, U.start[k], diagonal, m);
-    }
-    for (int k = first; k < last; ++k) subtract(F, k, F.start[k], F.start[k + 1], m);
-  }
-  for (int k = 0; k < n; ++k) std::copy_n(rows_.data() + k * m, m, X + Q[k] * m);
-}
+namespace {
 
-/// Takes column k of a factor, times the solution's k-th row, from the rows below or above.
-void TriangularFactors::subtract(const Part& part, int k, int begin, int end, Eigen::Index m) {
-  const double* known = rows_.data() + k * m;
-  for (int p = begin; p < end; ++p) {
-    double* row = rows_.data() + part.row[p] * m;
-    const double factor = part.value[p];
-    for (Eigen::Index j = 0; j < m; ++j) row[j] -= factor * known[j];
+// Columns at a time: each row waits for the one before, and the more of it there is the less that counts.
+constexpr int widest = 16;
+
+/// Substitution for some columns of a right side.
+struct Substitution {
+  const TriangularFactors& factors;
+  const double *per_scale, *per_pivot;
+  double* X;
+  Eigen::Index m;
+  double* rows;  // of the solution, in the order of the pivots
+
+  template <int N>
+  [[gnu::always_inline]] void columns(Eigen::Index first) {
+    const TriangularFactors::Part &L = factors.L, &U = factors.U, &F = factors.F;
+    const std::vector<int>&P = factors.P, &Q = factors.Q, &blocks = factors.blocks;
+    const auto n = static_cast<int>(P.size());
+    for (int k = 0; k < n; ++k) lanes<N>(rows + k * N) = per_scale[k] * lanes<N>(X + P[k] * m + first);
+    for (auto block = static_cast<int>(blocks.size()) - 2; block >= 0; --block) {
+      const int begin = blocks[block], end = blocks[block + 1];
+      for (int k = begin; k < end; ++k) subtract<N>(L, k, L.start[k] + 1, L.start[k + 1]);
+      for (int k = end - 1; k >= begin; --k) {
+        lanes<N>(rows + k * N) = per_pivot[k] * lanes<N>(rows + k * N);
+        subtract<N>(U, k, U.start[k], U.start[k + 1] - 1);
+      }
+      for (int k = begin; k < end; ++k) subtract<N>(F, k, F.start[k], F.start[k + 1]);
+    }
+    for (int k = 0; k < n; ++k) lanes<N>(X + Q[k] * m + first) = lanes<N>(rows + k * N);
   }
+
+  /// Takes column k of a factor, times the solution's k-th row, from the rows below or above.
+  template <int N>
+  [[gnu::always_inline]] void subtract(const TriangularFactors::Part& part, int k, int begin, int end) {
+    const typename Lanes<N>::type known = lanes<N>(rows + k * N);
+    const int* row = part.row.data();
+    const double* value = part.value.data();
+    for (int p = begin; p < end; ++p) lanes<N>(rows + row[p] * N) -= value[p] * known;
+  }
+};
+
+FLEXARM_FOR_EVERY_PROCESSOR
+void substitute(Substitution work) { by_columns<widest>(work, work.m); }
+
+}  // namespace
+
+void TriangularFactors::solve(double* X, Eigen::Index m) {
+  const std::size_t n = P.size();
+  per_scale_.resize(n);
+  per_pivot_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    per_scale_[k] = 1 / scale[k];
+    per_pivot_[k] = 1 / U.value[U.start[k + 1] - 1];
+  }
+  rows_.resize(widest * n);
+  substitute({*this, per_scale_.data(), per_pivot_.data(), X, m, rows_.data()});
 }
 
 }  // namespace flexarm::solvers

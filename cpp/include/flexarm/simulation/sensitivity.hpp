@@ -26,6 +26,7 @@
 #include "flexarm/simulation/law_slopes.hpp"
 #include "flexarm/simulation/partial_residuals.hpp"
 #include "flexarm/simulation/statics.hpp"
+#include "flexarm/simulation/step_slopes.hpp"
 #include "flexarm/simulation/variation.hpp"
 #include "flexarm/solvers/hht.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
@@ -63,10 +64,7 @@ class SensitivitiesIn {
   const StateDerivative& derivative() const { return now_; }
 
  private:
-  void carry(const VectorXd& exponent, double h);
-  void bring_along();
-  void factor(const VectorXd& exponent, double h);
-  void update(const VectorXd& exponent, double h);
+  void factor(double h);
   void remember();
 
   const SystemD& system_;
@@ -79,9 +77,8 @@ class SensitivitiesIn {
   assembly::TangentPartsIn<D> parts_;
   Eigen::SparseMatrix<double> S_;
   solvers::SparseFactor factor_;
+  StepSlopesIn<D> step_;
   Slopes rhs_;                      // of (4), then its unknowns, one column a parameter
-  Slopes a_rest_, V_, A_;           // (2) and (3) at ξ₁ = 0
-  Slopes turned_;                   // T_r⁻¹ ξ₁
   Eigen::RowVectorXd dx_, dx_dot_;  // of a law
 };
 

@@ -42,12 +42,11 @@ class TriangularFactors {
  private:
   void find_places(const Eigen::SparseMatrix<double>& A);
   void scatter(const Eigen::SparseMatrix<double>& A, int k);
-  void subtract(const Part& part, int k, int begin, int end, Eigen::Index m);
 
-  std::vector<int> place_;      // of each entry of A: a row, or −1 − that entry of F
-  std::vector<double> weight_;  // 1/scale of its row
-  std::vector<double> x_;       // a column of (1), zero between two
-  std::vector<double> rows_;    // of a solution
+  std::vector<int> place_;                            // of each entry of A: a row, or −1 − that entry of F
+  std::vector<double> weight_;                        // 1/scale of its row
+  std::vector<double> x_;                             // a column of (1), zero between two
+  std::vector<double> per_scale_, per_pivot_, rows_;  // of a solution
 };
 
 }  // namespace flexarm::solvers

@@ -1,0 +1,158 @@
+#include "flexarm/simulation/step_slopes.hpp"
+
+#include "flexarm/solvers/lanes.hpp"
+
+namespace flexarm::simulation {
+namespace {
+
+using namespace geometry;
+using solvers::by_columns;
+using solvers::lanes;
+using solvers::Lanes;
+
+/// Rows of derivatives, m numbers each.
+struct StepRows {
+  const double *position, *velocity, *v_dot, *a;
+};
+
+/// Equations (1), (2) and C v* + M v̇* for some parameters.
+template <int D>
+struct Carrying {
+  const solvers::HhtCoefficients& c;
+  double h;
+  const assembly::TangentPartsIn<D>& parts;
+  int n_nodes, n_free;
+  const double* left;  // T_l⁻¹ of each node, column after column
+  StepRows before;
+  double *a, *v, *v_dot, *rhs;
+  Eigen::Index m;
+
+  template <int N>
+  [[gnu::always_inline]] void columns(Eigen::Index p) {
+    const int* start = parts.K().outerIndexPtr();
+    constexpr int n = freedoms<D>;
+    for (int k = 0; k < n_nodes; ++k) group<n, N>(n * k, left + n * n * k, start[n * k], p);
+    for (int j = n * n_nodes; j < n_free; ++j) group<1, N>(j, nullptr, start[j], p);
+  }
+
+  /// Columns from `first` on that share their rows, those of a node or a scalar coordinate's own.
+  template <int Count, int N>
+  [[gnu::always_inline]] void group(int first, const double* T, int begin, Eigen::Index p) {
+    using Lane = typename Lanes<N>::type;
+    const double per_h2 = -1 / (c.beta * h * h), rest = -(0.5 - c.beta) / c.beta, h_a0 = h * (1 - c.gamma),
+                 h_a = h * c.gamma, part = 1 / (1 + c.alpha);
+    Lane velocity[Count], v_dots[Count];
+    for (int i = 0; i < Count; ++i) {
+      const Eigen::Index at = (first + i) * m + p;
+      const Lane &v0 = lanes<N>(before.velocity + at), &a0 = lanes<N>(before.a + at);
+      Lane turned;
+      if constexpr (Count == 1) {
+        turned = lanes<N>(before.position + at);
+      } else {
+        turned = T[i] * lanes<N>(before.position + first * m + p);
+        for (int j = 1; j < Count; ++j) {
+          turned += T[Count * j + i] * lanes<N>(before.position + (first + j) * m + p);
+        }
+      }
+      const Lane a1 = per_h2 * (turned + h * v0) + rest * a0;           // eq. (1)
+      velocity[i] = v0 + (h_a0 * a0 + h_a * a1);                        // eq. (2)
+      v_dots[i] = part * (a1 + c.alpha * lanes<N>(before.v_dot + at));  // eq. (2)
+      lanes<N>(a + at) = a1;
+      lanes<N>(v + at) = velocity[i];
+      lanes<N>(v_dot + at) = v_dots[i];
+    }
+    const int* row = parts.K().innerIndexPtr() + begin;
+    const int rows = parts.K().outerIndexPtr()[first + 1] - begin;
+    const double *C = parts.C().valuePtr() + begin, *M = parts.M().valuePtr() + begin;
+    for (int i = 0; i < rows && row[i] < n_free; ++i) {  // constraints have neither
+      Lane sum = C[i] * velocity[0] + M[i] * v_dots[0];
+      for (int j = 1; j < Count; ++j) sum += C[j * rows + i] * velocity[j] + M[j * rows + i] * v_dots[j];
+      lanes<N>(rhs + row[i] * m + p) -= sum;
+    }
+  }
+};
+
+/// Equation (3) for some parameters.
+template <int D>
+struct Updating {
+  const solvers::HhtCoefficients& c;
+  double h;
+  int n_nodes, n_free;
+  const double* right;  // T_r⁻¹ of each node
+  const double *solution, *a, *v, *v_dot;
+  double *to_position, *to_velocity, *to_v_dot, *to_a;
+  Eigen::Index m;
+
+  template <int N>
+  [[gnu::always_inline]] void columns(Eigen::Index p) {
+    constexpr int n = freedoms<D>;
+    for (int k = 0; k < n_nodes; ++k) group<n, N>(n * k, right + n * n * k, p);
+    for (int j = n * n_nodes; j < n_free; ++j) group<1, N>(j, nullptr, p);
+  }
+
+  template <int Count, int N>
+  [[gnu::always_inline]] void group(int first, const double* T, Eigen::Index p) {
+    using Lane = typename Lanes<N>::type;
+    const double per_h2 = 1 / (c.beta * h * h), per_h = c.gamma / (c.beta * h),
+                 per_h2_v_dot = per_h2 / (1 + c.alpha);
+    Lane xi[Count];
+    for (int i = 0; i < Count; ++i) xi[i] = lanes<N>(solution + (first + i) * m + p);
+    for (int i = 0; i < Count; ++i) {
+      const Eigen::Index at = (first + i) * m + p;
+      Lane turned = xi[i];
+      if constexpr (Count > 1) {
+        turned = T[i] * xi[0];
+        for (int j = 1; j < Count; ++j) turned += T[Count * j + i] * xi[j];
+      }
+      lanes<N>(to_position + at) = xi[i];
+      lanes<N>(to_a + at) = lanes<N>(a + at) + per_h2 * turned;
+      lanes<N>(to_velocity + at) = lanes<N>(v + at) + per_h * turned;
+      lanes<N>(to_v_dot + at) = lanes<N>(v_dot + at) + per_h2_v_dot * turned;
+    }
+  }
+};
+
+// The loader chooses among functions, not among templates.
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<2> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<3> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<2> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<3> work) { by_columns<4>(work, work.m); }
+
+}  // namespace
+
+template <int D>
+StepSlopesIn<D>::StepSlopesIn(const assembly::SystemIn<D>& system,
+                              const solvers::HhtCoefficients& coefficients)
+    : system_(system), coefficients_(coefficients), left_(system.n_nodes()), right_(system.n_nodes()) {}
+
+template <int D>
+void StepSlopesIn<D>::prepare(const VectorXd& exponent, double h) {
+  h_ = h;
+  for (int k = 0; k < system_.n_nodes(); ++k) {
+    const Twist<D> h_k = exponent.segment<freedoms<D>>(freedoms<D> * k);
+    left_[k] = left_tangent_inverse<D>(h_k);
+    right_[k] = right_tangent_inverse<D>(h_k);
+  }
+}
+
+template <int D>
+void StepSlopesIn<D>::carry(const StateDerivative& before, const assembly::TangentPartsIn<D>& parts,
+                            Slopes& rhs) {
+  const Eigen::Index m = rhs.cols();
+  for (Slopes* rows : {&a_, &v_, &v_dot_}) rows->resize(system_.n_free(), m);
+  const StepRows rows{before.position.data(), before.velocity.data(), before.v_dot.data(), before.a.data()};
+  work_through(Carrying<D>{coefficients_, h_, parts, system_.n_nodes(), system_.n_free(),
+                           left_.data()->data(), rows, a_.data(), v_.data(), v_dot_.data(), rhs.data(), m});
+}
+
+template <int D>
+void StepSlopesIn<D>::update(const Slopes& solution, StateDerivative& now) const {
+  work_through(Updating<D>{coefficients_, h_, system_.n_nodes(), system_.n_free(), right_.data()->data(),
+                           solution.data(), a_.data(), v_.data(), v_dot_.data(), now.position.data(),
+                           now.velocity.data(), now.v_dot.data(), now.a.data(), solution.cols()});
+}
+
+template class StepSlopesIn<2>;
+template class StepSlopesIn<3>;
+
+}  // namespace flexarm::simulation
