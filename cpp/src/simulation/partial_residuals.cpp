@@ -41,7 +41,7 @@ void PartialResidualsIn<D>::rest(Strained& group, double t) const {
       return beam.stiffness().cwiseProduct(beam.rest(t) - nominal + beam.damping_time() * beam.bow_rate(t));
     };
     const auto [plus, minus] = group.models[j];
-    group.at_rest.col(static_cast<Eigen::Index>(j)) =
+    group.slopes.at_rest.col(static_cast<Eigen::Index>(j)) =
         (stress(*minus) - stress(*plus)) / variations_[group.columns[j]].spread();
   }
 }
@@ -57,19 +57,22 @@ void PartialResidualsIn<D>::stresses(const StateD& state, Slopes& rhs) {
     const Twist<D> e = d - beam.rest(state.elapsed());
     const Twist<D> e_dot = InverseTangentIn<D>(d).strain_rate(v1, v2);
     if (group.grows) rest(group, state.elapsed());
-    stress_ = group.at_rest;
-    for (int i = 0; i < n; ++i) {
-      stress_.row(i) += e[i] * group.by_strain.row(i) + e_dot[i] * group.by_rate.row(i);
-    }
     Eigen::Matrix<double, 2 * n, n> to_ends;
-    to_ends << left_tangent_inverse<D>(d).transpose(), -right_tangent_inverse<D>(d).transpose();
-    ends_.resize(2 * n, stress_.cols());
-    ends_.noalias() = to_ends.lazyProduct(stress_);
-    for (int i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < group.columns.size(); ++j) {
-        rhs(n1 + i, group.columns[j]) += ends_(i, static_cast<Eigen::Index>(j));
-        rhs(n2 + i, group.columns[j]) += ends_(n + i, static_cast<Eigen::Index>(j));
-      }
+    to_ends << -left_tangent_inverse<D>(d).transpose(), right_tangent_inverse<D>(d).transpose();
+    stress_forces<D>(group.slopes, e, e_dot, to_ends, forces_);
+    take(beam, group.columns, rhs);
+  }
+}
+
+/// Takes forces in the nodes of a beam from the right side.
+template <int D>
+void PartialResidualsIn<D>::take(const Beam& beam, const Columns& columns, Slopes& rhs) const {
+  const Eigen::Index n_parameters = rhs.cols(), m = forces_.cols();
+  const double* force = forces_.data();
+  for (const int node : {beam.node1(), beam.node2()}) {
+    double* row = rhs.data() + n * node * n_parameters;
+    for (int i = 0; i < n; ++i, force += m, row += n_parameters) {
+      for (std::size_t j = 0; j < columns.size(); ++j) row[columns[j]] -= force[j];
     }
   }
 }
@@ -79,25 +82,12 @@ template <int D>
 void PartialResidualsIn<D>::inertia(const StateD& state, Slopes& rhs) {
   for (const Massive& group : massive_) {
     const Beam& beam = system_.beams()[group.beam];
-    const int n1 = n * beam.node1(), n2 = n * beam.node2();
-    const auto at = [&](int i) { return i < n ? n1 + i : n2 + i - n; };
-    momentum_.setZero(2 * n, group.mass.cols());
-    force_.setZero(2 * n, group.mass.cols());
-    for (std::size_t e = 0; e < group.entries.size(); ++e) {
-      const auto [row, column] = group.entries[e];
-      const auto mass = group.mass.row(static_cast<Eigen::Index>(e));
-      momentum_.row(row) += state.v[at(column)] * mass;
-      force_.row(row) += state.v_dot[at(column)] * mass;
-    }
-    for (int end = 0; end < 2; ++end) {
-      const TwistMatrix<D> turn = ad<D>(state.v.template segment<n>(end == 0 ? n1 : n2)).transpose();
-      force_.template middleRows<n>(n * end) -= turn.lazyProduct(momentum_.template middleRows<n>(n * end));
-    }
-    for (int i = 0; i < 2 * n; ++i) {
-      for (std::size_t j = 0; j < group.columns.size(); ++j) {
-        rhs(at(i), group.columns[j]) -= force_(i, static_cast<Eigen::Index>(j));
-      }
-    }
+    elements::TwoTwists<D> v, v_dot;
+    v << state.v.template segment<n>(n * beam.node1()), state.v.template segment<n>(n * beam.node2());
+    v_dot << state.v_dot.template segment<n>(n * beam.node1()),
+        state.v_dot.template segment<n>(n * beam.node2());
+    inertia_forces<D>(group.slopes, v, v_dot, forces_);
+    take(beam, group.columns, rhs);
   }
   for (const auto& [k, column, body] : bodies_) {
     const int at = n * body.node();

@@ -24,7 +24,7 @@ PartialResidualsIn<D>::PartialResidualsIn(const SystemD& system,
 template <int D>
 void PartialResidualsIn<D>::find_strained() {
   for (std::size_t k = 0; k < system_.beams().size(); ++k) {
-    Strained group{k, {}, {}, false, {}, {}, {}};
+    Strained group{k, {}, {}, false, {}};
     for (std::size_t p = 0; p < variations_.size(); ++p) {
       const Beam &plus = variations_[p].plus->beams()[k], &minus = variations_[p].minus->beams()[k];
       if (plus.same_strength(minus)) continue;
@@ -34,12 +34,15 @@ void PartialResidualsIn<D>::find_strained() {
     }
     if (group.columns.empty()) continue;
     const auto m = static_cast<Eigen::Index>(group.columns.size());
-    for (Slopes* rows : {&group.by_strain, &group.by_rate, &group.at_rest}) rows->setZero(n, m);
+    StressSlopes& slopes = group.slopes;
+    for (Slopes* rows : {&slopes.by_strain, &slopes.by_rate, &slopes.at_rest}) {
+      rows->setZero(n, filled_up(group.columns.size()));
+    }
     for (Eigen::Index j = 0; j < m; ++j) {
       const auto [plus, minus] = group.models[j];
       const double spread = variations_[group.columns[j]].spread();
-      group.by_strain.col(j) = (plus->stiffness() - minus->stiffness()) / spread;
-      group.by_rate.col(j) =
+      slopes.by_strain.col(j) = (plus->stiffness() - minus->stiffness()) / spread;
+      slopes.by_rate.col(j) =
           (plus->damping_time() * plus->stiffness() - minus->damping_time() * minus->stiffness()) / spread;
     }
     rest(group, 0);
@@ -50,7 +53,7 @@ void PartialResidualsIn<D>::find_strained() {
 template <int D>
 void PartialResidualsIn<D>::find_massive() {
   for (std::size_t k = 0; k < system_.beams().size(); ++k) {
-    Massive group{k, {}, {}, {}};
+    Massive group{k, {}, {}};
     std::vector<elements::TwoTwistsMatrix<D>> slopes;
     elements::TwoTwistsMatrix<D> any = elements::TwoTwistsMatrix<D>::Zero();
     for (std::size_t p = 0; p < variations_.size(); ++p) {
@@ -65,13 +68,15 @@ void PartialResidualsIn<D>::find_massive() {
     }
     for (int i = 0; i < 2 * n; ++i)
       for (int j = 0; j < 2 * n; ++j)
-        if (any(i, j) > 0) group.entries.emplace_back(i, j);
-    if (group.entries.empty()) continue;
-    group.mass.resize(static_cast<Eigen::Index>(group.entries.size()),
-                      static_cast<Eigen::Index>(slopes.size()));
-    for (Eigen::Index e = 0; e < group.mass.rows(); ++e)
-      for (Eigen::Index j = 0; j < group.mass.cols(); ++j)
-        group.mass(e, j) = slopes[j](group.entries[e].first, group.entries[e].second);
+        if (any(i, j) > 0) group.slopes.entries.push_back({i, j});
+    const auto& entries = group.slopes.entries;
+    if (entries.empty()) continue;
+    Slopes& mass = group.slopes.mass;
+    mass.setZero(static_cast<Eigen::Index>(entries.size()), filled_up(slopes.size()));
+    for (std::size_t e = 0; e < entries.size(); ++e)
+      for (std::size_t j = 0; j < slopes.size(); ++j)
+        mass(static_cast<Eigen::Index>(e), static_cast<Eigen::Index>(j)) =
+            slopes[j](entries[e].row, entries[e].column);
     massive_.push_back(std::move(group));
   }
 }

@@ -8,15 +8,16 @@
 ///     ∂σ/∂p = ∂K/∂p e + ∂(η K)/∂p e' − ∂(K d₀)/∂p − ∂(η K b')/∂p                                    (1)
 ///     ∂f/∂p = ∂M/∂p v' − ad(v)ᵀ ∂M/∂p v                                                             (2)
 ///
-/// with differences of the models' K, M, ... made once; σ goes to the nodes as in elements/beam.hpp. Weights
-/// and rotor inertias alike. Joints, gears and super-elements that differ are evaluated in both models at the
-/// state. Laws: law_slopes.hpp. Prescribed coordinates and motor torques that depend on p come in with the
-/// tangents of what they touch.
+/// with differences of the models' K, M, ... made once; σ goes to the nodes as in elements/beam.hpp, by
+/// beam_slopes.hpp. Weights and rotor inertias alike. Joints, gears and super-elements that differ are
+/// evaluated in both models at the state. Laws: law_slopes.hpp. Prescribed coordinates and motor torques that
+/// depend on p come in with the tangents of what they touch.
 #pragma once
 
 #include <utility>
 #include <vector>
 
+#include "flexarm/simulation/beam_slopes.hpp"
 #include "flexarm/simulation/law_slopes.hpp"
 
 namespace flexarm::simulation {
@@ -43,20 +44,19 @@ class PartialResidualsIn {
   using Beam = elements::BeamElementIn<D>;
   using Columns = std::vector<Eigen::Index>;
 
-  /// A beam whose stress depends on parameters; rows of (1), one column for each of `columns`.
+  /// A beam whose stress depends on parameters; one column of slopes for each of `columns`.
   struct Strained {
     std::size_t beam;
     Columns columns;
     std::vector<std::pair<const Beam*, const Beam*>> models;
     bool grows = false;
-    Slopes by_strain, by_rate, at_rest;
+    StressSlopes slopes;
   };
-  /// A beam whose mass depends on parameters; one row for each entry of M that does.
+  /// A beam whose mass depends on parameters.
   struct Massive {
     std::size_t beam;
     Columns columns;
-    std::vector<std::pair<int, int>> entries;
-    Slopes mass;
+    MassSlopes slopes;
   };
   /// Something of which a parameter has two versions, or of which one object is the derivative.
   template <class T>
@@ -76,6 +76,7 @@ class PartialResidualsIn {
   void find_massive();
   void find_others(const VariationIn<D>& variation, Eigen::Index column);
   void rest(Strained& group, double t) const;
+  void take(const Beam& beam, const Columns& columns, Slopes& rhs) const;
 
   void stresses(const StateD& state, Slopes& rhs);
   void inertia(const StateD& state, Slopes& rhs);
@@ -98,8 +99,8 @@ class PartialResidualsIn {
   std::vector<Both<elements::SuperElementIn<D>>> parts_;
   Columns driven_;  // parameters on which the drives depend
   solvers::DriveValues up_, down_;
-  Slopes torques_;                           // derivatives of motor torques, one row a scalar coordinate
-  Slopes stress_, ends_, momentum_, force_;  // of one beam
+  Slopes torques_;  // derivatives of motor torques, one row a scalar coordinate
+  Slopes forces_;   // of one beam in its nodes
 };
 
 }  // namespace flexarm::simulation
