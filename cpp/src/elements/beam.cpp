@@ -132,17 +132,18 @@ typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::stiffness_at(const Twist
                                                                      const TwistD& v1, const TwistD& v2,
                                                                      double t) const {
   TwistD stress = K_.cwiseProduct(d - rest(t));
-  TwistMatrix<D> material = K_.asDiagonal();
+  StrainMatrix material = K_.asDiagonal() * B;
   if (eta_ > 0) {
     TwistD e_dot = InverseTangentIn<D>(d).strain_rate(v1, v2);
     if (grows()) e_dot -= bow_rate(t);
     stress += eta_ * K_.cwiseProduct(e_dot);
-    material += eta_ * K_.asDiagonal() * geometry::strain_rate_gradient<D>(d, v1, v2);
+    const TwistMatrix<D> gradient = geometry::strain_rate_gradient<D>(d, v1, v2);
+    material += (eta_ * K_).asDiagonal() * gradient.lazyProduct(B);
   }
   const auto geometric = geometry::geometric_stiffness<D>(d, stress);
-  EndsMatrix K = B.transpose() * material * B;
-  K.template topRows<n>() -= geometric.left * B;
-  K.template bottomRows<n>() += geometric.right * B;
+  EndsMatrix K = B.transpose().lazyProduct(material);
+  K.template topRows<n>() -= geometric.left.lazyProduct(B);
+  K.template bottomRows<n>() += geometric.right.lazyProduct(B);
   return K;
 }
 
@@ -153,8 +154,9 @@ typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::damping_matrix(const Fra
 }
 
 template <int D>
-void BeamElementIn<D>::find_tangents(const FrameD& H1, const FrameD& H2, const Ends& v, double t,
-                                     bool damping, bool stiffness, TangentMatrices& found) const {
+[[gnu::flatten]] void BeamElementIn<D>::find_tangents(const FrameD& H1, const FrameD& H2, const Ends& v,
+                                                      double t, bool damping, bool stiffness,
+                                                      TangentMatrices& found) const {
   const TwistD d = logarithm<D>(relative<D>(H1, H2));
   const StrainMatrix B = strain_matrix(d);
   if (stiffness) found.stiffness = stiffness_at(d, B, v.template head<n>(), v.template tail<n>(), t);
@@ -168,8 +170,10 @@ typename BeamElementIn<D>::EndsMatrix BeamElementIn<D>::gyroscopic_matrix(const 
   for (int end = 0; end < 2; ++end) {
     const TwistD v_end = v.template segment<n>(n * end);
     const TwistD momentum_end = p.template segment<n>(n * end);
-    G.template middleRows<n>(n * end) =
-        -geometry::ad<D>(v_end).transpose() * M_.template middleRows<n>(n * end);
+    for (int j = 0; j < 2 * n; ++j) {
+      const TwistD column = M_.col(j).template segment<n>(n * end);
+      G.col(j).template segment<n>(n * end) = -geometry::ad_transpose<D>(v_end, column);
+    }
     G.template block<n, n>(n * end, n * end) -= geometry::ad_transpose_by_twist<D>(momentum_end);
   }
   return G;

@@ -113,9 +113,9 @@ struct Updating {
 };
 
 // The loader chooses among functions, not among templates.
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<2> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<2> work) { by_columns<8>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<3> work) { by_columns<4>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<2> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<2> work) { by_columns<8>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<3> work) { by_columns<4>(work, work.m); }
 
 }  // namespace

@@ -174,7 +174,10 @@ class BeamElementIn {
   StrainMatrix strain_matrix(const TwistD& d) const;  // B
   EndsMatrix stiffness_at(const TwistD& d, const StrainMatrix& B, const TwistD& v1, const TwistD& v2,
                           double t) const;
-  EndsMatrix damping_at(const StrainMatrix& B) const { return eta_ * B.transpose() * K_.asDiagonal() * B; }
+  EndsMatrix damping_at(const StrainMatrix& B) const {
+    const StrainMatrix stress = (eta_ * K_).asDiagonal() * B;
+    return B.transpose().lazyProduct(stress);
+  }
 
   template <int>
   friend class BeamElementIn;
