@@ -25,6 +25,7 @@ struct Adding {
     C[at] += damping;
     K[at] += stiffness;
   }
+  void stiffen(int, int, double stiffness) { K[*slot++] += stiffness; }
   void constrain(int, int, double value) { K[*slot++] += constraint_scale * value; }
   void law(std::size_t k, int, int, double sign) {
     const int at = *slot++;

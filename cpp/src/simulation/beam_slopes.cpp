@@ -70,9 +70,9 @@ struct Accelerating {
 };
 
 // The loader chooses among functions, not among templates.
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Stressing<2> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Stressing<2> work) { by_columns<8>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Stressing<3> work) { by_columns<4>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Accelerating<2> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Accelerating<2> work) { by_columns<8>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Accelerating<3> work) { by_columns<4>(work, work.m); }
 
 }  // namespace

@@ -109,7 +109,7 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
   parts_.assemble(state_, loads, scale, true);
   step_.prepare(exponent, h);
   step_.carry(before_, parts_, rhs_);
-  factor(h);
+  factor();
   factor_.solve(rhs_);  // eq. (4)
   now_.multipliers = scale * rhs_.bottomRows(system_.n_constraints());
   step_.update(rhs_, now_);  // eq. (1) to (3)
@@ -118,24 +118,8 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
 
 /// Equation (5).
 template <int D>
-void SensitivitiesIn<D>::factor(double h) {
-  const auto [alpha, beta, gamma] = coefficients_;
-  constexpr int n_node = freedoms<D>;
-  const double c_C = gamma / (beta * h), c_M = 1 / (beta * h * h * (1 + alpha));
-  if (S_.nonZeros() == 0) S_ = parts_.K();
-  const double *M = parts_.M().valuePtr(), *C = parts_.C().valuePtr(), *K = parts_.K().valuePtr();
-  double* S = S_.valuePtr();
-  parts_.visit_columns([&](int first, int count, int begin, int rows) {
-    if (count == 1) {
-      for (int i = begin; i < begin + rows; ++i) S[i] = K[i] + c_C * C[i] + c_M * M[i];
-      return;
-    }
-    using Block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, n_node>>;
-    const TwistMatrix<D>& T = step_.right_inverse(first / n_node);
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, n_node>>(S + begin, rows, n_node).noalias() =
-        Block(K + begin, rows, n_node) +
-        (c_C * Block(C + begin, rows, n_node) + c_M * Block(M + begin, rows, n_node)) * T;
-  });
+void SensitivitiesIn<D>::factor() {
+  step_.combine(parts_, S_);
   if (!factor_.factor(S_)) {
     throw NotConverged("sensitivities: the tangent of a step is singular", state_.t, 0, 0);
   }

@@ -112,11 +112,37 @@ struct Updating {
   }
 };
 
+/// Equation (4) for some rows of a node's columns.
+template <int D>
+struct Combining {
+  double c_C, c_M;
+  const double *K, *C, *M, *right;
+  double* S;
+  Eigen::Index rows;  // of each of the columns
+
+  template <int N>
+  [[gnu::always_inline]] void columns(Eigen::Index i) {
+    constexpr int n = freedoms<D>;
+    typename Lanes<N>::type inertia[n];
+    for (int j = 0; j < n; ++j) {
+      const Eigen::Index at = j * rows + i;
+      inertia[j] = c_C * lanes<N>(C + at) + c_M * lanes<N>(M + at);
+    }
+    for (int j = 0; j < n; ++j) {
+      typename Lanes<N>::type sum = lanes<N>(K + j * rows + i);
+      for (int k = 0; k < n; ++k) sum += right[n * j + k] * inertia[k];
+      lanes<N>(S + j * rows + i) = sum;
+    }
+  }
+};
+
 // The loader chooses among functions, not among templates.
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<2> work) { by_columns<8>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<3> work) { by_columns<4>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<2> work) { by_columns<8>(work, work.m); }
 FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<3> work) { by_columns<4>(work, work.m); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Combining<2> work) { by_columns<4>(work, work.rows); }
+FLEXARM_FOR_EVERY_PROCESSOR void work_through(Combining<3> work) { by_columns<4>(work, work.rows); }
 
 }  // namespace
 
@@ -143,6 +169,24 @@ void StepSlopesIn<D>::carry(const StateDerivative& before, const assembly::Tange
   const StepRows rows{before.position.data(), before.velocity.data(), before.v_dot.data(), before.a.data()};
   work_through(Carrying<D>{coefficients_, h_, parts, system_.n_nodes(), system_.n_free(),
                            left_.data()->data(), rows, a_.data(), v_.data(), v_dot_.data(), rhs.data(), m});
+}
+
+template <int D>
+void StepSlopesIn<D>::combine(const assembly::TangentPartsIn<D>& parts,
+                              Eigen::SparseMatrix<double>& tangent) const {
+  const auto [alpha, beta, gamma] = coefficients_;
+  const double c_C = gamma / (beta * h_), c_M = 1 / (beta * h_ * h_ * (1 + alpha));
+  if (tangent.nonZeros() == 0) tangent = parts.K();
+  const double *M = parts.M().valuePtr(), *C = parts.C().valuePtr(), *K = parts.K().valuePtr();
+  double* S = tangent.valuePtr();
+  parts.visit_columns([&](int first, int count, int begin, int rows) {
+    if (count == 1) {
+      for (int i = begin; i < begin + rows; ++i) S[i] = K[i] + c_C * C[i] + c_M * M[i];
+      return;
+    }
+    const double* right = right_[first / freedoms<D>].data();
+    work_through(Combining<D>{c_C, c_M, K + begin, C + begin, M + begin, right, S + begin, rows});
+  });
 }
 
 template <int D>

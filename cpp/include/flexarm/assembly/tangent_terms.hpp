@@ -6,6 +6,7 @@
 /// has
 ///
 ///     add(row, column, mass, damping, stiffness)
+///     stiffen(row, column, stiffness)             where there is nothing else
 ///     constrain(row, column, value)               an entry of Φ_q, or of its transpose
 ///     law(k, row, column, sign)                   the k-th law's tangent, which the listener knows
 ///
@@ -28,6 +29,7 @@ struct SumOfTerms {
   void add(int row, int column, double mass, double damping, double stiffness) const {
     tell(row, column, c.mass * mass + c.stiffness * stiffness + c.damping * damping);
   }
+  void stiffen(int row, int column, double stiffness) const { tell(row, column, c.stiffness * stiffness); }
   void constrain(int row, int column, double value) const { tell(row, column, c.constraint * value); }
   void law(std::size_t k, int row, int column, double sign) const {
     tell(row, column, sign * law_tangents[static_cast<Eigen::Index>(k)]);
@@ -112,7 +114,7 @@ void SystemIn<D>::emit_weights(const StateD& state, const LoadsD& loads, WantedT
                                Terms& terms) const {
   const auto block = [&](int at, const TwistMatrixD& K) {
     for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) terms.add(at + i, at + j, 0, 0, K(i, j));
+      for (int i = 0; i < n; ++i) terms.stiffen(at + i, at + j, K(i, j));
   };
   TwistMatrixD K = TwistMatrixD::Zero();
   for (int k = 0; k < n_nodes_; ++k) {
@@ -134,7 +136,7 @@ template <class Terms>
 void SystemIn<D>::emit_joints(const StateD& state, WantedTerms wanted, Terms& terms) const {
   const auto stiffen = [&](int row, int column, const auto& K) {
     for (int j = 0; j < K.cols(); ++j)
-      for (int i = 0; i < K.rows(); ++i) terms.add(row + i, column + j, 0, 0, K(i, j));
+      for (int i = 0; i < K.rows(); ++i) terms.stiffen(row + i, column + j, K(i, j));
   };
   int first_row = n_free();
   for (const Joint& joint : constraints_) {
@@ -175,7 +177,7 @@ void SystemIn<D>::emit_joints(const StateD& state, WantedTerms wanted, Terms& te
     both(gear.input, psi.first);
     both(gear.output, -1);
     const int at = scalar_offset() + gear.input;
-    if (is_free(gear.input)) terms.add(at, at, 0, 0, psi.second * state.multipliers[first_row - n_free()]);
+    if (is_free(gear.input)) terms.stiffen(at, at, psi.second * state.multipliers[first_row - n_free()]);
     ++first_row;
   }
 }

@@ -64,7 +64,7 @@ class SensitivitiesIn {
   const StateDerivative& derivative() const { return now_; }
 
  private:
-  void factor(double h);
+  void factor();
   void remember();
 
   const SystemD& system_;
