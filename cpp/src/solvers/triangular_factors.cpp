@@ -32,60 +32,92 @@ void TriangularFactors::resize(int n, int l_entries, int u_entries, int f_entrie
   place_.clear();
 }
 
-/// Entries beside the blocks stand in F as they do in A, column after column.
-void TriangularFactors::find_places(const Eigen::SparseMatrix<double>& A) {
+/// Where an entry of rows and columns in the order of the pivots stands in work_; −1: nowhere.
+int TriangularFactors::place(int row, int column, int first_of_block) const {
+  const auto n_u = static_cast<int>(U.row.size()), n_l = static_cast<int>(L.row.size());
+  const auto find = [&](const Part& part, int ahead) {
+    const auto begin = part.row.begin() + part.start[column], end = part.row.begin() + part.start[column + 1];
+    const auto found = std::find(begin, end, row);
+    return found == end ? -1 : ahead + static_cast<int>(found - part.row.begin());
+  };
+  if (row < first_of_block) return find(F, n_u + n_l);
+  return row <= column ? find(U, 0) : find(L, n_u);
+}
+
+bool TriangularFactors::find_places(const Eigen::SparseMatrix<double>& A) {
   const auto n = static_cast<int>(P.size());
   std::vector<int> position(n);  // of a row of A among the pivots
   for (int k = 0; k < n; ++k) position[P[k]] = k;
   place_.resize(A.nonZeros());
   weight_.resize(A.nonZeros());
-  x_.assign(n, 0.0);
-  int beside = 0;
+  work_.resize(U.row.size() + L.row.size() + F.row.size());
   for (std::size_t block = 0; block + 1 < blocks.size(); ++block) {
     for (int k = blocks[block]; k < blocks[block + 1]; ++k) {
       for (int p = A.outerIndexPtr()[Q[k]]; p < A.outerIndexPtr()[Q[k] + 1]; ++p) {
         const int at = position[A.innerIndexPtr()[p]];
         weight_[p] = 1 / scale[at];
-        place_[p] = at >= blocks[block] ? at : -1 - beside++;
+        place_[p] = place(at, k, blocks[block]);
+        if (place_[p] < 0) return false;
       }
     }
   }
+  return find_products();
 }
 
-void TriangularFactors::scatter(const Eigen::SparseMatrix<double>& A, int k) {
-  const double* values = A.valuePtr();
-  for (int p = A.outerIndexPtr()[Q[k]]; p < A.outerIndexPtr()[Q[k] + 1]; ++p) {
-    (place_[p] >= 0 ? x_[place_[p]] : F.value[-1 - place_[p]]) = weight_[p] * values[p];
+bool TriangularFactors::find_products() {
+  const auto n = static_cast<int>(P.size()), n_u = static_cast<int>(U.row.size());
+  std::vector<std::vector<Product>> of_pivot(n);
+  for (int k = 0; k < n; ++k) {
+    for (int p = U.start[k]; p < U.start[k + 1] - 1; ++p) {
+      const int j = U.row[p];
+      for (int i = L.start[j] + 1; i < L.start[j + 1]; ++i) {
+        const int target = place(L.row[i], k, 0);
+        if (target < 0) return false;
+        of_pivot[j].push_back({target, p, n_u + i});
+      }
+    }
   }
+  products_.clear();
+  first_product_.assign(1, 0);
+  for (const std::vector<Product>& products : of_pivot) {
+    products_.insert(products_.end(), products.begin(), products.end());
+    first_product_.push_back(static_cast<int>(products_.size()));
+  }
+  return true;
 }
 
 bool TriangularFactors::refactor(const Eigen::SparseMatrix<double>& A) {
-  if (place_.empty()) find_places(A);
+  if (place_.empty() && !find_places(A)) {
+    place_.clear();
+    return false;
+  }
   const auto n = static_cast<int>(P.size());
-  double* x = x_.data();
-  double smallest = INFINITY, largest = 0;
+  const std::size_t n_u = U.row.size(), n_l = L.row.size();
+  double* value = work_.data();
+  std::fill(work_.begin(), work_.end(), 0.0);
+  for (Eigen::Index p = 0; p < A.nonZeros(); ++p) value[place_[p]] = weight_[p] * A.valuePtr()[p];
+  double smallest = INFINITY, largest = 0, steepest = 0;
   bool sound = true;  // what is not a number is not
   for (int k = 0; k < n; ++k) {
-    scatter(A, k);
-    const int diagonal = U.start[k + 1] - 1;
-    for (int p = U.start[k]; p < diagonal; ++p) {
-      const int j = U.row[p];
-      const double u = U.value[p] = x[j];
-      x[j] = 0;
-      for (int i = L.start[j] + 1; i < L.start[j + 1]; ++i) x[L.row[i]] -= u * L.value[i];
-    }
-    const double pivot = U.value[diagonal] = x[k], per_pivot = 1 / pivot;
-    x[k] = 0;
+    const double pivot = value[U.start[k + 1] - 1], per_pivot = 1 / pivot;
     smallest = std::min(smallest, std::abs(pivot));
     largest = std::max(largest, std::abs(pivot));
     sound &= std::isfinite(pivot);
+    double* column = value + n_u;
+    column[L.start[k]] = 1;
     for (int i = L.start[k] + 1; i < L.start[k + 1]; ++i) {
-      L.value[i] = per_pivot * x[L.row[i]];
-      x[L.row[i]] = 0;
-      sound &= std::abs(L.value[i]) <= largest_multiplier;
+      column[i] *= per_pivot;
+      steepest = std::max(steepest, std::abs(column[i]));
+    }
+    for (int p = first_product_[k]; p < first_product_[k + 1]; ++p) {
+      const Product& product = products_[p];
+      value[product.target] -= value[product.u] * value[product.l];
     }
   }
-  return sound && smallest > singular_ratio * largest;
+  std::copy_n(value, n_u, U.value.begin());
+  std::copy_n(value + n_u, n_l, L.value.begin());
+  std::copy_n(value + n_u + n_l, F.value.size(), F.value.begin());
+  return sound && steepest <= largest_multiplier && smallest > singular_ratio * largest;
 }
 
 namespace {

@@ -3,12 +3,13 @@
 /// what lies beside the blocks, R a scale of each row.
 ///
 /// Where the pattern and the pivots stay, the elimination of new numbers needs neither search nor memory:
+/// from x = R⁻¹ P A Q, for one pivot k after the other,
 ///
-///     u_jk = x_j,  x −= u_jk l_j  for every j < k of column k of U,   u_kk = x_k,  l_ik = x_i/u_kk    (1)
+///     u_kj = x_kj,   l_ik = x_ik/u_kk,   x_ij −= l_ik u_kj   for all i, j > k of the pattern           (1)
 ///
-/// from x = column k of R⁻¹ P A Q, with columns of U in an order in which each u_jk is final when its turn
-/// comes. That is KLU's own refactorisation without its new scale, its estimates of growth and condition and
-/// the copy that follows: a third of its time for some twenty unknowns. Source: [Davis2010], section 4.
+/// Which numbers the products of (1) meet is found once and told by a list. Those of one pivot do not wait
+/// for one another, as they would column by column. KLU's own refactorisation scales anew, estimates growth
+/// and condition and is followed by a copy. Source: [Davis2010], section 4.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -40,12 +41,21 @@ class TriangularFactors {
   void solve(double* X, Eigen::Index m);
 
  private:
-  void find_places(const Eigen::SparseMatrix<double>& A);
-  void scatter(const Eigen::SparseMatrix<double>& A, int k);
+  /// value[target] −= value[u] value[l]
+  struct Product {
+    int target, u, l;
+  };
 
-  std::vector<int> place_;                            // of each entry of A: a row, or −1 − that entry of F
-  std::vector<double> weight_;                        // 1/scale of its row
-  std::vector<double> x_;                             // a column of (1), zero between two
+  bool find_places(const Eigen::SparseMatrix<double>& A);
+  bool find_products();
+  int place(int row, int column, int first_of_block) const;
+
+  // Of U, of L behind them and of F are the entries that work_ holds.
+  std::vector<int> place_;          // of each entry of A
+  std::vector<double> weight_;      // 1/scale of its row
+  std::vector<Product> products_;   // of (1), pivot after pivot
+  std::vector<int> first_product_;  // of a pivot, and of the one behind the last
+  std::vector<double> work_;
   std::vector<double> per_scale_, per_pivot_, rows_;  // of a solution
 };
 
