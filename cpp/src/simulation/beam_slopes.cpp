@@ -6,9 +6,13 @@ namespace flexarm::simulation {
 namespace {
 
 using namespace geometry;
-using solvers::by_columns;
 using solvers::lanes;
 using solvers::Lanes;
+using solvers::work_through;
+
+// As many as leave a node's numbers in registers.
+template <int D>
+constexpr int columns_at_a_time = D == 2 ? 8 : 4;
 
 /// Equations (1) and (2) for some parameters.
 template <int D>
@@ -69,12 +73,6 @@ struct Accelerating {
   }
 };
 
-// The loader chooses among functions, not among templates.
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Stressing<2> work) { by_columns<8>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Stressing<3> work) { by_columns<4>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Accelerating<2> work) { by_columns<8>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Accelerating<3> work) { by_columns<4>(work, work.m); }
-
 }  // namespace
 
 template <int D>
@@ -82,8 +80,10 @@ void stress_forces(const StressSlopes& slopes, const Twist<D>& e, const Twist<D>
                    const Eigen::Matrix<double, 2 * freedoms<D>, freedoms<D>>& to_ends, Slopes& forces) {
   const Eigen::Index m = slopes.by_strain.cols();
   forces.resize(2 * freedoms<D>, m);
-  work_through(Stressing<D>{slopes.by_strain.data(), slopes.by_rate.data(), slopes.at_rest.data(), e.data(),
-                            e_dot.data(), to_ends.data(), forces.data(), m});
+  work_through<columns_at_a_time<D>>(
+      Stressing<D>{slopes.by_strain.data(), slopes.by_rate.data(), slopes.at_rest.data(), e.data(),
+                   e_dot.data(), to_ends.data(), forces.data(), m},
+      m);
 }
 
 template <int D>
@@ -94,8 +94,10 @@ void inertia_forces(const MassSlopes& slopes, const elements::TwoTwists<D>& v,
   Eigen::Matrix<double, n, 2 * n> turn;
   turn << ad<D>(v.template head<n>()).transpose(), ad<D>(v.template tail<n>()).transpose();
   forces.resize(2 * n, m);
-  work_through(Accelerating<D>{slopes.entries.data(), slopes.entries.size(), slopes.mass.data(), v.data(),
-                               v_dot.data(), turn.data(), forces.data(), m});
+  work_through<columns_at_a_time<D>>(
+      Accelerating<D>{slopes.entries.data(), slopes.entries.size(), slopes.mass.data(), v.data(),
+                      v_dot.data(), turn.data(), forces.data(), m},
+      m);
 }
 
 template void stress_forces<2>(const StressSlopes&, const Twist<2>&, const Twist<2>&,

@@ -6,9 +6,13 @@ namespace flexarm::simulation {
 namespace {
 
 using namespace geometry;
-using solvers::by_columns;
 using solvers::lanes;
 using solvers::Lanes;
+using solvers::work_through;
+
+// As many as leave a node's numbers in registers.
+template <int D>
+constexpr int columns_at_a_time = D == 2 ? 8 : 4;
 
 /// Rows of derivatives, m numbers each.
 struct StepRows {
@@ -136,14 +140,6 @@ struct Combining {
   }
 };
 
-// The loader chooses among functions, not among templates.
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<2> work) { by_columns<8>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Carrying<3> work) { by_columns<4>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<2> work) { by_columns<8>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Updating<3> work) { by_columns<4>(work, work.m); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Combining<2> work) { by_columns<4>(work, work.rows); }
-FLEXARM_FOR_EVERY_PROCESSOR void work_through(Combining<3> work) { by_columns<4>(work, work.rows); }
-
 }  // namespace
 
 template <int D>
@@ -167,8 +163,10 @@ void StepSlopesIn<D>::carry(const StateDerivative& before, const assembly::Tange
   const Eigen::Index m = rhs.cols();
   for (Slopes* rows : {&a_, &v_, &v_dot_}) rows->resize(system_.n_free(), m);
   const StepRows rows{before.position.data(), before.velocity.data(), before.v_dot.data(), before.a.data()};
-  work_through(Carrying<D>{coefficients_, h_, parts, system_.n_nodes(), system_.n_free(),
-                           left_.data()->data(), rows, a_.data(), v_.data(), v_dot_.data(), rhs.data(), m});
+  work_through<columns_at_a_time<D>>(
+      Carrying<D>{coefficients_, h_, parts, system_.n_nodes(), system_.n_free(), left_.data()->data(), rows,
+                  a_.data(), v_.data(), v_dot_.data(), rhs.data(), m},
+      m);
 }
 
 template <int D>
@@ -185,15 +183,17 @@ void StepSlopesIn<D>::combine(const assembly::TangentPartsIn<D>& parts,
       return;
     }
     const double* right = right_[first / freedoms<D>].data();
-    work_through(Combining<D>{c_C, c_M, K + begin, C + begin, M + begin, right, S + begin, rows});
+    work_through<4>(Combining<D>{c_C, c_M, K + begin, C + begin, M + begin, right, S + begin, rows}, rows);
   });
 }
 
 template <int D>
 void StepSlopesIn<D>::update(const Slopes& solution, StateDerivative& now) const {
-  work_through(Updating<D>{coefficients_, h_, system_.n_nodes(), system_.n_free(), right_.data()->data(),
-                           solution.data(), a_.data(), v_.data(), v_dot_.data(), now.position.data(),
-                           now.velocity.data(), now.v_dot.data(), now.a.data(), solution.cols()});
+  work_through<columns_at_a_time<D>>(
+      Updating<D>{coefficients_, h_, system_.n_nodes(), system_.n_free(), right_.data()->data(),
+                  solution.data(), a_.data(), v_.data(), v_dot_.data(), now.position.data(),
+                  now.velocity.data(), now.v_dot.data(), now.a.data(), solution.cols()},
+      solution.cols());
 }
 
 template class StepSlopesIn<2>;

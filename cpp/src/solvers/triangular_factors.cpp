@@ -161,9 +161,6 @@ struct Substitution {
   }
 };
 
-FLEXARM_FOR_EVERY_PROCESSOR
-void substitute(Substitution work) { by_columns<widest>(work, work.m); }
-
 }  // namespace
 
 void TriangularFactors::solve(double* X, Eigen::Index m) {
@@ -175,7 +172,7 @@ void TriangularFactors::solve(double* X, Eigen::Index m) {
     per_pivot_[k] = 1 / U.value[U.start[k + 1] - 1];
   }
   rows_.resize(widest * n);
-  substitute({*this, per_scale_.data(), per_pivot_.data(), X, m, rows_.data()});
+  work_through<widest>(Substitution{*this, per_scale_.data(), per_pivot_.data(), X, m, rows_.data()}, m);
 }
 
 }  // namespace flexarm::solvers

@@ -10,15 +10,6 @@
 
 #include <Eigen/Core>
 
-// Compiled once for every x86-64 and once with vectors of four; the loader chooses. Sanitizers come too late
-// for its choice. What such a function calls is compiled with it only where it is inlined.
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FLEXARM_FOR_EVERY_PROCESSOR __attribute__((target_clones("avx2", "default")))
-#else
-#define FLEXARM_FOR_EVERY_PROCESSOR
-#endif
-
 namespace flexarm::solvers {
 
 /// N numbers, wherever doubles lie. More than the processor's vectors hold come in two halves: what waits for
@@ -81,6 +72,24 @@ template <int Widest, class Work>
 [[gnu::always_inline]] inline void by_columns(Work& work, Eigen::Index m, Eigen::Index first = 0) {
   for (; first + Widest <= m; first += Widest) work.template columns<Widest>(first);
   if constexpr (Widest > 1) by_columns<Widest / 2>(work, m, first);
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+template <int Widest, class Work>
+[[gnu::target("avx2")]] void by_wide_vectors(Work work, Eigen::Index m) {
+  by_columns<Widest>(work, m);
+}
+#endif
+
+/// The same with vectors of four where the processor has them, of two elsewhere. The work's functions are to
+/// be inlined, or they are compiled for every processor.
+template <int Widest, class Work>
+void work_through(Work work, Eigen::Index m) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  static const bool wide = __builtin_cpu_supports("avx2");
+  if (wide) return by_wide_vectors<Widest>(work, m);
+#endif
+  by_columns<2>(work, m);
 }
 
 }  // namespace flexarm::solvers
