@@ -14,6 +14,25 @@ using solvers::work_through;
 template <int D>
 constexpr int columns_at_a_time = D == 2 ? 8 : 4;
 
+/// Factors of (1) to (3). They are divisions, and the compiler cannot know that they stay while rows are
+/// written.
+struct Factors {
+  double h, a_xi, a_a0, v_a0, v_a, alpha, v_dot_a;  // of state 0
+  double a, v, v_dot;                               // of ξ₁
+
+  Factors(const solvers::HhtCoefficients& c, double step)
+      : h(step),
+        a_xi(-1 / (c.beta * h * h)),
+        a_a0(-(0.5 - c.beta) / c.beta),
+        v_a0(h * (1 - c.gamma)),
+        v_a(h * c.gamma),
+        alpha(c.alpha),
+        v_dot_a(1 / (1 + c.alpha)),
+        a(1 / (c.beta * h * h)),
+        v(c.gamma / (c.beta * h)),
+        v_dot(a / (1 + c.alpha)) {}
+};
+
 /// Rows of derivatives, m numbers each.
 struct StepRows {
   const double *position, *velocity, *v_dot, *a;
@@ -22,8 +41,7 @@ struct StepRows {
 /// Equations (1), (2) and C v* + M v̇* for some parameters.
 template <int D>
 struct Carrying {
-  const solvers::HhtCoefficients& c;
-  double h;
+  Factors c;
   const assembly::TangentPartsIn<D>& parts;
   int n_nodes, n_free;
   const double* left;  // T_l⁻¹ of each node, column after column
@@ -43,8 +61,6 @@ struct Carrying {
   template <int Count, int N>
   [[gnu::always_inline]] void group(int first, const double* T, int begin, Eigen::Index p) {
     using Lane = typename Lanes<N>::type;
-    const double per_h2 = -1 / (c.beta * h * h), rest = -(0.5 - c.beta) / c.beta, h_a0 = h * (1 - c.gamma),
-                 h_a = h * c.gamma, part = 1 / (1 + c.alpha);
     Lane velocity[Count], v_dots[Count];
     for (int i = 0; i < Count; ++i) {
       const Eigen::Index at = (first + i) * m + p;
@@ -58,9 +74,9 @@ struct Carrying {
           turned += T[Count * j + i] * lanes<N>(before.position + (first + j) * m + p);
         }
       }
-      const Lane a1 = per_h2 * (turned + h * v0) + rest * a0;           // eq. (1)
-      velocity[i] = v0 + (h_a0 * a0 + h_a * a1);                        // eq. (2)
-      v_dots[i] = part * (a1 + c.alpha * lanes<N>(before.v_dot + at));  // eq. (2)
+      const Lane a1 = c.a_xi * (turned + c.h * v0) + c.a_a0 * a0;            // eq. (1)
+      velocity[i] = v0 + (c.v_a0 * a0 + c.v_a * a1);                         // eq. (2)
+      v_dots[i] = c.v_dot_a * (a1 + c.alpha * lanes<N>(before.v_dot + at));  // eq. (2)
       lanes<N>(a + at) = a1;
       lanes<N>(v + at) = velocity[i];
       lanes<N>(v_dot + at) = v_dots[i];
@@ -79,8 +95,7 @@ struct Carrying {
 /// Equation (3) for some parameters.
 template <int D>
 struct Updating {
-  const solvers::HhtCoefficients& c;
-  double h;
+  Factors c;
   int n_nodes, n_free;
   const double* right;  // T_r⁻¹ of each node
   const double *solution, *a, *v, *v_dot;
@@ -97,8 +112,6 @@ struct Updating {
   template <int Count, int N>
   [[gnu::always_inline]] void group(int first, const double* T, Eigen::Index p) {
     using Lane = typename Lanes<N>::type;
-    const double per_h2 = 1 / (c.beta * h * h), per_h = c.gamma / (c.beta * h),
-                 per_h2_v_dot = per_h2 / (1 + c.alpha);
     Lane xi[Count];
     for (int i = 0; i < Count; ++i) xi[i] = lanes<N>(solution + (first + i) * m + p);
     for (int i = 0; i < Count; ++i) {
@@ -109,9 +122,9 @@ struct Updating {
         for (int j = 1; j < Count; ++j) turned += T[Count * j + i] * xi[j];
       }
       lanes<N>(to_position + at) = xi[i];
-      lanes<N>(to_a + at) = lanes<N>(a + at) + per_h2 * turned;
-      lanes<N>(to_velocity + at) = lanes<N>(v + at) + per_h * turned;
-      lanes<N>(to_v_dot + at) = lanes<N>(v_dot + at) + per_h2_v_dot * turned;
+      lanes<N>(to_a + at) = lanes<N>(a + at) + c.a * turned;
+      lanes<N>(to_velocity + at) = lanes<N>(v + at) + c.v * turned;
+      lanes<N>(to_v_dot + at) = lanes<N>(v_dot + at) + c.v_dot * turned;
     }
   }
 };
@@ -163,10 +176,18 @@ void StepSlopesIn<D>::carry(const StateDerivative& before, const assembly::Tange
   const Eigen::Index m = rhs.cols();
   for (Slopes* rows : {&a_, &v_, &v_dot_}) rows->resize(system_.n_free(), m);
   const StepRows rows{before.position.data(), before.velocity.data(), before.v_dot.data(), before.a.data()};
-  work_through<columns_at_a_time<D>>(
-      Carrying<D>{coefficients_, h_, parts, system_.n_nodes(), system_.n_free(), left_.data()->data(), rows,
-                  a_.data(), v_.data(), v_dot_.data(), rhs.data(), m},
-      m);
+  work_through<columns_at_a_time<D>>(Carrying<D>{{coefficients_, h_},
+                                                 parts,
+                                                 system_.n_nodes(),
+                                                 system_.n_free(),
+                                                 left_.data()->data(),
+                                                 rows,
+                                                 a_.data(),
+                                                 v_.data(),
+                                                 v_dot_.data(),
+                                                 rhs.data(),
+                                                 m},
+                                     m);
 }
 
 template <int D>
@@ -189,11 +210,20 @@ void StepSlopesIn<D>::combine(const assembly::TangentPartsIn<D>& parts,
 
 template <int D>
 void StepSlopesIn<D>::update(const Slopes& solution, StateDerivative& now) const {
-  work_through<columns_at_a_time<D>>(
-      Updating<D>{coefficients_, h_, system_.n_nodes(), system_.n_free(), right_.data()->data(),
-                  solution.data(), a_.data(), v_.data(), v_dot_.data(), now.position.data(),
-                  now.velocity.data(), now.v_dot.data(), now.a.data(), solution.cols()},
-      solution.cols());
+  work_through<columns_at_a_time<D>>(Updating<D>{{coefficients_, h_},
+                                                 system_.n_nodes(),
+                                                 system_.n_free(),
+                                                 right_.data()->data(),
+                                                 solution.data(),
+                                                 a_.data(),
+                                                 v_.data(),
+                                                 v_dot_.data(),
+                                                 now.position.data(),
+                                                 now.velocity.data(),
+                                                 now.v_dot.data(),
+                                                 now.a.data(),
+                                                 solution.cols()},
+                                     solution.cols());
 }
 
 template class StepSlopesIn<2>;

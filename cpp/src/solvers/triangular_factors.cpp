@@ -96,7 +96,7 @@ bool TriangularFactors::refactor(const Eigen::SparseMatrix<double>& A) {
   double* value = work_.data();
   std::fill(work_.begin(), work_.end(), 0.0);
   for (Eigen::Index p = 0; p < A.nonZeros(); ++p) value[place_[p]] = weight_[p] * A.valuePtr()[p];
-  double smallest = INFINITY, largest = 0, steepest = 0;
+  double smallest = INFINITY, largest = 0;
   bool sound = true;  // what is not a number is not
   for (int k = 0; k < n; ++k) {
     const double pivot = value[U.start[k + 1] - 1], per_pivot = 1 / pivot;
@@ -107,7 +107,7 @@ bool TriangularFactors::refactor(const Eigen::SparseMatrix<double>& A) {
     column[L.start[k]] = 1;
     for (int i = L.start[k] + 1; i < L.start[k + 1]; ++i) {
       column[i] *= per_pivot;
-      steepest = std::max(steepest, std::abs(column[i]));
+      sound &= std::abs(column[i]) <= largest_multiplier;
     }
     for (int p = first_product_[k]; p < first_product_[k + 1]; ++p) {
       const Product& product = products_[p];
@@ -117,7 +117,7 @@ bool TriangularFactors::refactor(const Eigen::SparseMatrix<double>& A) {
   std::copy_n(value, n_u, U.value.begin());
   std::copy_n(value + n_u, n_l, L.value.begin());
   std::copy_n(value + n_u + n_l, F.value.size(), F.value.begin());
-  return sound && steepest <= largest_multiplier && smallest > singular_ratio * largest;
+  return sound && smallest > singular_ratio * largest;
 }
 
 namespace {
