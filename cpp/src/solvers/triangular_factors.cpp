@@ -123,7 +123,7 @@ bool TriangularFactors::refactor(const Eigen::SparseMatrix<double>& A) {
 namespace {
 
 // Columns at a time: each row waits for the one before, and the more of it there is the less that counts.
-constexpr int widest = 16;
+constexpr int widest = 8;
 
 /// Substitution for some columns of a right side.
 struct Substitution {

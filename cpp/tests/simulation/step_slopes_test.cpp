@@ -83,11 +83,11 @@ void compare(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& st
 TEST_CASE("The step of derivatives by vectors is the one of whole matrices, for every number of parameters") {
   const System space(spatial_arm(), {{"turn", DriveKind::free}});
   const State bent = random_state(space, 1);
-  model::Arm arm = two_link_arm();
-  for (int k : {0, 1}) std::get<model::BeamLink>(arm.links[k]).damping_ratio = 0.02;
-  const System in_space(arm, {});
-  const Equilibrium rest = static_equilibrium(in_space, {0.3, -0.4}, {});
+  const System in_space(paper_arm({.hub_stiffness = 1e5, .damping_ratio = 0.02}),
+                        {{"hinge", DriveKind::motor_angle}});
+  const Equilibrium rest = static_equilibrium(in_space, {0.3}, {});
   const auto plane = PlanarSystem::about(in_space, rest.state, rest.loads);
+  CAPTURE(plane.obstacle);
   REQUIRE(plane.system);
   auto moving = plane.system->part(rest.state);
   moving.v = Random(2).vector(moving.v.size());

@@ -1,6 +1,6 @@
 /// @file
 /// Neighbouring numbers as vectors of the processor: loops over the columns of matrices that are stored by
-/// rows take sixteen, eight, four, two or one of them at a time.
+/// rows take eight, four, two or one of them at a time.
 ///
 /// A width that is known when compiled keeps a row's numbers in registers from one operation to the next; the
 /// run-time length of a row would send them through memory and test for its end every time. Multiplications
