@@ -14,10 +14,11 @@
 ///
 ///     S = K + [γ/(β h) C + M/(β h² (1 + α))] T_r⁻¹(h),                                                (5)
 ///
-/// factored once a step for all parameters together. ∂r/∂p, at fixed free coordinates, is that of
-/// partial_residuals.hpp; prescribed coordinates and the memories of joint laws move along in it. What comes
-/// out is the derivative of the discrete motion, not of the exact one: it agrees with differences of whole
-/// runs to their own accuracy. Source: [Bruls2008]; docs/theory.md, section "Sensitivities".
+/// factored once a step for all parameters together; step_slopes.hpp makes (1) to (3) and (5). ∂r/∂p, at
+/// fixed free coordinates, is that of partial_residuals.hpp; prescribed coordinates and the memories of joint
+/// laws move along in it. What comes out is the derivative of the discrete motion, not of the exact one: it
+/// agrees with differences of whole runs to their own accuracy. Source: [Bruls2008]; docs/theory.md, section
+/// "Sensitivities".
 #pragma once
 
 #include <vector>
