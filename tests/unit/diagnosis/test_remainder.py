@@ -5,7 +5,7 @@ import pytest
 from planted import run_of
 
 from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.gap.remainder import describe_remainder, periodogram
+from flexarm.diagnosis.gap.remainder import describe_remainder
 from flexarm.diagnosis.outcome.gap_figure import gap_figure
 from flexarm.errors import InvalidParameter
 
@@ -71,14 +71,6 @@ def test_a_vibration_whose_frequency_wanders_is_found_near_its_middle(run):
     found = describe_remainder(locate(run.showing({"tip": wave})))
     assert found.frequency_hz == pytest.approx(3.0, rel=0.04)
     assert found.frequency_share > 0.5
-
-
-def test_a_sine_takes_all_of_itself_whatever_the_samples():
-    rng = np.random.default_rng(0)
-    time = np.sort(rng.uniform(0, 40, 400))
-    frequencies, powers = periodogram(time, np.sin(2 * np.pi * 1.23 * time + 0.7))
-    assert frequencies[np.argmax(powers)] == pytest.approx(1.23, abs=1 / 160)
-    assert powers.max() > 0.98
 
 
 def test_a_figure_shows_before_and_after_with_units(run):

@@ -26,6 +26,7 @@ from flexarm.diagnosis.gap.gap_bands import SLOW
 from flexarm.diagnosis.gap.gap_parts import PER_TURN, Part
 from flexarm.diagnosis.gap.gap_rows import GapRows
 from flexarm.diagnosis.gap.locate import Located
+from flexarm.diagnosis.gap.periodogram import periodogram
 from flexarm.diagnosis.wording import number, with_unit
 
 DOMINANT = 0.25
@@ -182,7 +183,8 @@ def _dominant(rows: GapRows, values: Floats) -> tuple[float | None, float, tuple
 
 def _widest(time: Floats, values: Floats) -> tuple[float, float]:
     """The peak of the band that holds most of the periodogram, and the band's share of the squares."""
-    frequencies, powers = periodogram(time, values)
+    frequencies, powers = periodogram(time, values, OVERSAMPLING)
+    powers = powers / float(np.mean(values**2))
     sums = np.concatenate([[0.0], np.cumsum(powers)])
     first = np.searchsorted(frequencies, frequencies / NEAR)
     last = np.searchsorted(frequencies, frequencies * NEAR, side="right")
@@ -218,15 +220,3 @@ def _slow_edge(rows: GapRows) -> float:
     """Upper edge of the quasi-static band [Hz]."""
     parts = next(iter(rows.parts.values()))
     return max((part.band_hz[1] for part in parts if part.band.startswith(SLOW)), default=0.0)
-
-
-def periodogram(time: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Frequencies [Hz] up to half the rate, and the share of the squares that a sine of each takes away."""
-    from scipy.signal import lombscargle
-
-    length, rate = float(time[-1] - time[0]), float(1 / np.median(np.diff(time)))
-    frequencies = np.arange(1, int(OVERSAMPLING * length * rate / 2) + 1) / (OVERSAMPLING * length)
-    powers = lombscargle(time, values, 2 * np.pi * frequencies, normalize=True, floating_mean=True)
-    # a power is a share of the variance about the mean; the mean is no swing
-    powers = powers * float(np.var(values) / np.mean(values**2))
-    return frequencies, np.asarray(powers)

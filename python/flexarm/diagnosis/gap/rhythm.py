@@ -1,9 +1,8 @@
 r"""Frequencies at which a gap swings, from samples at any instants.
 
-The periodogram of Lomb and Scargle [Lomb1976] of every channel over its noise, summed over channels. A
-tracker
-alone cannot tell a frequency from its aliases about its sampling rate; beside a faster signal the sum can, as
-only the true frequency is high in both. What moves with the drive, below `LOWEST`, is left out.
+The periodogram (`gap.periodogram`) of every channel over its noise, summed over channels. A tracker alone
+cannot tell a frequency from its aliases about its sampling rate; beside a faster signal the sum can, as only
+the true frequency is high in both. What moves with the drive, below `LOWEST`, is left out.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.diagnosis.gap.periodogram import periodogram
 from flexarm.diagnosis.residuals.observed import Observed
 
 LOWEST, HIGHEST = 0.3, 15.0
@@ -21,8 +21,6 @@ FINE = 4.0
 
 def rhythms(rest: Floats, observed: Observed, most: int = 3) -> list[float]:
     """The `most` frequencies [Hz] at which a residual swings most, the strongest first."""
-    from scipy.signal import lombscargle
-
     motions = [each for each in observed.rows if observed.records[each.record].kind == "motion"]
     length = observed.seconds
     if length <= 0:
@@ -32,7 +30,7 @@ def rhythms(rest: Floats, observed: Observed, most: int = 3) -> list[float]:
     for each in motions:
         values = rest[each.where]
         if len(values) > 8:
-            power += lombscargle(each.time, values - values.mean(), 2 * np.pi * frequency)
+            power += len(values) * np.interp(frequency, *periodogram(each.time, values, 2 * FINE, HIGHEST))
     found: list[float] = []
     width = 2.0 / length
     for k in np.argsort(-power):

@@ -22,6 +22,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside
+from flexarm.diagnosis.gap.periodogram import periodogram
 from flexarm.diagnosis.wording import number, with_unit
 
 PERIODS = 3.0
@@ -209,15 +210,14 @@ def fitted_piece(time: Floats, values: Floats, frequency: float) -> tuple[Piece 
 
 def _dominant(time: Floats, values: Floats) -> float | None:
     """Frequency of the vibration, if there are some periods and samples of it."""
-    from scipy.signal import lombscargle
-
     about = values - np.polyval(np.polyfit(time - time[0], values, 1), time - time[0])
     length, rate = float(time[-1] - time[0]), 1 / float(np.median(np.diff(time)))
-    frequencies = np.arange(LEAST * PERIODS / length, rate / SAMPLES, 0.25 / length)
-    if not np.any(about) or not len(frequencies):
+    lowest, highest = LEAST * PERIODS / length, rate / SAMPLES
+    if not np.any(about) or lowest >= highest:
         return None
-    powers = lombscargle(time, about, 2 * np.pi * frequencies)
-    return float(frequencies[np.argmax(powers)])
+    frequencies, powers = periodogram(time, about, 4.0, highest)
+    inside = frequencies >= lowest
+    return float(frequencies[inside][np.argmax(powers[inside])])
 
 
 def _still_since(pair: Beside) -> float:
