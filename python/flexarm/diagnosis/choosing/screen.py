@@ -21,7 +21,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, Candidate
+from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, Candidate, value_of
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
@@ -87,17 +87,34 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
             try:
-                there = candidate.base(arm)
-                models = [there, *(there.with_effect(each) for each in candidate.probes)]
-                observed.prepare(models)
-                before, *after = [observed.residual(model) for model in models]
+                moves = _as_unknown(fitter, candidate)
+                if moves is None:
+                    there = candidate.base(arm)
+                    models = [there, *(there.with_effect(each) for each in candidate.probes)]
+                    observed.prepare(models)
+                    before, *after = [observed.residual(model) for model in models]
+                    moves = np.stack([r - before for r in after], axis=1)
             except (InvalidParameter, NotConverged):
                 continue
-            moves = np.stack([r - before for r in after], axis=1)
             probed.append(_seen(Probed(candidate, moves)))
             if report is not None:
                 report((k + 1) / len(found))
     return probed
+
+
+def _as_unknown(fitter: Fitter, candidate: Candidate) -> Floats | None:
+    """Moves of a clock or frame in proportion, as it is eliminated where it is no effect; None of all else.
+
+    A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
+    explain less as an effect.
+    """
+    keys = [f"effects.{candidate.name}.{candidate.at}.{name}" for name in candidate.free]
+    if not set(keys) <= set(fitter.unknowns.keys):
+        return None
+    slopes = fitter.slopes[:, [fitter.unknowns.keys.index(key) for key in keys]]
+    steps = [[value_of(probe, name) for probe in candidate.probes] for name in candidate.free]
+    moves: Floats = slopes @ np.array(steps)
+    return moves
 
 
 def _seen(probed: Probed) -> Probed:
@@ -220,8 +237,7 @@ class Linear:
     def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
         """Share and members of those in which no law would have to be negative, the best first.
 
-        Not those that explain nothing, unless they spare clocks, frames and nominal values a strain: a late
-        clock is linear for its own derivative, and less so for a finite step.
+        Not those that explain nothing, unless they spare clocks, frames and nominal values a strain.
         """
         found = [(*self._solved(each)[::2], each) for each in sets]
         kept = [(share, each) for share, relief, each in found if share > 0 or relief > RELIEF]

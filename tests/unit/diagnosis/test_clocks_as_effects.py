@@ -1,0 +1,40 @@
+"""A clock or a frame as an effect: probed as it is eliminated, so that it takes over all that it does."""
+
+import pytest
+from diagnoses import record, with_spring
+
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.choosing.screen import Linear, probe
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.residuals.observed import Observed
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """A run that the model explains but for a late, displaced tracker."""
+    observed = Observed(with_spring(), {"run": record(1)}, step=0.01)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    places = {u.place for u in fitter.unknowns.each if u.kind != "nominal"}
+    found = [c for c in candidates(observed, fitter.unknowns.arm) if c.place in places]
+    assert {c.name for c in found} == {"time_delay", "frame_registration"}
+    return fitter, probe(fitter, found), fitter.fit(())
+
+
+def test_it_leaves_as_much_and_frees_its_unknown(problem):
+    """Its prior's row goes: what the unknown asked, x^2/sigma^2, is spared."""
+    fitter, probed, fit = problem
+    asked = (fit.projection.best(fit.residual) / fit.unknowns.sigma) ** 2
+    linear = Linear(fitter, probed, fit)
+    for k in linear.free:
+        own = [u.place == probed[k].candidate.place for u in fitter.unknowns.each]
+        share, _, relief = linear._solved((k,))
+        assert relief == pytest.approx(asked[own].sum(), rel=0.02, abs=0.02)
+        assert 0 <= share * fit.cost < 1.1 * asked[own].sum() + 0.1
+
+
+def test_no_run_is_needed(problem):
+    fitter, probed, _ = problem
+    made = fitter.observed.runs.made
+    probe(fitter, [each.candidate for each in probed])
+    assert fitter.observed.runs.made == made
