@@ -13,7 +13,7 @@ turn apart); `Candidate.sized` turns the alphas into parameters that start a fit
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import atan2, hypot, isinf
 
 from flexarm.arm import Arm
@@ -120,8 +120,32 @@ class Candidate:
         stiffness = 1.0 / flexibility
         return self._at({"stiffness": stiffness, "damping": 2e-3 * stiffness})
 
+    def as_soft_as(self, other: Candidate) -> Candidate:
+        """This spring, giving way and losing as much more than the nominal one as another spring does.
+
+        1/(k + i w c) is 1/k - i w c/k^2 to first order: flexibilities 1/k add up in series, and so do c/k^2.
+        """
+        soft, loss = (
+            here + there - before
+            for here, there, before in zip(
+                _given_way(self.without), _given_way(other.effect), _given_way(other.without), strict=True
+            )
+        )
+        if soft <= 0:
+            return self
+        stiffness = 1.0 / soft
+        damping = loss * stiffness**2 if loss > 0 else 2e-3 * stiffness
+        return replace(self, effect=self._at({"stiffness": stiffness, "damping": damping}))
+
     def _at(self, values: Mapping[str, float]) -> Effect:
         return self.effect.with_parameters({k: v for k, v in values.items() if k in self.free})
+
+
+def _given_way(spring: Effect | None) -> tuple[float, float]:
+    """1/k and c/k^2 of a spring; 0 without one."""
+    if spring is None or isinf(stiffness := value_of(spring, "stiffness")):
+        return 0.0, 0.0
+    return 1.0 / stiffness, value_of(spring, "damping") / stiffness**2
 
 
 def value_of(effect: Effect | None, key: str) -> float:

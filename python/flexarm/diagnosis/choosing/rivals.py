@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp
 
-from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
@@ -27,6 +27,7 @@ from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.errors import InvalidParameter, NotConverged
 
 WITHIN_SIGHT = 8.0
@@ -86,10 +87,15 @@ def rivals_of(
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
     most = PAIRS if open_gap else TRIED
-    for share in sharpened(fitter, one_variant(shares, 2 * most), without)[:most]:
-        candidate = share.members[0]
+    wanted = [s.members[0] for s in sharpened(fitter, one_variant(shares, 2 * most), without)[:most]]
+    if not open_gap:
+        wanted += _near(known, wanted, best, observed, value)
+    for candidate in wanted:
         try:
             fit = known.get(candidate.place) or fitter.fit((candidate, *others))
+            if candidate.name in SPRINGS and mine[0] in SPRINGS:
+                alike = fitter.fit((candidate.as_soft_as(best.members[k]), *others))
+                fit = min(fit, alike, key=lambda f: f.cost)
             fit, behind = _caught_up(fit, best, fitter, value, open_gap)
         except (InvalidParameter, NotConverged, ValueError):
             continue
@@ -108,6 +114,22 @@ def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dic
         for f in tried
         if others < set(f.places) and len(f.members) == len(best.members)
     }
+
+
+def _near(
+    known: Mapping[tuple[str, str], Fit],
+    wanted: Sequence[Candidate],
+    best: Fit,
+    observed: Observed,
+    value: Mapping[Channel, float],
+) -> list[Candidate]:
+    """Effects that came close when they were tried, though screening, to first order, sees little in them."""
+    there = {candidate.place for candidate in wanted} | {member.place for member in best.members}
+    return [
+        next(m for m in fit.members if m.place == place)
+        for place, fit in known.items()
+        if place not in there and log_bayes_factor(best, fit, observed, value) < CLOSE
+    ]
 
 
 def _caught_up(

@@ -1,0 +1,54 @@
+"""A spring in the place of another one: as soft and as lossy, whatever springs the model has."""
+
+import numpy as np
+import pytest
+from arms import crane
+
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.effects import BaseCompliance, JointCompliance
+
+
+def candidate(effect, without=None):
+    return Candidate(effect, ("stiffness", "damping"), (effect,), {}, without)
+
+
+def test_a_soft_base_turns_the_arm_as_the_soft_joint_did():
+    """In series joint and base are as stiff, and lose as much, as the one soft joint, where w c << k."""
+    nominal = JointCompliance(at="waist", stiffness=3e5, damping=600.0)
+    soft = JointCompliance(at="waist", stiffness=7e3, damping=7.0)
+    base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3))
+    found = base.as_soft_as(candidate(soft, nominal)).effect
+    w = 2 * np.pi * 1.5
+    joint, both = (
+        7e3 + 1j * w * 7.0,
+        1 / (1 / (3e5 + 1j * w * 600.0) + 1 / (found.stiffness + 1j * w * found.damping)),
+    )
+    assert both == pytest.approx(joint, rel=1e-3)
+
+
+def test_a_spring_that_is_there_becomes_softer_by_as_much():
+    there = JointCompliance(at="elbow", stiffness=8e4, damping=160.0)
+    soft = candidate(JointCompliance(at="waist", stiffness=1e5, damping=200.0))
+    found = candidate(there, there).as_soft_as(soft).effect
+    assert 1 / found.stiffness == pytest.approx(1 / 8e4 + 1 / 1e5)
+
+
+def test_a_stiffer_joint_has_no_like_in_a_rigid_base():
+    nominal = JointCompliance(at="hinge", stiffness=1e5, damping=200.0)
+    stiffer = candidate(JointCompliance(at="hinge", stiffness=2e5, damping=200.0), nominal)
+    base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3))
+    assert base.as_soft_as(stiffer) is base
+
+
+def test_the_sum_bends_an_arm_alike():
+    """Sag of a crane about the base's and the hinge's common axis, by either spring."""
+    import flexarm
+
+    arm = crane()
+    soft = candidate(JointCompliance(at="hinge", stiffness=5e4, damping=100.0))
+    base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3)).as_soft_as(soft)
+    by_joint, by_base = (
+        flexarm.static(arm.with_effect(each.effect), joints={"hinge": 0.4}).displacement
+        for each in (soft, base)
+    )
+    assert by_base == pytest.approx(by_joint, abs=1e-6)
