@@ -125,14 +125,16 @@ def with_value(arm: Arm, key: str, value: float) -> Arm:
     return path_of(arm, key).put(arm, float(value))
 
 
-def neighbours(arm: Arm, parameter: Parameter) -> tuple[tuple[Arm, float], tuple[Arm, float]]:
-    """The arm with the parameter a little up and a little down, each with the change.
+def neighbours(
+    arm: Arm, parameter: Parameter, step: float | None = None
+) -> tuple[tuple[Arm, float], tuple[Arm, float]]:
+    """The arm with the parameter a little up and a little down, or by a step, each with the change.
 
     At the limit of what is allowed one of them is the arm itself, with a change of zero.
     """
     path = path_of(arm, parameter.key)
     arm = _with_fixed_axes(arm, path)
-    step = _STEP * _size(arm, parameter, path)
+    size = _STEP * _size(arm, parameter, path) if step is None else step
 
     def moved(change: float) -> tuple[Arm, float]:
         value = parameter.value + change
@@ -141,7 +143,7 @@ def neighbours(arm: Arm, parameter: Parameter) -> tuple[tuple[Arm, float], tuple
         except InvalidParameter:
             return arm, 0.0
 
-    return moved(step), moved(-step)
+    return moved(size), moved(-size)
 
 
 def _parameters(arm: Arm, key: str) -> list[Parameter]:

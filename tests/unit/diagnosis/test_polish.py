@@ -31,6 +31,7 @@ def path(monkeypatch):
 
     monkeypatch.setattr(polish, "evaluated", evaluated)
     monkeypatch.setattr(polish, "stepped", stepped)
+    monkeypatch.setattr(polish, "stepped_over", lambda one, about: one.members)
     monkeypatch.setattr(polish, "objective", lambda one: one.objective)
     monkeypatch.setattr(polish, "sigma_squared", lambda one: 1.0)
     monkeypatch.setattr(polish, "_quiet", lambda one, about: False)

@@ -15,6 +15,7 @@ from flexarm.diagnosis.choosing.evidence import above_noise
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.newton import evaluated, objective, stepped
+from flexarm.diagnosis.fitting.pattern import stepped_over
 from flexarm.errors import InvalidParameter, NotConverged
 
 ROUNDS = 6
@@ -100,7 +101,7 @@ def further(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
         ahead, there = stepped(here, at)
         if objective(ahead) < objective(here):
             return ahead, there
-    again = at.fit(here.members)
+    again = at.fit(stepped_over(here, at))
     return (again, at) if objective(again) < objective(here) else (here, at)
 
 

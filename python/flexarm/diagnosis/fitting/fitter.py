@@ -69,7 +69,7 @@ class Fitter:
     def nominal(cls, observed: Observed, unknowns: Unknowns) -> Fitter:
         """About the nominal model."""
         arm = unknowns.arm
-        slopes = observed.slopes(arm, unknowns.keys)
+        slopes = observed.slopes(arm, unknowns.keys, unknowns.steps(arm))
         return cls(observed, unknowns, slopes, np.zeros(len(unknowns.each)), observed.correction(arm))
 
     def about(self, fit: Fit) -> Fitter:
@@ -89,7 +89,9 @@ class Fitter:
         arm = there.with_effects(fit.members)
         keys = fit.unknowns.keys
         slopes = self.slopes.copy()
-        slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(arm, keys)
+        slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(
+            arm, keys, self.unknowns.steps(arm)
+        )
         acting = np.where(slopes.any(axis=0), at, 0.0)
         correction = self.observed.correction(arm)
         return replace(self, at=acting, slopes=slopes, correction=correction, members=fit.members)
@@ -149,7 +151,7 @@ class Fitter:
             If not even the start can be simulated.
         """
         members = tuple(members)
-        problem = self._problem(members)
+        problem = self.problem(members)
         if not problem.coordinates:
             return self._as_it_is(members)
         z = problem.solved(problem.z_of(members), evaluations, tolerance)
@@ -158,12 +160,13 @@ class Fitter:
     def evaluated(self, members: Sequence[Candidate]) -> Fit:
         """A model with effects as they are, and its derivatives."""
         members = tuple(members)
-        problem = self._problem(members)
+        problem = self.problem(members)
         if not problem.coordinates:
             return self._as_it_is(members)
         return self._found(problem, problem.z_of(members), members)
 
-    def _problem(self, members: tuple[Candidate, ...]) -> LeastSquares:
+    def problem(self, members: tuple[Candidate, ...]) -> LeastSquares:
+        """The least squares of a set of effects."""
         coordinates = coordinates_of(members, self.with_effects(members))
         return LeastSquares(self, members, coordinates, self.eliminated(members)[1])
 

@@ -16,6 +16,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters, with_value
 from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.fitting.coordinate import CORNERS
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
@@ -27,6 +28,9 @@ UNKNOWN_POSE = {"translation": 0.1, "rotation": 0.1}
 """1 sigma of a frame of which nothing is known, about the first guess [m], [rad]."""
 KEPT = 0.8
 """Greatest part that a nominal value may lose."""
+
+OVER_RIPPLES, WIDEST = 0.3, 0.02
+"""Steps of nominal values beside laws with corners, in sigmas, and the most, as part of the value."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,19 @@ class Unknowns:
         for unknown, value in zip(self.each, values, strict=True):
             arm = with_value(arm, unknown.key, float(value))
         return arm
+
+    def steps(self, arm: Arm) -> dict[str, float]:
+        """Of differences by nominal values where the model has a law with corners; small ones elsewhere.
+
+        What hits a stop a little earlier swings on out of step: small differences say what the next hit does.
+        """
+        if not any(effect.name in CORNERS for effect in arm.effects):
+            return {}
+        return {
+            u.key: min(OVER_RIPPLES * u.sigma, WIDEST * abs(u.centre) or u.sigma)
+            for u in self.each
+            if u.kind == "nominal"
+        }
 
     def without(self, keys: set[str]) -> Unknowns:
         """Fewer."""

@@ -16,6 +16,7 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -170,10 +171,13 @@ class Observed:
         found: Floats = quarter + (quarter - half) / 3 - self.residual(arm)
         return found
 
-    def slopes(self, arm: Arm, keys: list[str]) -> Floats:
-        """Derivatives of (1) by parameters of the model, shape (len(self), len(keys))."""
+    def slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})) -> Floats:
+        """Derivatives of (1) by parameters of the model, shape (len(self), len(keys)).
+
+        `steps` are those of differences by some parameters, if not small.
+        """
         exact = self.pose_slopes(arm, keys)
-        return differences(self, arm, keys) if exact is None else exact
+        return differences(self, arm, keys, steps) if exact is None else exact
 
     def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
         """The same from the derivatives of equilibria; None where they have none."""

@@ -10,8 +10,9 @@ without another run. All else is differences of runs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,11 +32,16 @@ SHIFT = 1e-4
 """Of a point, for a difference that is exact to rounding [m]."""
 
 
-def differences(observed: Observed, arm: Arm, keys: Sequence[str]) -> Floats:
-    """From runs with each parameter a little larger and smaller, of points from (1); shape (n, len(keys))."""
+def differences(
+    observed: Observed, arm: Arm, keys: Sequence[str], steps: Mapping[str, float] = MappingProxyType({})
+) -> Floats:
+    """From runs with each parameter a little larger and smaller, of points from (1); shape (n, len(keys)).
+
+    `steps` are those of some parameters, if not small.
+    """
     found = np.zeros((len(observed), len(keys)))
     wanted = parameters(arm, list(keys))
-    pairs = [neighbours(arm, parameter) for parameter in wanted]
+    pairs = [neighbours(arm, p, steps.get(p.key)) for p in wanted]
     seen = [_only_seen(observed, p.key) for p in wanted]
     observed.prepare(a for pair, s in zip(pairs, seen, strict=True) if not s for a, _ in pair)
     for k, (parameter, ((above, up), (below, down))) in enumerate(zip(wanted, pairs, strict=True)):
