@@ -108,6 +108,7 @@ def fit_of(*members):
         z=np.zeros(1),
         coordinates=(coordinate,),
         slopes=np.zeros((5, 1)),
+        rest=np.zeros(5),
         projection=Projection(np.zeros((5, 0)), np.zeros(0)),
         members=members,
         places=tuple((member.name, "hinge") for member in members),

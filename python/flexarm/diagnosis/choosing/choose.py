@@ -128,7 +128,7 @@ class _Search:
             self.tried += sets
             if not sets:
                 continue
-            more, where = best_of(about, sets, best, self.null)
+            more, where = best_of(about, sets, better, self.null)
             if accepted(more, better, self.null, self.observed):
                 better, there = more, where
         return better, there

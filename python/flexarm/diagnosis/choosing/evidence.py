@@ -28,10 +28,11 @@ and s^2 = gamma_0 - 1 of the record alone. With nothing in common every pose cou
 record counts once.
 
 No simulation agrees with a machine to better than a part `DISCREPANCY` of the noise, and its error is not
-noise: it lasts. If two models differ by v over N samples, an error of that size along v adds
-DISCREPANCY^2 N to the variance of their difference in chi^2, so that
+noise: it lasts. If two models differ by v over N samples, an error of that size along v adds to the variance
+1/W that noise and remainder have along v, so that
 
-.. math:: \ln B = \frac{\Delta\chi^2/2}{1 + \delta^2 N_v} + \ldots, \quad N_v = (\sum v^2)^2 / \sum v^4   (4)
+.. math:: \ln B = \frac{\Delta\chi^2/2}{1 + \delta^2 N_v w} + \ldots, \quad
+          N_v = \frac{(\sum v^2)^2}{\sum v^4}, \quad w = \frac{v^T W v}{v^T v}                        (4)
 
 Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
 difference at a few instants, or in what it asks of nominal values, counts in full.
@@ -49,6 +50,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.weighed import weighed
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.residuals.observed_rows import Rows
 
@@ -126,25 +128,24 @@ def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
 
 def log_bayes_factor(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
     """ln Z of one model over another one's, eq. (1) with (4)."""
-    priors = occam(one, _weights(one, observed, value)) - occam(other, _weights(other, observed, value))
-    return log_likelihood_ratio(one, other, observed, value) + priors
+    weight = _weights(observed, value)
+    return log_likelihood_ratio(one, other, observed, value) + occam(one, weight) - occam(other, weight)
 
 
 def log_likelihood_ratio(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
     """The first term of (4): how much better one model fits, whatever is plausible."""
-    n = len(observed)
-    gain = (
-        _weights(other, observed, value)[:n] * other.rest[:n] ** 2
-        - _weights(one, observed, value)[:n] * one.rest[:n] ** 2
-    )
-    v = np.abs(one.rest[:n] - other.rest[:n])
-    spread = float(np.sum(v**2)) ** 2 / max(float(np.sum(v**4)), 1e-300)
-    asked = float(np.sum(other.rest[n:] ** 2) - np.sum(one.rest[n:] ** 2))
-    return float(np.sum(gain)) / 2 / (1 + DISCREPANCY**2 * spread) + asked / 2  # eq. (4)
+    n, weight = len(observed), _weights(observed, value)
+    (left, _), (left_by_other, _) = weighed(one, weight), weighed(other, weight)
+    gain = weight @ (left_by_other[:n] ** 2 - left[:n] ** 2)
+    v = np.abs(left[:n] - left_by_other[:n])
+    spread = float(np.sum(v**2)) * float(weight @ v**2) / max(float(np.sum(v**4)), 1e-300)
+    asked = float(np.sum(left_by_other[n:] ** 2) - np.sum(left[n:] ** 2))
+    return float(gain) / 2 / (1 + DISCREPANCY**2 * spread) + asked / 2  # eq. (4)
 
 
-def _weights(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> Floats:
-    weight = np.ones(len(fit.rest))
+def _weights(observed: Observed, value: Mapping[Channel, float]) -> Floats:
+    """W of (1), shape (n,)."""
+    weight = np.ones(len(observed))
     for each, where in observed.channels():
         weight[where] = 1.0 / value[each.record, each.signal, each.channel]
     return weight
@@ -161,8 +162,11 @@ def occam(fit: Fit, weight: Floats) -> float:
         return -cost
     needed = {(n.name, n.at) for m in fit.members if (n := m.needs) is not None}
     slopes = fit.projection.rest(fit.slopes)
-    hessian = slopes.T @ (weight[:, None] * slopes) + np.eye(k)
-    prior = sum(c.log_density(float(z)) for c, z in zip(fit.coordinates, fit.z, strict=True))
+    weights = np.concatenate([weight, np.ones(len(slopes) - len(weight))])
+    hessian = slopes.T @ (weights[:, None] * slopes) + np.eye(k)
+    prior = sum(
+        c.log_density(float(z)) for c, z in zip(fit.coordinates, weighed(fit, weight)[1], strict=True)
+    )
     laplace = k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
     return prior + laplace - len(needed - set(fit.places)) * log(2) - cost
 
@@ -171,5 +175,5 @@ def _eliminated(fit: Fit, weight: Floats) -> float:
     """ln|H|/2 of (1) for clocks, frames and nominal values, in their sigmas; none without a prior."""
     known = np.isfinite(fit.projection.sigma)
     slopes = fit.projection.slopes[:, known] * fit.projection.sigma[known]
-    hessian = slopes.T @ (weight[: len(slopes), None] * slopes) + np.eye(slopes.shape[1])
+    hessian = slopes.T @ (weight[:, None] * slopes) + np.eye(slopes.shape[1])
     return float(np.linalg.slogdet(hessian)[1]) / 2

@@ -18,6 +18,7 @@ or one payload do; where there is but one, and in a motion, a block of it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import log
 
 import numpy as np
@@ -59,6 +60,12 @@ def foretells_better(one: Fit, other: Fit, observed: Observed) -> bool:
     ratio = missed(other, observed) / max(missed(one, observed), 1e-300)
     odds = len(groups(observed)) * log(max(ratio, 1e-300))  # eq. (2)
     return ratio * (1.0 - FORETOLD) > 1.0 and odds > ODDS
+
+
+def odds_lost(fits: Sequence[Fit], observed: Observed) -> list[float]:
+    """For each of some models, ln B of (2) over it of the one that foretells best."""
+    misses = [max(missed(f, observed), 1e-300) for f in fits]
+    return [len(groups(observed)) * log(each / min(misses)) for each in misses]
 
 
 def groups(observed: Observed) -> list[NDArray[np.int_]]:

@@ -1,8 +1,10 @@
 """Which of several larger models is best: by the evidence of each over each.
 
 Beside the smaller model all of them differ by the whole gap, and the simulation's error would hide what they
-differ by; so they are compared with one another. Where all leave gaps and the evidence for none is strong,
-the one that foretells best what is left out comes first.
+differ by; so they are compared with one another. Where all leave gaps, evidence rests on the size and the
+correlation of a remainder that nobody knows; it decides only among those that foretell what is left out about
+as well as the best one, by eq. (2) of `left_out`. What leaves a gap of which it takes too little to be worth
+a name, as a rate that is read late while an arm goes elsewhere, stands back for what takes more.
 """
 
 from __future__ import annotations
@@ -12,9 +14,9 @@ from functools import cmp_to_key
 
 import numpy as np
 
-from flexarm.diagnosis.choosing.acceptance import STRONG, leaves_gap
+from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap, worth_a_name
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor, worth
-from flexarm.diagnosis.choosing.left_out import missed
+from flexarm.diagnosis.choosing.left_out import odds_lost
 from flexarm.diagnosis.choosing.polish import polished
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
@@ -28,7 +30,8 @@ def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[F
     """The best fit, polished, with derivatives taken anew about those that come close."""
     observed = fitter.observed
     first, *others = _ranked(fits, old, null, observed)
-    close = [f for f in others[:2] if _close(f, first, observed)]
+    gap = leaves_gap(first, null, observed)
+    close = [f for f in others[:2] if gap or _close(f, first, observed)]
     there = {}
     for fit in (first, *close):
         about = fitter.about(fit)
@@ -38,17 +41,19 @@ def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[F
 
 
 def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> list[Fit]:
-    """The best first."""
+    """The best first, of those worth a name if there are any."""
+    fits = [f for f in fits if worth_a_name(f, old) or not leaves_gap(f, null, observed)] or fits
     value = worth(min(fits, key=lambda f: f.cost).rest, observed)
 
     def behind(one: Fit, other: Fit) -> int:
         return int(np.sign(log_bayes_factor(other, one, observed, value)))
 
-    ranked = sorted(fits, key=cmp_to_key(behind))
-    strong = log_bayes_factor(ranked[0], old, observed, value) > STRONG
-    if strong or not all(leaves_gap(f, null, observed) for f in fits):
-        return ranked
-    return sorted(fits, key=lambda f: missed(f, observed))
+    if not all(leaves_gap(f, null, observed) for f in fits):
+        return sorted(fits, key=cmp_to_key(behind))
+    lost = dict(zip(fits, odds_lost(fits, observed), strict=True))
+    near = [f for f in fits if lost[f] < REACH]
+    others = [f for f in fits if lost[f] >= REACH]
+    return sorted(near, key=cmp_to_key(behind)) + sorted(others, key=lambda f: lost[f])
 
 
 def _close(fit: Fit, first: Fit, observed: Observed) -> bool:

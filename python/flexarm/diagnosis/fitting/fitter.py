@@ -25,6 +25,7 @@ from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.least_squares import LeastSquares
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import Unknowns
+from flexarm.diagnosis.fitting.weighed import tempered
 from flexarm.diagnosis.residuals.observed import Observed
 
 LIKELY = 2.0
@@ -75,7 +76,7 @@ class Fitter:
     def about(self, fit: Fit) -> Fitter:
         """The same about a fitted model, where derivatives are those of the model with its effects."""
         at = self.at.copy()
-        best = dict(zip(fit.unknowns.keys, fit.projection.best(fit.residual), strict=True))
+        best = dict(zip(fit.unknowns.keys, tempered(fit), strict=True))
         for k, unknown in enumerate(self.unknowns.each):
             at[k] = unknown.kept(best.get(unknown.key, 0.0))
         return self._moved(at, fit)

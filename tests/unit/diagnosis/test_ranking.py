@@ -1,0 +1,84 @@
+"""Which of several models comes first, on models that are made up: costs, what they miss, their evidence."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import pytest
+
+from flexarm.diagnosis.choosing import left_out, ranking, rivals
+
+
+@dataclass(eq=False)
+class Made:
+    """As much of a fit as ranking asks for, and what is said of it."""
+
+    name: str
+    cost: float
+    missed: float
+    evidence: float = 0.0
+    gap: bool = True
+    rest: None = None
+
+    @property
+    def places(self):
+        return ((self.name, "hinge"),)
+
+    @property
+    def members(self):
+        return (SimpleNamespace(place=self.places[0]),)
+
+
+@pytest.fixture(autouse=True)
+def made_up(monkeypatch):
+    for module in (ranking, rivals):
+        monkeypatch.setattr(
+            module, "log_bayes_factor", lambda one, other, observed, value: one.evidence - other.evidence
+        )
+    monkeypatch.setattr(ranking, "worth", lambda rest, observed: {})
+    monkeypatch.setattr(left_out, "missed", lambda fit, observed: fit.missed)
+    monkeypatch.setattr(left_out, "groups", lambda observed: range(24))
+    monkeypatch.setattr(ranking, "leaves_gap", lambda fit, null, observed: fit.gap)
+    monkeypatch.setattr(ranking, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
+
+
+NULL = Made("nothing", cost=100.0, missed=10.0)
+
+
+def ranked(*fits):
+    return [fit.name for fit in ranking._ranked(fits, NULL, NULL, None)]
+
+
+def test_beside_gaps_what_foretells_best_comes_first():
+    """A late command fits what is worth most by noise and correlation; friction says more of other days."""
+    late = Made("time_delay", cost=60.0, missed=8.0, evidence=900.0)
+    rubs = Made("motor_friction", cost=50.0, missed=6.0, evidence=400.0)
+    assert ranked(late, rubs) == ["motor_friction", "time_delay"]
+
+
+def test_what_foretells_as_well_is_told_by_evidence():
+    """A gap leans a boom as a tilted base does; 6.0 and 6.1 in 24 groups are odds of 1.5."""
+    gap = Made("backlash", cost=50.0, missed=6.0, evidence=3.0)
+    tilt = Made("base_tilt", cost=51.0, missed=6.1, evidence=9.0)
+    assert ranked(gap, tilt) == ["base_tilt", "backlash"]
+
+
+def test_what_leaves_all_but_two_percent_stands_back():
+    rate = Made("clock_drift", cost=98.0, missed=4.0)
+    rubs = Made("motor_friction", cost=50.0, missed=6.0)
+    assert ranked(rate, rubs) == ["motor_friction"]
+    assert ranked(rate) == ["clock_drift"]  # nothing else is there
+
+
+def test_where_one_explains_all_evidence_ranks():
+    right = Made("backlash", cost=1.0, missed=1.1, evidence=50.0, gap=False)
+    other = Made("cable_torque", cost=1.2, missed=1.0, evidence=20.0, gap=False)
+    assert ranked(other, right) == ["backlash", "cable_torque"]
+
+
+def test_what_came_close_on_the_way_is_a_rival():
+    """Though screening sees little in it; what is thirty behind is none."""
+    best = Made("joint_compliance", cost=1.0, missed=1.0, evidence=100.0)
+    close, far = Made("joint_stiffening", 1.0, 1.0, 85.0), Made("cable_torque", 1.0, 1.0, 60.0)
+    known = {fit.places[0]: fit for fit in (best, close, far)}
+    assert [c.place for c in rivals._near(known, [], best, None, {})] == [("joint_stiffening", "hinge")]
+    assert rivals._near(known, list(close.members), best, None, {}) == []

@@ -1,0 +1,83 @@
+"""A fit with rows weighed by what they are worth: on a linear model, whose least squares are known."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flexarm.arm.prior import Prior
+from flexarm.diagnosis.fitting.coordinate import Coordinate, prior_rows
+from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.fitting.weighed import tempered, weighed
+
+SIGMA = np.array([0.5, 2.0])
+
+
+def linear_fit(gap: float) -> SimpleNamespace:
+    """One effect and two unknowns fitted to 300 rows of noise and a gap that is partly none of them."""
+    rng = np.random.default_rng(7)
+    slopes, unknowns = rng.normal(size=(300, 1)), rng.normal(size=(300, 2))
+    lacking = gap * (unknowns @ [1.0, -0.6] + rng.normal(size=300))
+    projection = Projection(unknowns, SIGMA)
+    coordinates = (Coordinate(0, "offset", Prior(-4.0, 4.0, 0.0, "uniform", "m", "made up")),)
+    start = rng.normal(size=300) + lacking
+    a = projection.rest(slopes)
+    weak = prior_rows(coordinates, np.zeros(1))[1]
+    z = -np.linalg.solve(a.T @ a + np.diag(weak**2), a.T @ projection.rest(start))
+    residual = start + slopes @ z
+    rest = projection.rest(residual)
+    return SimpleNamespace(
+        slopes=slopes,
+        projection=projection,
+        coordinates=coordinates,
+        z=z,
+        residual=residual,
+        rest=rest,
+        cost=float(rest @ rest),
+    )
+
+
+def least_squares(fit, weight):
+    """All rows and priors as one problem, solved at once."""
+    root = np.sqrt(weight)
+    rows, bends = prior_rows(fit.coordinates, fit.z)
+    a = np.block(
+        [
+            [root[:, None] * fit.slopes, root[:, None] * fit.projection.slopes],
+            [np.zeros((2, 1)), np.diag(1 / SIGMA)],
+            [np.diag(bends), np.zeros((1, 2))],
+        ]
+    )
+    return np.linalg.lstsq(a, -np.concatenate([root * fit.residual, np.zeros(2), rows]), rcond=None)[0]
+
+
+def test_rows_that_count_in_full_leave_a_fit_where_it_is():
+    fit = linear_fit(gap=3.0)
+    rest, z = weighed(fit, np.ones(300))
+    assert np.array_equal(rest, fit.rest)
+    assert np.array_equal(z, fit.z)
+
+
+def test_weighed_rows_move_it_to_their_own_least_squares():
+    fit = linear_fit(gap=30.0)
+    weight = np.where(np.arange(300) < 100, 1e-3, 1e-2)
+    step = least_squares(fit, weight)
+    rest, z = weighed(fit, weight)
+    assert z == pytest.approx(fit.z + step[:1], rel=1e-6)
+    assert rest[300:] == pytest.approx(step[1:] / SIGMA, rel=1e-6)
+    assert rest[:300] == pytest.approx(
+        fit.residual + fit.slopes @ step[:1] + fit.projection.slopes @ step[1:], rel=1e-6
+    )
+
+
+def test_unknowns_beside_a_gap_stay_with_their_priors():
+    """By its noise alone the fit takes them sixty sigmas away, after a gap that is none of theirs."""
+    fit = linear_fit(gap=30.0)
+    assert abs(fit.projection.best(fit.residual) / SIGMA).max() > 30
+    assert abs(tempered(fit) / SIGMA).max() < 10
+
+
+def test_without_a_gap_they_are_where_the_fit_has_them():
+    fit = linear_fit(gap=0.0)
+    assert fit.cost < 1.2 * 300
+    assert tempered(fit) == pytest.approx(fit.projection.best(fit.residual), abs=0.02 * SIGMA.min())
