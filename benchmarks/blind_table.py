@@ -12,6 +12,8 @@ from math import isfinite, nan, pi, sqrt
 from statistics import median
 
 CONFIDENT, LARGE = 0.8, 8.0  # probability; size over noise that counts as ten times
+SEEN = 1.0
+"""Size over noise below which an effect leaves nothing to see: some cannot be as large as was asked."""
 SEVERAL_JOINTS = ("planar", "spatial")
 ROUNDED = {"encoder_quantisation"}
 """No repair gives back what was rounded away: left out of the closure."""
@@ -224,7 +226,7 @@ def tabulated(outcomes: Iterable[Outcome]) -> Table:
         _rate("right name and place, two and three joints", right_place, joints, ">= 0.90"),
         _rate("truth in the set, single, >= 10 x floor, rich", in_set, large),
         *_power([*single, *of.get("power", [])]),
-        _rate("truth in the set, poor", in_set, poor, ">= 0.95"),
+        _rate("truth in the set, poor", in_set, [o for o in poor if o.size >= SEEN], ">= 0.95"),
         _rate(
             "wrong and confident", wrong_and_confident, [o for o in outcomes if o.group != "fault"], "<= 0.03"
         ),

@@ -99,7 +99,7 @@ class Ruler:
         step = GAP_STEP if gaps else STEP
         gap = self._difference(changed, ran(changed, self.bench, RUN, step) if moved else None)
         t = self.motion.time[rows_at(self.motion, TRACKER_RATE, FIRST)]
-        late = changed.sensors.tracker.stamps(t) - t
+        late = changed.sensors.tracker.stamps(t) - self.truth.sensors.tracker.stamps(t)
         for k, velocity in enumerate(self.velocity):
             if len(velocity) == len(late):
                 gap[k] = gap[k] - velocity * late
@@ -114,7 +114,7 @@ class Ruler:
             self.by_encoder[joint] = self._when_turned(turn.name, 1e-3)
         t = self.motion.time[rows_at(self.motion, TRACKER_RATE, FIRST)]
         angle = self.bench.angles[RUN][joint](t)[0]
-        wrong = changed.sensors.encoder(joint).read(angle) - angle
+        wrong = changed.sensors.encoder(joint).read(angle) - self.truth.sensors.encoder(joint).read(angle)
         for k, slope in enumerate(self.by_encoder[joint]):
             if len(slope) == len(wrong):
                 gap[k] = gap[k] - slope * wrong
