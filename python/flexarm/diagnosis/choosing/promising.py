@@ -14,15 +14,20 @@ from dataclasses import replace
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
 from flexarm.diagnosis.choosing.acceptance import DENT, STRAINED, explained, leaves_gap, strain
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
+from flexarm.diagnosis.choosing.slow import slow_part
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.errors import InvalidParameter, NotConverged
 
 TRIED, PAIRS = 6, 3
 """Candidates that are fitted at each step, and sets of two or three where no smaller one explains all.
 
-At the first step as many more are fitted where all leave a gap.
+Where all leave a gap, so are those that explain most of what is slow (`choosing.slow`), as many sets of two
+of them, and at the first step, where these leave one too, as many more candidates.
 """
+SLOW = 4
+"""Candidates that are fitted for what is slow."""
 SETS = 12
 """Sets that are looked at for those: some are of sizes that cannot be simulated."""
 FAR = 0.3
@@ -44,13 +49,24 @@ def larger_fits(
 
     `places` are joints that are one place of the machine; `beside` is the best smaller set.
     """
+    slow = slow_part(fitter.observed)
     if size > 1:
-        return _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
+        found = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
+        if size == 2 and _all_leave_gaps(found, null, fitter.observed):
+            sets = one_variant(together(fitter, probed, best, size, slow), SETS)
+            found += _fitted(fitter, sets, best, null, PAIRS)
+        return found
     wanted, others = _promising(fitter, probed, best, places)
     found = _fitted(fitter, wanted, best, null)
-    if not best.members and all(leaves_gap(f, null, fitter.observed) for f in found):
+    if _all_leave_gaps(found, null, fitter.observed):
+        found += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
+    if not best.members and _all_leave_gaps(found, null, fitter.observed):
         found += _fitted(fitter, others, best, null)
     return found
+
+
+def _all_leave_gaps(fits: Sequence[Fit], null: Fit, observed: Observed) -> bool:
+    return all(leaves_gap(f, null, observed) for f in fits)
 
 
 def _fitted(

@@ -12,9 +12,10 @@ negative are not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
 
@@ -24,6 +25,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, Candidate, value_of
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.simulation import Progress, reported
 
@@ -134,7 +136,11 @@ def _seen(probed: Probed) -> Probed:
 
 
 def screen(
-    fitter: Fitter, probed: Sequence[Probed], fit: Fit, pairs: Mapping[str, str] = NONE
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    fit: Fit,
+    pairs: Mapping[str, str] = NONE,
+    seen: Callable[[Floats], Floats] | None = None,
 ) -> list[Share]:
     """Candidates that could explain what a fit leaves, the best first.
 
@@ -148,19 +154,27 @@ def screen(
         Its effects may change along, to first order.
     pairs : dict of str to str
         Joints that are one place, `companions.cardan_joints`: a law at both is tried as one candidate.
+    seen : callable, optional
+        What is looked at of residuals, a linear function of their columns, such as `slow.slow_part`.
     """
-    linear = Linear(fitter, probed, fit)
+    linear = Linear(fitter, probed, fit, seen)
     sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
     return linear.shares(linear.ranked(sets))
 
 
-def together(fitter: Fitter, probed: Sequence[Probed], fit: Fit, size: int) -> list[Share]:
-    """Sets of two or three candidates that explain most together, the best first.
+def together(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    fit: Fit,
+    size: int,
+    seen: Callable[[Floats], Floats] | None = None,
+) -> list[Share]:
+    """Sets of two or three candidates that explain most together, of what is `seen`, the best first.
 
     All pairs are looked at; of triples all among the `AMONG` places that explain most alone, half as many
     more that do so in a pair: what explains nothing by itself may be needed beside another.
     """
-    linear = Linear(fitter, probed, fit)
+    linear = Linear(fitter, probed, fit, seen)
     two = linear.ranked(linear.sets(linear.free, 2))
     if size == 2:
         return linear.shares(two, KEPT)
@@ -207,8 +221,14 @@ class Linear:
     Sets that take different unknowns into their effects have matrices of their own.
     """
 
-    def __init__(self, fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> None:
-        self.fitter, self.probed, self.fit = fitter, probed, fit
+    def __init__(
+        self,
+        fitter: Fitter,
+        probed: Sequence[Probed],
+        fit: Fit,
+        seen: Callable[[Floats], Floats] | None = None,
+    ) -> None:
+        self.fitter, self.probed, self.fit, self.seen = fitter, probed, fit, seen
         taken = set(fit.places)
         self.free = [k for k, p in enumerate(probed) if p.candidate.place not in taken]
         ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
@@ -272,12 +292,27 @@ class Linear:
             return -1.0, mine, 0.0
         left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
         asks = asked[:, 0] + asked[:, 1 + columns] @ alphas
-        before = self.fit.rest[len(self.fit.residual) :]
-        return 1.0 - left / self.fit.cost, mine, float(before @ before - asks @ asks)
+        before = self._before[len(self.fit.residual) :]
+        whole = float(self._before @ self._before)
+        return 1.0 - left / whole, mine, float(before @ before - asks @ asks)
+
+    @cached_property
+    def _before(self) -> Floats:
+        """What the fit leaves of what is looked at."""
+        if self.seen is None:
+            return self.fit.rest
+        return self._rest(self._fitted, self.fit.residual[:, None])[:, 0]
+
+    def _rest(self, taken: frozenset[str], columns: Floats) -> Floats:
+        """Columns without what unknowns explain, of what is looked at."""
+        unknowns, projection = self.fitter.without(taken)
+        if self.seen is None:
+            return projection.rest(columns)
+        return Projection(self.seen(projection.slopes), unknowns.sigma).rest(self.seen(columns))
 
     def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float, Floats]:
         if taken not in self._grams:
-            rest = self.fitter.without(taken)[1].rest(np.column_stack([self.fit.residual, self._moves]))
+            rest = self._rest(taken, np.column_stack([self.fit.residual, self._moves]))
             q, d = rest[:, 0], rest[:, 1:]
             self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q), rest[len(self.fit.residual) :])
         return self._grams[taken]
