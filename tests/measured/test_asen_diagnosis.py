@@ -13,8 +13,9 @@ from flexarm import Arm, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.choose import choose
 from flexarm.diagnosis.choosing.left_out import missed
+from flexarm.diagnosis.choosing.promising import larger_fits
+from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.screen import probe
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
@@ -109,10 +110,13 @@ def test_the_search_takes_the_offset_and_then_friction_of_the_motor(bench):
     no gap.
     """
     _, fitter, found = bench
-    nearest = [each for place, each in found.items() if place in NEAREST]
-    assert len({each.place for each in nearest}) == len(NEAREST)
-    choice = choose(fitter, probe(fitter, nearest))
-    assert set(choice.best.places) == {("sensor_offset", "tip"), ("motor_friction", "hub")}
+    nearest = probe(fitter, [each for place, each in found.items() if place in NEAREST])
+    assert len({each.candidate.place for each in nearest}) == len(NEAREST)
+    null = fitter.fit(())
+    one, about = best_of(fitter, larger_fits(fitter, nearest, null, null), null, null)
+    assert one.places == (("sensor_offset", "tip"),)
+    two, _ = best_of(about, larger_fits(about, nearest, one, null), one, null)
+    assert set(two.places) == {("sensor_offset", "tip"), ("motor_friction", "hub")}
 
 
 def test_friction_foretells_what_is_left_out_and_a_late_reading_does_not(fits):

@@ -11,6 +11,8 @@ from flexarm.errors import NotConverged
 COST = {"": 100, "a": 60, "b": 70, "c": 75, "d": 80, "cd": 40, "ab": 20, "ac": 50, "abc": 19.9, "abd": 19.9}
 LINEAR = {1: ["a", "b", "c", "d"], 2: ["cd"], 3: []}
 """Sets in the order that the nominal model gives them: of pairs it knows only one that is not the best."""
+NOTHING = SimpleNamespace(channels=lambda: [], records={})
+"""As much of `Observed` as is asked for: no channel."""
 
 
 def fit(names):
@@ -75,7 +77,8 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
             raise NotConverged("no equilibrium")
         return members[0]
 
-    fitter = SimpleNamespace(fit=fitted, observed=None)
+    monkeypatch.setattr(promising, "leaves_gap", lambda *_: False)
+    fitter = SimpleNamespace(fit=fitted, observed=NOTHING)
     nothing = SimpleNamespace(members=())
     assert promising.larger_fits(fitter, [], nothing, nothing, 2) == ["friction", "tilt", "play"]
 
@@ -85,22 +88,39 @@ def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     monkeypatch.setattr(promising, "together", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "explained", lambda *_: False)
-    fitter = SimpleNamespace(fit=lambda members: members[0], observed=None)
+    monkeypatch.setattr(promising, "leaves_gap", lambda *_: False)
+    fitter = SimpleNamespace(fit=lambda members: members[0], observed=NOTHING)
     nothing = SimpleNamespace(members=())
     assert promising.larger_fits(fitter, [], nothing, nothing, 2) == ["tilt"]
 
 
-@pytest.mark.parametrize("gap, tried", [(True, 12), (False, 6)], ids=["all leave a gap", "one leaves none"])
-def test_twice_as_many_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, tried):
-    """To first order a heavy load further out looks like much else, and comes seventh."""
+def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeypatch):
+    """Two effects that shift how an arm rings explain nothing of that to first order."""
+    seen = {True: ["bow and softness", "tilt and softness"], False: ["two springs"]}
+    found = lambda *given: [  # noqa: E731
+        SimpleNamespace(members=(name,), share=0.9) for name in seen[given[-1] is not None and len(given) > 4]
+    ]
+    monkeypatch.setattr(promising, "together", found)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "explained", lambda *_: False)
+    fitter = SimpleNamespace(fit=lambda members: members[0], observed=NOTHING)
+    nothing = SimpleNamespace(members=())
+    for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
+        monkeypatch.setattr(promising, "leaves_gap", lambda *_, gap=gap: gap)
+        assert promising.larger_fits(fitter, [], nothing, nothing, 2) == fits
+
+
+@pytest.mark.parametrize("gap, tried", [(True, 16), (False, 6)], ids=["all leave a gap", "one leaves none"])
+def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, tried):
+    """To first order a heavy load further out looks like much else, and comes seventh; four are slow."""
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.9 - k / 100) for k in range(20)]
-    monkeypatch.setattr(promising, "screen", lambda *_: shares)
+    monkeypatch.setattr(promising, "screen", lambda *_, seen=None: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
     monkeypatch.setattr(promising, "strain", lambda fit: 0.0)
     monkeypatch.setattr(promising, "explained", lambda *_: False)
     monkeypatch.setattr(promising, "leaves_gap", lambda *_: gap)
-    fitter = SimpleNamespace(fit=lambda members: members[0], observed=None)
+    fitter = SimpleNamespace(fit=lambda members: members[0], observed=NOTHING)
     nothing = SimpleNamespace(members=())
     assert len(promising.larger_fits(fitter, [None] * 20, nothing, nothing)) == tried
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap, worth_a_name
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor, worth
-from flexarm.diagnosis.choosing.left_out import odds_lost
+from flexarm.diagnosis.choosing.left_out import missed, odds_lost
 from flexarm.diagnosis.choosing.polish import polished
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
@@ -27,11 +27,13 @@ CLOSE = 30.0
 
 
 def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[Fit, Fitter]:
-    """The best fit, polished, with derivatives taken anew about those that come close."""
+    """The best fit, polished, with derivatives taken anew about those that come close or foretell best."""
     observed = fitter.observed
     first, *others = _ranked(fits, old, null, observed)
-    gap = leaves_gap(first, null, observed)
-    close = [f for f in others[:2] if gap or _close(f, first, observed)]
+    if leaves_gap(first, null, observed):
+        close = sorted(others, key=lambda f: missed(f, observed))[:2]
+    else:
+        close = [f for f in others[:2] if _close(f, first, observed)]
     there = {}
     for fit in (first, *close):
         about = fitter.about(fit)
