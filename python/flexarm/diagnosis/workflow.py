@@ -19,7 +19,7 @@ from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.candidates.coarse_encoders import CoarseEncoder, with_coarse_encoders
 from flexarm.diagnosis.checks.check import check, named_records
 from flexarm.diagnosis.checks.checked import Checked
-from flexarm.diagnosis.choosing.acceptance import leaves_gap
+from flexarm.diagnosis.choosing.acceptance import leaves_anything, leaves_gap
 from flexarm.diagnosis.choosing.choose import Choice, choose
 from flexarm.diagnosis.choosing.constancy import constancy
 from flexarm.diagnosis.choosing.screen import probe
@@ -162,10 +162,14 @@ class _Conclusion:
 def _conclusion(
     choice: Choice, coarse: Sequence[CoarseEncoder], observed: Observed, seed: int
 ) -> _Conclusion:
-    """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing."""
+    """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
+
+    What leaves a small part of a gap, with a parameter that each record would have otherwise, mimics it.
+    """
     sizes = estimates(choice.best, observed, seed)
-    open_gap = leaves_gap(choice.best, choice.null, observed)
     drifts = tuple(constancy(choice.best, observed, choice.value))
+    wrong = any(not each["constant"] for each in drifts) and leaves_anything(choice.best, observed)
+    open_gap = wrong or leaves_gap(choice.best, choice.null, observed)
     effects = (
         *(encoder.named() for encoder in coarse),
         *named_effects(choice, sizes, drifts, open_gap, observed),

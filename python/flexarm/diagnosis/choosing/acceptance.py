@@ -111,6 +111,11 @@ def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
     return quiet and strain(fit) < STRAINED  # eq. (3)
 
 
+def leaves_anything(fit: Fit, observed: Observed) -> bool:
+    """Whether a fit leaves more than the noise, however small a part of the gap that is."""
+    return max(above_noise(fit.rest, observed).values()) > LEFT
+
+
 def leaves_gap(fit: Fit, null: Fit, observed: Observed) -> bool:
     """Whether a fit leaves so much that something else must be there."""
     first = max(above_noise(null.rest, observed).values())
