@@ -6,13 +6,10 @@ namespace flexarm::simulation {
 namespace {
 
 using namespace geometry;
+using solvers::columns_at_a_time;
 using solvers::lanes;
 using solvers::Lanes;
 using solvers::work_through;
-
-// As many as leave a node's numbers in registers.
-template <int D>
-constexpr int columns_at_a_time = D == 2 ? 8 : 4;
 
 /// Equations (1) and (2) for some parameters.
 template <int D>

@@ -66,6 +66,10 @@ template <int N>
   return *reinterpret_cast<const typename Lanes<N>::type*>(first);
 }
 
+/// As many columns as leave the numbers of a node in registers, in the plane (D = 2) and in space (3).
+template <int D>
+inline constexpr int columns_at_a_time = D == 2 ? 8 : 4;
+
 /// Calls work.template columns<N>(first) until columns `first` to m have had their turn, `Widest` at a time
 /// as long as there are so many, then half of that, and so on.
 template <int Widest, class Work>

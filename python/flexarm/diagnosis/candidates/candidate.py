@@ -137,6 +137,18 @@ class Candidate:
         damping = loss * stiffness**2 if loss > 0 else 2e-3 * stiffness
         return replace(self, effect=self._at({"stiffness": stiffness, "damping": damping}))
 
+    def as_stiff_as(self, spring: Candidate) -> Candidate | None:
+        """This hysteresis, T_h/w stiff while it sticks, where a spring is stiffer than its joint's nominal one.
+
+        None if that is softer.
+        """
+        if spring.without is None or isinf(value_of(spring.without, "stiffness")):
+            return None
+        stiffer = value_of(spring.effect, "stiffness") - value_of(spring.without, "stiffness")
+        if stiffer <= 0:
+            return None
+        return replace(self, effect=self._at({"torque": stiffer * value_of(self.effect, "width")}))
+
     def _at(self, values: Mapping[str, float]) -> Effect:
         return self.effect.with_parameters({k: v for k, v in values.items() if k in self.free})
 

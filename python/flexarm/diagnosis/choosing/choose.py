@@ -143,6 +143,7 @@ class _Search:
             ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
             if ahead is None or ahead.behind >= 0 or not ahead.foretells:
                 break
+            self.tried.append(choice.best)  # which is the other's rival now
             choice = self._with_rivals(*settled(ahead.fit, choice.fitter.about(ahead.fit)))
         return choice
 

@@ -83,6 +83,7 @@ def rivals_of(
     mine = best.members[k].place
     others = tuple(m for i, m in enumerate(best.members) if i != k)
     known = _known(best, {m.place for m in others}, tried)
+    peer = _peer(best, tried)
     without = fitter.fit(others)
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
@@ -90,13 +91,13 @@ def rivals_of(
     wanted = [s.members[0] for s in sharpened(fitter, one_variant(shares, 2 * most), without)[:most]]
     if not open_gap:
         wanted += _near(known, wanted, best, observed, value)
+        wanted += _sticking(best.members[k], wanted, probed)
     for candidate in wanted:
         try:
             fit = known.get(candidate.place) or fitter.fit((candidate, *others))
-            if candidate.name in SPRINGS and mine[0] in SPRINGS:
-                alike = fitter.fit((candidate.as_soft_as(best.members[k]), *others))
-                fit = min(fit, alike, key=lambda f: f.cost)
-            fit, behind = _caught_up(fit, best, fitter, value, open_gap)
+            if (alike := _alike(candidate, best.members[k])) is not None:
+                fit = min(fit, fitter.fit((alike, *others)), key=lambda f: f.cost)
+            fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
         except (InvalidParameter, NotConverged, ValueError):
             continue
         member = next(m for m in fit.members if m.place == candidate.place)
@@ -116,6 +117,11 @@ def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dic
     }
 
 
+def _peer(best: Fit, tried: Sequence[Fit]) -> Fit:
+    """The chosen model as it was when it was tried beside its rivals, before it was taken further."""
+    return next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
+
+
 def _near(
     known: Mapping[tuple[str, str], Fit],
     wanted: Sequence[Candidate],
@@ -132,13 +138,34 @@ def _near(
     ]
 
 
+def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
+    """Hysteresis in the place of a joint's spring, of which it is one while it sticks: no small step."""
+    place = ("joint_hysteresis", spring.at)
+    if spring.name != "joint_compliance" or place in (candidate.place for candidate in wanted):
+        return []
+    there = [p.candidate for p in probed if p.candidate.place == place]
+    return [each for each in there[:1] if _alike(each, spring) is not None]
+
+
+def _alike(candidate: Candidate, chosen: Candidate) -> Candidate | None:
+    """A rival that starts as stiff as the chosen spring makes the machine; None where it is no such law."""
+    if candidate.name in SPRINGS and chosen.name in SPRINGS:
+        return candidate.as_soft_as(chosen)
+    if candidate.name == "joint_hysteresis" and chosen.place == ("joint_compliance", candidate.at):
+        return candidate.as_stiff_as(chosen)
+    return None
+
+
 def _caught_up(
-    fit: Fit, best: Fit, fitter: Fitter, value: Mapping[Channel, float], open_gap: bool
+    fit: Fit, best: Fit, peer: Fit, fitter: Fitter, value: Mapping[Channel, float], open_gap: bool
 ) -> tuple[Fit, float]:
-    """A rival's model after as many steps as could bring it near the chosen one, and its ln Z behind that."""
+    """A rival's model after as many steps as could bring it near the chosen one, and its ln Z behind that.
+
+    A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
+    """
     observed = fitter.observed
     behind = log_bayes_factor(best, fit, observed, value)
-    if behind >= CLOSE:
+    if behind >= CLOSE and log_bayes_factor(peer, fit, observed, value) >= CLOSE:
         return fit, behind
     about = fitter.about(fit)
     fit = about.fit(fit.members) if open_gap else about.evaluated(fit.members)
