@@ -11,6 +11,8 @@ from flexarm.errors import NotConverged
 COST = {"": 100, "a": 60, "b": 70, "c": 75, "d": 80, "cd": 40, "ab": 20, "ac": 50, "abc": 19.9, "abd": 19.9}
 LINEAR = {1: ["a", "b", "c", "d"], 2: ["cd"], 3: []}
 """Sets in the order that the nominal model gives them: of pairs it knows only one that is not the best."""
+ELSEWHERE: dict[str, list[str]] = {}
+"""Models with another spring, by those with the one that was tried."""
 NOTHING = SimpleNamespace(channels=lambda: [], records={})
 """As much of `Observed` as is asked for: no channel."""
 
@@ -33,6 +35,10 @@ def search(monkeypatch):
 
     monkeypatch.setattr(module, "larger_fits", larger_fits)
     monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
+    monkeypatch.setattr(module, "leaves_gap", lambda one, *_: one.cost > 30)
+    monkeypatch.setattr(
+        module, "other_springs", lambda best, *_: [fit(n) for n in ELSEWHERE.get(best.name, "")]
+    )
     monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < 0.8 * old.cost)
     monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
     monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
@@ -47,6 +53,17 @@ def search(monkeypatch):
 def test_what_goes_on_from_the_best_single_effect_competes_with_pairs(search):
     best, _ = search[0].forward(lambda what, done: None)
     assert best.name == "ab"
+
+
+@pytest.mark.parametrize("elsewhere, chosen", [(["cs"], "cs"), (["xs"], "cd"), ([], "cd")])
+def test_a_pair_that_leaves_a_gap_is_tried_with_the_other_springs(search, monkeypatch, elsewhere, chosen):
+    """A soft joint stood for a base that gives way, which no set with it came near; a worse one is none."""
+    monkeypatch.setitem(COST, "cs", 5)
+    monkeypatch.setitem(COST, "xs", 45)
+    monkeypatch.delitem(COST, "ab")
+    monkeypatch.setitem(ELSEWHERE, "cd", elsewhere)
+    best, _ = search[0].forward(lambda what, done: None)
+    assert best.name == chosen
 
 
 def test_no_model_is_gone_on_from_twice(search):

@@ -82,3 +82,21 @@ def test_what_came_close_on_the_way_is_a_rival():
     known = {fit.places[0]: fit for fit in (best, close, far)}
     assert [c.place for c in rivals._near(known, [], best, None, {})] == [("joint_stiffening", "hinge")]
     assert rivals._near(known, list(close.members), best, None, {}) == []
+
+
+def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
+    """Beside derivatives of the nominal model both are poor; the chosen one has come to rest since."""
+    monkeypatch.setattr(rivals, "further", lambda fit, about: (Made("settled", 1.0, 1.0, 99.0), about))
+    about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
+    fitter = SimpleNamespace(observed=None, about=lambda fit: about)
+    best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
+    rival = Made("encoder_scale", 1.0, 1.0, 40.0)
+    assert rivals._caught_up(rival, best, first, fitter, {}, False)[0].name == "settled"
+    assert rivals._caught_up(rival, best, best, fitter, {}, False) == (rival, 60.0)
+
+
+def test_the_chosen_one_is_compared_as_it_was_tried():
+    first, other = Made("gear_ratio", 7.5, 1.0), Made("encoder_scale", 7.5, 1.0)
+    best = Made("gear_ratio", 6.8, 1.0)
+    assert rivals._peer(best, [first, other]) is first
+    assert rivals._peer(best, [other]) is best

@@ -5,7 +5,7 @@ import pytest
 from arms import crane
 
 from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.effects import BaseCompliance, JointCompliance
+from flexarm.effects import BaseCompliance, JointCompliance, JointHysteresis
 
 
 def candidate(effect, without=None):
@@ -52,3 +52,30 @@ def test_the_sum_bends_an_arm_alike():
         for each in (soft, base)
     )
     assert by_base == pytest.approx(by_joint, abs=1e-6)
+
+
+def test_hysteresis_that_sticks_is_a_stiffer_spring():
+    """Dahl's law, far from slipping, is a spring T_h/w beside the joint's: the hub's ring is the same."""
+    import flexarm
+
+    arm = crane().with_effect(JointCompliance(at="hinge", stiffness=5e4, damping=100.0))
+    nominal = arm.effect("joint_compliance", "hinge")
+    stiffer = candidate(nominal.with_parameters({"stiffness": 8e4}), nominal)
+    law = JointHysteresis(at="hinge", torque=20.0, width=0.5)
+    sticking = Candidate(law, ("torque", "width"), (law,), {}).as_stiff_as(stiffer).effect
+    drive = flexarm.Drive.from_samples([0.0, 0.4, 0.8, 2.0], {"hinge": [0.4, 0.41, 0.4, 0.41]})
+    tip, alike, before = (
+        flexarm.simulate(arm.with_effect(each), drive, step=4e-3).position
+        for each in (stiffer.effect, sticking, nominal)
+    )
+    moved = np.abs(tip - tip[0] - before + before[0]).max()
+    assert np.abs(alike - alike[0] - tip + tip[0]).max() < 0.02 * moved
+
+
+def test_hysteresis_is_nothing_like_a_softer_spring_or_one_where_none_was():
+    law = JointHysteresis(at="hinge", torque=20.0, width=3e-4)
+    hysteresis = Candidate(law, ("torque", "width"), (law,), {})
+    nominal = JointCompliance(at="hinge", stiffness=1e5, damping=200.0)
+    softer = nominal.with_parameters({"stiffness": 8e4})
+    assert hysteresis.as_stiff_as(candidate(softer, nominal)) is None
+    assert hysteresis.as_stiff_as(candidate(softer)) is None

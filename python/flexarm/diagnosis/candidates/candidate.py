@@ -138,7 +138,7 @@ class Candidate:
         return replace(self, effect=self._at({"stiffness": stiffness, "damping": damping}))
 
     def as_stiff_as(self, spring: Candidate) -> Candidate | None:
-        """This hysteresis, T_h/w stiff while it sticks, where a spring is stiffer than its joint's nominal one.
+        """This hysteresis, T_h/w stiff while it sticks, for a spring stiffer than its joint's nominal one.
 
         None if that is softer.
         """

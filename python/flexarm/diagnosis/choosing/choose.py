@@ -15,10 +15,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.choosing.acceptance import accepted, explained, worth_a_name
+from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, worth_a_name
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.choosing.polish import settled, without_effects
-from flexarm.diagnosis.choosing.promising import larger_fits
+from flexarm.diagnosis.choosing.promising import larger_fits, other_springs
 from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
 from flexarm.diagnosis.choosing.screen import Probed
@@ -117,7 +117,7 @@ class _Search:
         self.tried += found
         if not found:
             return None
-        better, there = best_of(about, found, best, self.null)
+        better, there = self._best_of(about, found, best)
         for size in (2, 3):
             if best.members or self._explained(better):
                 break
@@ -128,10 +128,23 @@ class _Search:
             self.tried += sets
             if not sets:
                 continue
-            more, where = best_of(about, sets, better, self.null)
+            more, where = self._best_of(about, sets, better)
             if accepted(more, better, self.null, self.observed):
                 better, there = more, where
         return better, there
+
+    def _best_of(self, fitter: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
+        """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
+        best, about = best_of(fitter, fits, old, self.null)
+        if not leaves_gap(best, self.null, self.observed):
+            return best, about
+        found = other_springs(best, about, self.probed)
+        self.tried += found
+        nearer = [f for f in found if f.cost < best.cost]
+        if not nearer:
+            return best, about
+        better, there = best_of(about, nearer, old, self.null)
+        return (better, there) if better.cost < best.cost else (best, about)
 
     def _explained(self, fit: Fit) -> bool:
         return explained(fit, self.null, self.observed)

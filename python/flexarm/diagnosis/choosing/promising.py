@@ -9,6 +9,7 @@ beside what explains most of the gap.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
@@ -62,6 +63,23 @@ def larger_fits(
         found += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
     if not best.members and _all_leave_gaps(found, null, fitter.observed):
         found += _fitted(fitter, others, best, null)
+    return found
+
+
+def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[Fit]:
+    """A model with each of its springs elsewhere, as soft there, with the rest refitted.
+
+    A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
+    """
+    springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
+    found = []
+    for k, spring in enumerate(best.members):
+        others = tuple(m for i, m in enumerate(best.members) if i != k)
+        for place, candidate in springs.items():
+            if spring.name not in SPRINGS or place in best.places:
+                continue
+            with suppress(InvalidParameter, NotConverged, ValueError):
+                found.append(fitter.fit((candidate.as_soft_as(spring), *others)))
     return found
 
 
