@@ -12,6 +12,7 @@ from flexarm.comparison.bands import alias
 from flexarm.comparison.beside import beside
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap, signal_gap
+from flexarm.drive.lead_in import LEAD
 from flexarm.record.against_arm import unplaced_effects
 
 if TYPE_CHECKING:
@@ -127,7 +128,10 @@ def _about_drives(record: Record) -> list[str]:
     """What may ring the model and not the arm."""
     found = []
     if record.initial == "moving":
-        found.append("the record starts moving, the simulation from rest in equilibrium: it rings at first")
+        found.append(
+            f"the record starts moving: the simulation comes from rest in {LEAD:g} s before it, and what the "
+            "arm rang with is not known"
+        )
     rough = [name for name in record.drive if record.signals[name].noise_std is None]
     if rough and record.kind == "motion":
         found.append(

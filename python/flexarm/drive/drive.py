@@ -32,12 +32,15 @@ class Drive:
         Where joints stand that nothing drives [rad or m]; default 0.
     start, end : float
         Time that the run shall cover [s].
+    lead : float
+        How long before `start` a run begins, at rest [s] (`flexarm.drive.lead_in`); no part of its result.
     """
 
     joints: Mapping[str, JointDrive]
     rest: Mapping[str, float] = field(default_factory=dict)
     start: float = 0.0
     end: float = 0.0
+    lead: float = 0.0
 
     def sha256(self) -> str:
         """Hash of all that a run takes from the drive, for its provenance."""

@@ -15,6 +15,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.drive.drive import Drive
 from flexarm.drive.joint_drive import JointDrive
+from flexarm.drive.lead_in import LEAD, led_in
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.effects_of import effects_of
@@ -53,9 +54,12 @@ def drive_of(record: Record, arm: Arm) -> Drive:
     known = [span for span in spans if span is not None]
     if not known:
         raise InvalidParameter("holds no times of a known clock", where="signals")
+    lead = 0.0
     starts = [drive.breaks[0] for drive in joints.values()] or [first for first, _ in known]
     end = max(last for _, last in known) + _AFTER_THE_LAST
-    return Drive(joints, dict(record.joints), float(min(starts)), float(end))
+    if record.initial == "moving" and all(each.side != "command" for each in joints.values()):
+        joints, lead = {name: led_in(each) for name, each in joints.items()}, LEAD
+    return Drive(joints, dict(record.joints), float(min(starts)), float(end), lead)
 
 
 def _start(record: Record, arm: Arm) -> float:

@@ -7,7 +7,8 @@ In a step h from t_0 to t_1, with s = (t - t_0)/h, values x and rates v,
 is exact for cubic motion; its error h^4 x''''/384 is below 1e-9 m for a mode of 3 Hz and 1 cm at 2 ms.
 Quantities whose rates the simulation does not hold take central differences for v.
 
-Before the first step the arm rests where it starts; after the last nothing is known (NaN).
+Before the first step the arm rests where it starts, or goes on as it moves there; after the last nothing is
+known (NaN).
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
+
+EARLY = 0.05
+"""How long before its first step a motion is taken as having its rate [s]: clocks are late by less."""
 
 
 class CannotMeasure(InvalidParameter):
@@ -83,7 +87,8 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
     Returns
     -------
     ndarray, shape (m, ...)
-        The first value before the first step, NaN after the last.
+        NaN after the last step; before the first one its value, for up to `EARLY` with its rate if that is
+        given.
     """
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
@@ -98,6 +103,8 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
         + s**2 * (3 - 2 * s) * values[i + 1]
         - s**2 * (1 - s) * h * slope[i + 1]
     )  # eq. (1)
+    if rates is not None:
+        found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]
     late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))
     return np.where(_column(late, values), np.nan, found)
 

@@ -24,12 +24,16 @@ class Energies:
     work: Floats
 
     @classmethod
-    def of(cls, run: _core.Transient) -> Energies:
-        """As the core recorded them."""
-        return cls(*(read_only(getattr(run, name)) for name in NAMES))
+    def of(cls, run: _core.Transient, led: int = 0) -> Energies:
+        """As the core recorded them after `led` instants; what sums up counts from there."""
+        found = {name: getattr(run, name)[led:] for name in NAMES}
+        if led:
+            found |= {name: found[name] - found[name][0] for name in SUMS}
+        return cls(**{name: read_only(values) for name, values in found.items()})
 
 
 NAMES = ("kinetic", "elastic", "gravity", "damped", "work")
+SUMS = ("damped", "work")
 
 
 def energies_of(
@@ -38,11 +42,12 @@ def energies_of(
     equilibrium: _core.Equilibrium,
     motions: list[_core.PiecewisePolynomial],
     options: _core.TransientOptions,
+    led: int,
 ) -> Energies | Callable[[], Energies]:
     """Recorded, or how to get them."""
     if options.record_energies:
-        return Energies.of(found)
-    return _recorded_again(system, equilibrium, motions, options, float(found.time[-1]))
+        return Energies.of(found, led)
+    return _recorded_again(system, equilibrium, motions, options, float(found.time[-1]), led)
 
 
 def _recorded_again(
@@ -51,6 +56,7 @@ def _recorded_again(
     motions: Sequence[_core.PiecewisePolynomial],
     options: _core.TransientOptions,
     end: float,
+    led: int,
 ) -> Callable[[], Energies]:
     """Makes the same run once more up to `end` [s], for its energies alone."""
 
@@ -61,6 +67,6 @@ def _recorded_again(
         again.end = end
         again.record_points = again.record_joints = False
         again.record_energies = True
-        return Energies.of(_core.simulate(system, equilibrium, list(motions), again))
+        return Energies.of(_core.simulate(system, equilibrium, list(motions), again), led)
 
     return run

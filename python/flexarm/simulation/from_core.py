@@ -17,13 +17,17 @@ def simulation_of(
     run: _core.Transient,
     options: _core.TransientOptions,
     energies: Energies | Callable[[], Energies],
+    led: int = 0,
 ) -> Simulation:
-    """The core's columns as arrays with the instant first; they stay where the core wrote them."""
-    n, p, links = len(run.time), len(arm.points), len(arm.links)
+    """The core's columns as arrays with the instant first; they stay where the core wrote them.
+
+    The first `led` instants, in which a drive is led in, are left out.
+    """
+    n, p, links = len(run.time) - led, len(arm.points), len(arm.links)
 
     def columns(name: str, *shape: int) -> Floats | None:
         block = getattr(run, name)
-        return read_only(block.T.reshape(n, *shape)) if block.size or 0 in shape else None
+        return read_only(block.T[led:].reshape(n, *shape)) if block.size or 0 in shape else None
 
     joints = {
         name: columns(name, len(arm.joints))
@@ -51,4 +55,4 @@ def simulation_of(
         "halvings": counts.halvings,
         "seconds": run.seconds,
     }
-    return Simulation(arm, read_only(run.time), **arrays, solver=solver)
+    return Simulation(arm, read_only(run.time[led:]), **arrays, solver=solver)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil
 
 from flexarm import _core
 from flexarm.arm import Arm
@@ -29,6 +30,11 @@ class PreparedRun:
         return {name: joint.kind for name, joint in self.drive.joints.items() if joint.side != "torque"}
 
     @property
+    def led(self) -> int:
+        """Steps before the drive's start, which are not part of the result."""
+        return round((self.drive.start - self.options.start) / self.options.step)
+
+    @property
     def motions(self) -> list[_core.PiecewisePolynomial]:
         """What moves every joint, in the order of the arm's."""
         return motions(self.arm, self.drive)
@@ -52,8 +58,9 @@ def prepared(
     if all(joint.side != "command" for joint in drive.joints.values()):
         drive = drive.at_inputs(arm)
     options = _core.TransientOptions()
-    options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = float(step), float(alpha)
+    options.start = drive.start - step * ceil(drive.lead / step) if step > 0 else drive.start
+    options.end = drive.end if end is None else float(end)
     options.record_forces, options.record_rotations = forces, rotations
     return PreparedRun(arm, drive, options)
 

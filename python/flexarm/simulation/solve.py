@@ -49,9 +49,8 @@ def solved(run: PreparedRun, report: Report) -> Simulation:
     if held is not system:
         equilibrium = _core.released(held, equilibrium, system)
     found = _core.simulate(system, equilibrium, motions, run.options, report)
-    return simulation_of(
-        run.arm, found, run.options, energies_of(found, system, equilibrium, motions, run.options)
-    )
+    energies = energies_of(found, system, equilibrium, motions, run.options, run.led)
+    return simulation_of(run.arm, found, run.options, energies, run.led)
 
 
 def differentiated(
@@ -82,10 +81,10 @@ def differentiated(
     both = _core.simulate_differentiated(
         system, equilibrium, motions, run.options, varied_systems, initial, report
     )
-    energies = energies_of(both.run, system, equilibrium, motions, run.options)
-    found = simulation_of(run.arm, both.run, run.options, energies)
+    energies = energies_of(both.run, system, equilibrium, motions, run.options, run.led)
+    found = simulation_of(run.arm, both.run, run.options, energies, run.led)
     arrays = {
-        name: getattr(both.derivatives, name).T.reshape(*value.shape, len(places))
+        name: getattr(both.derivatives, name).T[run.led :].reshape(*value.shape, len(places))
         for name in _DERIVED
         if (value := getattr(found, name)) is not None
     }
@@ -103,7 +102,7 @@ def _start(
     """Equilibrium under the first drive values; motors driven by torque stand where they rest until then."""
     told = run.prescribed
     first = {
-        joint.name: motion(run.drive.start)[0]
+        joint.name: motion(run.options.start)[0]
         for joint, motion in zip(run.arm.joints, motions, strict=True)
         if joint.name in told
     }
