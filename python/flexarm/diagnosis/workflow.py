@@ -34,6 +34,7 @@ from flexarm.diagnosis.outcome.left_open import left_open
 from flexarm.diagnosis.outcome.naming import named_effects, rejected
 from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
+from flexarm.diagnosis.outcome.swings import swings
 from flexarm.diagnosis.outcome.verified import Bench, verified
 from flexarm.diagnosis.residuals.observed import Observed
 
@@ -139,7 +140,7 @@ def diagnose(
         stages=seen.stages,
         constancy=found.drifts,
         remainder=seen.remainder,
-        remarks=(*remarks, *seen.remarks),
+        remarks=(*remarks, *swings(choice.best, observed), *seen.remarks),
         next_experiment=further.sentence,
         provenance=_provenance(seed, begun),
         located=seen.located,

@@ -1,4 +1,5 @@
-"""What is never known exactly and always fitted along: clocks, registrations and nominal values.
+"""What is never known exactly and always fitted along: clocks, registrations, nominal values, and what an arm
+swings with where a record begins in motion.
 
 Each is a parameter of the model with a Gaussian prior. Clocks and frames get effects of their own in the
 model, `time_delay` and `frame_registration`, that start at zero: those of one name in several records are one
@@ -18,6 +19,7 @@ from flexarm.arm.parameter import parameters, with_value
 from flexarm.comparison.unknowns import drive_clock
 from flexarm.diagnosis.fitting.coordinate import CORNERS
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.residuals.starts import SIGMA
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
 from flexarm.record import Record
@@ -45,15 +47,15 @@ class Unknown:
         Gaussian prior [unit].
     unit : str
         Of both.
-    kind : {"clock", "frame", "nominal"}
-        What it is.
+    kind : {"clock", "frame", "nominal", "start"}
+        What it is; a "start" is what the arm swings with where a record begins.
     """
 
     key: str
     centre: float
     sigma: float
     unit: str
-    kind: Literal["clock", "frame", "nominal"]
+    kind: Literal["clock", "frame", "nominal", "start"]
 
     @property
     def place(self) -> tuple[str, str]:
@@ -61,12 +63,24 @@ class Unknown:
         _, name, at, *_ = self.key.split(".")
         return name, at
 
+    @property
+    def words(self) -> str:
+        """What it is, in a sentence."""
+        if self.kind == "nominal":
+            return f"value {self.key}"
+        if self.kind == "start":
+            return f"vibration with which {self.key.removeprefix('records.').split('.start.')[0]} begins"
+        _, _, at, *rest = self.key.split(".")
+        return f"{'.'.join(rest)} of {self.kind} {at}"
+
     def kept(self, step: float) -> float:
         """A step from the centre, shortened where a nominal value would all but lose its sign.
 
         Steps are linear, and far from the optimum they can be far too long: a stiffness that is known to less
-        than itself stays above a fifth of it.
+        than itself stays above a fifth of it. A start is in proportion about any model, and stays.
         """
+        if self.kind == "start":
+            return 0.0
         if self.kind != "nominal" or not self.sigma < abs(self.centre):
             return step
         return max(step, -KEPT * self.centre) if self.centre > 0 else min(step, -KEPT * self.centre)
@@ -98,9 +112,10 @@ class Unknowns:
         return np.array([unknown.sigma for unknown in self.each])
 
     def put(self, arm: Arm, values: np.ndarray) -> Arm:
-        """A model of which these have other values."""
+        """A model of which these have other values; what it swings with at a start is none of it."""
         for unknown, value in zip(self.each, values, strict=True):
-            arm = with_value(arm, unknown.key, float(value))
+            if unknown.kind != "start":
+                arm = with_value(arm, unknown.key, float(value))
         return arm
 
     def steps(self, arm: Arm) -> dict[str, float]:
@@ -140,7 +155,8 @@ def unknowns(observed: Observed) -> Unknowns:
             if sigma > 0:
                 there = parameters(arm, [f"effects.frame_registration.{name}.{kind}"])
                 found += [Unknown(p.key, p.value, sigma, p.unit, "frame") for p in there]
-    return Unknowns(arm, (*found, *nominal(arm, observed.records)))
+    swings = [Unknown(start.key, 0.0, SIGMA, start.unit, "start") for start in observed.starts]
+    return Unknowns(arm, (*found, *nominal(arm, observed.records), *swings))
 
 
 def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:

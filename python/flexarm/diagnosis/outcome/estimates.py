@@ -118,6 +118,8 @@ def _of_unknowns(fit: Fit, moved: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
     nuisances: dict[tuple[str, str], list[Estimate]] = {}
     refined = []
     for j, unknown in enumerate(fit.unknowns.each):
+        if unknown.kind == "start":
+            continue
         value, std = unknown.centre + unknown.kept(float(best[j])), float(moved[:, j].std())
         if unknown.kind == "nominal":
             refined.append(Refined(unknown.key, value, std, unknown.centre, unknown.unit))

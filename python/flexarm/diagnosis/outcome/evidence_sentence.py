@@ -66,13 +66,7 @@ def _strained(fit: Fit, beyond: float) -> Iterator[str]:
     worst = int(np.argmax(pulls))
     unknown = fit.unknowns.each[worst]
     if pulls[worst] > beyond:
-        _, _, at, *rest = unknown.key.split(".")
-        what = (
-            f"value {unknown.key}"
-            if unknown.kind == "nominal"
-            else f"{'.'.join(rest)} of {unknown.kind} {at}"
-        )
-        yield f"the {what} would be off by {pulls[worst]:.2g} times its stated sigma"
+        yield f"the {unknown.words} would be off by {pulls[worst]:.2g} times its stated sigma"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:

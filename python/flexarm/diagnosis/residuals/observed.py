@@ -30,6 +30,7 @@ from flexarm.diagnosis.at_once import at_once
 from flexarm.diagnosis.residuals.observed_rows import Rows, evidence_rows, put_over_noise
 from flexarm.diagnosis.residuals.residual_slopes import differences, pose_slopes
 from flexarm.diagnosis.residuals.runs import Runs
+from flexarm.diagnosis.residuals.starts import Start, start_slopes, starts_of
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 
@@ -57,6 +58,8 @@ class Observed:
         What the entries of a residual are.
     skipped : dict of str to str
         Signals of no use, "record: signal", and why.
+    starts : tuple of Start
+        What the arm may swing with where records begin in motion.
     runs : Runs
         Simulations beside the records.
     """
@@ -69,6 +72,7 @@ class Observed:
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)
+    starts: tuple[Start, ...] = field(init=False, default=())
     runs: Runs = field(init=False)
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
 
@@ -84,6 +88,7 @@ class Observed:
         if not rows:
             reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
             raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
+        self.starts = starts_of(self, self.arm)
 
     def __len__(self) -> int:
         """Number of residuals."""
@@ -172,10 +177,18 @@ class Observed:
         return found
 
     def slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})) -> Floats:
-        """Derivatives of (1) by parameters of the model, shape (len(self), len(keys)).
+        """Derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
 
         `steps` are those of differences by some parameters, if not small.
         """
+        starts = [start for start in self.starts if start.key in keys]
+        found = np.zeros((len(self), len(keys)))
+        of_model = [k for k, key in enumerate(keys) if not key.startswith("records.")]
+        found[:, of_model] = self._model_slopes(arm, [keys[k] for k in of_model], steps)
+        found[:, [keys.index(start.key) for start in starts]] = start_slopes(self, arm, starts)
+        return found
+
+    def _model_slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float]) -> Floats:
         exact = self.pose_slopes(arm, keys)
         return differences(self, arm, keys, steps) if exact is None else exact
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Mapping
 from copy import copy
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
@@ -13,7 +14,11 @@ from flexarm.comparison.beside import last_needed
 from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
 from flexarm.comparison.subject import Subject, subject
 from flexarm.drive import Drive
+from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.residuals.starts import Start
 
 KEPT_RUNS = 8
 """Number of runs that are remembered."""
@@ -61,17 +66,28 @@ class Runs:
         if run is not None:
             return run
         self.made += 1
-        run = solve_poses(arm, record) if record.kind == "static" else self._simulated(name, arm)
+        poses = record.kind == "static"
+        run = solve_poses(arm, record) if poses else self._along(self.drive(name, arm), name, arm)
         self._runs[key] = run
         while len(self._runs) > KEPT_RUNS:
             self._runs.popitem(last=False)
         return run
 
-    def _simulated(self, name: str, arm: Arm) -> Any:
+    def jerked(self, start: Start, arm: Arm, height: float) -> Subject:
+        """A run beside its record that a jerk of a drive comes before."""
+        record = self.records[start.record]
+        carried = record.applied_to(arm)
+        drive = self.drive(start.record, carried)
+        jerk = jerked(drive.joints[start.joint], start.before, start.width, height)
+        self.made += 1
+        run = self._along(replace(drive, joints={**drive.joints, start.joint: jerk}), start.record, carried)
+        return subject(run, record, arm=carried)
+
+    def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
+        """The simulation along a drive."""
         from flexarm.simulation import simulate
 
         record = self.records[name]
-        drive = self._drive(name, arm)
         return simulate(
             arm,
             drive,
@@ -82,7 +98,8 @@ class Runs:
             end=last_needed(record, arm, drive.start),
         )
 
-    def _drive(self, name: str, arm: Arm) -> Drive:
+    def drive(self, name: str, arm: Arm) -> Drive:
+        """What a model with its record's payloads is driven by."""
         record = self.records[name]
         key = (name, _driving(record, arm))
         if key not in self._drives:
