@@ -98,5 +98,5 @@ def off_the_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
     from scipy.ndimage import median_filter
 
     values = residual[rows]
-    off = values - median_filter(values, size=(NEIGHBOURS, 1), mode="nearest")
+    off = values - median_filter(values, size=(NEIGHBOURS, 1), mode="mirror")  # no end beside itself
     return rows, off, 1.48 * np.median(np.abs(off), axis=0)

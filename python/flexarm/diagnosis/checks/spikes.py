@@ -35,6 +35,8 @@ RINGING, PERIOD = 3.0, 0.6
 GRID = 0.02
 AROUND, MOST_OF_THEM = 6, 0.8
 """Rows on either side that are around one, and the share of them that is most."""
+AT_ENDS = 4.0
+"""Limit of the first and the last two rows over that of others: they have but one of the three parabolas."""
 RANGES = 2.0
 LONGEST = 2
 """Rows one after the other that may be outliers."""
@@ -110,19 +112,18 @@ def _off_the_parabolas(values: Floats) -> Floats:
 
 def ringing(subject: Subject, signal: Signal, placement: Placement) -> Floats:
     """Greatest vibration that the model predicts around each row, shape (n, channels)."""
-    instants = subject.instants(signal, placement)
-    grid = np.arange(instants[0] - PERIOD, instants[-1] + PERIOD, GRID)
-    run = subject.simulation
+    from scipy.ndimage import maximum_filter1d
+    from scipy.signal import savgol_filter
+
+    run, instants = subject.simulation, subject.instants(signal, placement)
+    window = 2 * round(PERIOD / GRID / 2) + 1
+    first = max(instants[0] - PERIOD, run.time[0])
+    last = max(min(instants[-1] + PERIOD, run.time[-1]), first + window * GRID)
+    grid = np.arange(first, last, GRID)
     on_grid = read(run, signal, np.minimum(grid, run.time[-1]), subject.frame(signal, placement))
-    half = round(PERIOD / GRID / 2)
-    powers = np.vander(np.linspace(-1, 1, 2 * half + 1), 4)
-    middle = np.linalg.pinv(powers)[-1]  # value at the middle of the cubic through a window
-    smooth = np.stack([np.convolve(p, middle, mode="same") for p in on_grid.T], axis=1)
-    off = np.abs(on_grid - smooth)
-    off[:half], off[-half:] = 0.0, 0.0
-    greatest = np.max(np.lib.stride_tricks.sliding_window_view(off, 2 * half + 1, axis=0), axis=-1)
-    row = np.searchsorted(grid[half:-half], instants).clip(0, len(greatest) - 1)
-    return np.asarray(greatest[row])
+    vibration = np.abs(on_grid - savgol_filter(on_grid, window, 3, axis=0))
+    greatest = maximum_filter1d(vibration, window, axis=0, mode="nearest")
+    return np.asarray(greatest[np.searchsorted(grid, instants).clip(0, len(grid) - 1)])
 
 
 def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> NDArray[np.bool_]:
@@ -147,6 +148,7 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     others = np.delete(windows, AROUND, axis=-1)
     nearby = np.quantile(others, MOST_OF_THEM, axis=-1)
     limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby)
+    limit[[0, 1, -2, -1]] *= AT_ENDS
     found[rows] = np.any(
         size > np.maximum(limit, RINGING * np.broadcast_to(ringing, residual.shape)[rows]), axis=1
     )
