@@ -173,7 +173,7 @@ def _conclusion(
     open_gap = wrong or leaves_gap(choice.best, choice.null, observed)
     effects = (
         *(encoder.named() for encoder in coarse),
-        *named_effects(choice, sizes, drifts, open_gap, observed),
+        *named_effects(choice, sizes, drifts, open_gap, observed, coarse=bool(coarse)),
     )
     keep = not open_gap or worth_keeping(choice, observed)
     model = repaired(observed.arm, choice.best, sizes) if keep else observed.arm

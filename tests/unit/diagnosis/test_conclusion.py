@@ -29,6 +29,6 @@ def test_what_moves_from_record_to_record_does_not_excuse_a_small_gap(monkeypatc
         "worth_keeping": True,
         "repaired": None,
     }.items():
-        monkeypatch.setattr(workflow, name, lambda *_, said=said: said)
+        monkeypatch.setattr(workflow, name, lambda *_, said=said, **__: said)
     found = workflow._conclusion(choice, (), SimpleNamespace(arm=None), seed=0)
     assert (found.verdict, found.open_gap) == (verdict, verdict == "unexplained")

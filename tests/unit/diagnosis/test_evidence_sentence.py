@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.fitting.unknowns import Unknown
 from flexarm.diagnosis.outcome import evidence_sentence, naming
 from flexarm.diagnosis.outcome.evidence_sentence import _strained
 
@@ -15,8 +16,8 @@ def null_of(delay: float, modulus: float = 0.0):
     slopes = np.zeros((50, 2))
     slopes[:25, 0], slopes[25:, 1] = 1e6, 1e-6
     each = (
-        SimpleNamespace(key="effects.time_delay.tracker.delay", kind="clock"),
-        SimpleNamespace(key="links.rod.material.youngs_modulus", kind="nominal"),
+        Unknown("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock"),
+        Unknown("links.rod.material.youngs_modulus", 2.1e11, 2e9, "Pa", "nominal"),
     )
     sigma = np.array([2e-3, 2e9])
     return SimpleNamespace(
@@ -31,19 +32,46 @@ def test_a_clock_that_would_be_far_beyond_its_sigma_is_said():
     assert said == ["the delay of clock tracker would be off by 7 times its stated sigma"]
 
 
+def test_unknowns_have_words_of_their_own():
+    keys = {
+        "links.rod.material.youngs_modulus": ("nominal", "value links.rod.material.youngs_modulus"),
+        "effects.frame_registration.lab.rotation.y": ("frame", "rotation.y of frame lab"),
+        "records.day.2.start.hinge 0.2 s 0 s": ("start", "vibration with which day.2 begins"),
+    }
+    assert all(Unknown(key, 1.0, 1.0, "", kind).words == words for key, (kind, words) in keys.items())
+
+
 def test_a_clock_within_its_sigma_is_not_worth_a_word():
     assert not list(_strained(null_of(1.5), 3.0))
 
 
-@pytest.mark.parametrize("left, said, first", [((2.6, 2.6), True, 0.5), ((2.6, 1.0), False, 0.98)])
-def test_a_name_beside_strained_values_is_doubted_and_the_reader_is_told_why(monkeypatch, left, said, first):
-    """Two values at 2.6 sigmas are 1.2 beyond two in all, though neither is unusual by itself."""
+@pytest.fixture
+def named(monkeypatch):
+    """What is said of a bow beside two values that are off by so many sigmas."""
+    monkeypatch.setattr(evidence_sentence, "above_noise", lambda rest, observed: {"tip": 1.0})
+    return _named
+
+
+def _named(left, coarse=False):
     fit = null_of(left[0], left[1])
     member = SimpleNamespace(name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",))
     fit.members, fit.coordinates, fit.z, fit.rest = (member,), (), (), fit.residual
     choice = SimpleNamespace(best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, value={})
     choice.null.rest = choice.null.residual
-    monkeypatch.setattr(evidence_sentence, "above_noise", lambda rest, observed: {"tip": 1.0})
-    [named] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, None)
-    assert named.probability == first
-    assert ("something else may be missing" in named.evidence) is said
+    [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, None, coarse)
+    return found
+
+
+@pytest.mark.parametrize("left, said, first", [((2.6, 2.6), True, 0.5), ((2.6, 1.0), False, 0.98)])
+def test_a_name_beside_strained_values_is_doubted_and_the_reader_is_told_why(named, left, said, first):
+    """Two values at 2.6 sigmas are 1.2 beyond two in all, though neither is unusual by itself."""
+    found = named(left)
+    assert found.probability == first
+    assert ("something else may be missing" in found.evidence) is said
+
+
+def test_a_name_beside_a_coarse_encoder_is_doubted_and_the_reader_is_told_why(named):
+    """What is lost between two counts shakes the arm; a damping seventy times the usual stood for it once."""
+    found = named((0.0, 0.0), coarse=True)
+    assert found.probability == 0.5
+    assert found.evidence.endswith("so that it is at most as likely as not.")

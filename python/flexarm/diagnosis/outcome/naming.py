@@ -2,8 +2,9 @@
 
 A probability is that of the evidence among rivals within reach and no effect at all (eq. (1) of
 `choosing.rivals`), with two doubts that evidence does not know: some mechanism may be in no
-vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open or a
-clock, a frame or a nominal value strained (eq. (2) of `choosing.acceptance`), is at most as likely as not.
+vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open, a
+clock, a frame or a nominal value strained (eq. (2) of `choosing.acceptance`), or beside an encoder of which
+coarse steps hide what moved, is at most as likely as not.
 """
 
 from __future__ import annotations
@@ -25,16 +26,26 @@ CAP = 0.98
 """Greatest probability of a name: some mechanism may be in no vocabulary."""
 CONFIDENT = 0.5
 """Greatest probability of a name whose parameter moves, or beside what nothing explains."""
+LOST = "what the encoder lost between its counts may look like it, so that it is at most as likely as not"
+"""Said of a name beside an encoder that counts in steps."""
 
 Drift = Mapping[str, Any]
 """An effect's parameter fitted to each record, of `choosing.constancy`."""
 
 
 def named_effects(
-    choice: Choice, sizes: Estimates, drifts: Sequence[Drift], open_gap: bool, observed: Observed
+    choice: Choice,
+    sizes: Estimates,
+    drifts: Sequence[Drift],
+    open_gap: bool,
+    observed: Observed,
+    coarse: bool = False,
 ) -> tuple[NamedEffect, ...]:
-    """The chosen effects, each with its rivals within reach, the most probable first."""
-    doubtful = open_gap or strain(choice.best) > STRAINED
+    """The chosen effects, each with its rivals within reach, the most probable first.
+
+    `coarse` says that an encoder counts in steps that matter.
+    """
+    doubtful = open_gap or coarse or strain(choice.best) > STRAINED
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
@@ -46,6 +57,8 @@ def named_effects(
             for rival, p in zip(near, odds[1:], strict=True)
         )
         evidence = evidence_sentence(choice, k, moving, open_gap, observed)
+        if coarse:
+            evidence = f"{evidence.removesuffix('.')}; {LOST}."
         found.append(NamedEffect(member.name, member.at, first, sizes.effects[k], alternatives, evidence))
     return tuple(sorted(found, key=lambda effect: -effect.probability))
 
