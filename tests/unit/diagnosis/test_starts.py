@@ -6,6 +6,7 @@ from arms import crane, smooth_step, tracker
 from diagnoses import SENSORS
 
 import flexarm
+from flexarm.diagnosis.checks.check import check
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.outcome.estimates import estimates
@@ -83,6 +84,15 @@ def test_records_that_begin_at_rest_have_none(observed):
     [record] = observed.records.values()
     still = Observed(crane(), {"late": record.replace(initial="equilibrium")}, step=4e-3)
     assert still.starts == ()
+
+
+def test_a_record_that_says_rest_and_begins_in_motion_is_told(observed):
+    """The run would ring with a jump of the rate that the arm never saw."""
+    [record] = observed.records.values()
+    [remark] = check(crane(), {"late": record.replace(initial="equilibrium")}).remarks
+    assert remark.startswith("late: hinge moves in the first sample, at ")
+    assert remark.endswith('state initial = "moving"')
+    assert not check(crane(), {"late": record}).remarks
 
 
 def test_records_that_are_not_observed_have_no_rows(observed):

@@ -25,6 +25,7 @@ from flexarm.diagnosis.checks.runs import run
 from flexarm.diagnosis.checks.spikes import clean_drives, clean_evidence, without_rows
 from flexarm.diagnosis.checks.stamps import remarks_on_stamps
 from flexarm.diagnosis.checks.standing import constant_drive, standing_drive
+from flexarm.diagnosis.checks.sudden import remarks_on_starts
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ def check(
         outliers += removed
     subjects, failed = run(arm, named, step, progress)
     verdicts = []
-    remarks = [*remarks_on_stamps(named), *remarks_on_poses(named)]
+    remarks = [*remarks_on_stamps(named), *remarks_on_poses(named), *remarks_on_starts(subjects)]
     for name in named:
         if name in subjects:
             named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))
