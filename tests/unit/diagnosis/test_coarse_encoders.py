@@ -49,8 +49,8 @@ def test_what_a_record_states_or_a_model_knows_is_not_found_again():
 
 
 def test_the_noise_that_steps_add_is_what_they_leave():
-    """With it residuals are about one in places, where without it they were many; within a factor of two,
-    since one rounding is one draw."""
+    """Without it residuals are many in places; with it hardly one, and no less than a quarter: of four roundings
+    the largest error counts, twice."""
     arm = run_of("one joint").simulation.arm
     observed = Observed(arm, {"run": read(STEP)}, step=4e-3)
     noisier, (encoder,) = with_coarse_encoders(observed, seed=0)
@@ -62,7 +62,7 @@ def test_the_noise_that_steps_add_is_what_they_leave():
 
     before, after = left(observed), left(noisier)
     assert before["tip", 0] > 5
-    assert 0.5 < after["tip", 0] < 2
+    assert 0.25 < after["tip", 0] < 1.2
     named = encoder.named()
     assert (named.name, named.at) == ("encoder_quantisation", "hinge encoder")
     assert named.parameters[0].low90 < STEP < named.parameters[0].high90
