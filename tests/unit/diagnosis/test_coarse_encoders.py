@@ -49,8 +49,8 @@ def test_what_a_record_states_or_a_model_knows_is_not_found_again():
 
 
 def test_the_noise_that_steps_add_is_what_they_leave():
-    """Without it residuals are many in places; with it hardly one, and no less than a quarter: of four roundings
-    the largest error counts, twice."""
+    """Without it residuals are many in places; with it hardly one and no less than a quarter, as of four
+    roundings the largest error counts, twice."""
     arm = run_of("one joint").simulation.arm
     observed = Observed(arm, {"run": read(STEP)}, step=4e-3)
     noisier, (encoder,) = with_coarse_encoders(observed, seed=0)

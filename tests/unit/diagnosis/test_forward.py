@@ -134,6 +134,7 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(promising, "screen", lambda *_, seen=None: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
     monkeypatch.setattr(promising, "strain", lambda fit: 0.0)
     monkeypatch.setattr(promising, "explained", lambda *_: False)
     monkeypatch.setattr(promising, "leaves_gap", lambda *_: gap)

@@ -18,6 +18,7 @@ from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharp
 from flexarm.diagnosis.choosing.slow import slow_part
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.scan import scanned
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.errors import InvalidParameter, NotConverged
 
@@ -63,7 +64,18 @@ def larger_fits(
         found += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
     if not best.members and _all_leave_gaps(found, null, fitter.observed):
         found += _fitted(fitter, others, best, null)
+    if _all_leave_gaps(found, null, fitter.observed):
+        found += _from_other_gaps(fitter, found)
     return found
+
+
+def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
+    """The best model with a backlash once more, from a gap that leaves less (`fitting.scan`)."""
+    bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
+    with suppress(InvalidParameter, NotConverged, ValueError):
+        if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
+            return [again]
+    return []
 
 
 def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[Fit]:
