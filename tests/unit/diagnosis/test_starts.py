@@ -7,12 +7,14 @@ from diagnoses import SENSORS
 
 import flexarm
 from flexarm.diagnosis.checks.check import check
+from flexarm.diagnosis.experiments.experiment_from import from_record
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.outcome.estimates import estimates
 from flexarm.diagnosis.outcome.swings import swings
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.residuals.starts import FINER, HEIGHT, start_slopes
+from flexarm.drive.lead_in import LEAD
 from flexarm.record import Clock, Frame
 
 CUT = 8.0
@@ -93,6 +95,18 @@ def test_a_record_that_says_rest_and_begins_in_motion_is_told(observed):
     assert remark.startswith("late: hinge moves in the first sample, at ")
     assert remark.endswith('state initial = "moving"')
     assert not check(crane(), {"late": record}).remarks
+
+
+def test_an_experiment_made_once_more_begins_in_motion_too(observed):
+    """At twice the speed it is led in within half the time; the rise has the speed of what follows."""
+    [record] = observed.records.values()
+    again = from_record("again", record, crane())
+    assert again.record(crane(), 4e-3, -0.05).initial == "moving"
+    faster = again.faster(2.0).drive
+    assert faster.lead == LEAD / 2
+    motion = faster.joints["hinge"].polynomial()
+    assert list(motion(faster.start - faster.lead)[1:]) == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert abs(motion(faster.start)[1]) > 0.1
 
 
 def test_records_that_are_not_observed_have_no_rows(observed):

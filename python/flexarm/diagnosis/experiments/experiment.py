@@ -82,7 +82,9 @@ class Experiment:
         )
         drives = [self._shown(joint, name, arm) for joint, name in self.drivers.items()]
         signals = {**{signal.name: signal for signal in drives}, **seen.signals}
-        return seen.replace(signals=signals, drive=tuple(self.drivers.values()), description=self.name)
+        initial = "moving" if self.drive.lead else "equilibrium"
+        drivers = tuple(self.drivers.values())
+        return seen.replace(signals=signals, drive=drivers, initial=initial, description=self.name)
 
     def _shown(self, joint: str, name: str, arm: Arm) -> Signal:
         """The signal of a drive, exact."""
@@ -116,7 +118,7 @@ class Experiment:
             for name, each in drive.joints.items()
         }
         end = drive.start + (drive.end - drive.start) / times
-        return replace(self, drive=replace(drive, joints=joints, end=end))
+        return replace(self, drive=replace(drive, joints=joints, end=end, lead=drive.lead / times))
 
     def turned(self, joint: str, angle: float) -> Experiment:
         """The same motion with a joint elsewhere [rad, m]."""
