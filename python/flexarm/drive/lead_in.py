@@ -4,37 +4,71 @@ A record that begins in motion does not tell what came before, and a run begins 
 first sample the rate therefore rises from rest to the rate v and the acceleration a with which the samples
 begin,
 
-.. math:: \dot q = v \, s^2 (3 - 2 s) + a T \, (s^3 - s^2), \qquad s = t/T                             (1)
+.. math:: \dot q = v \, s^2 (3 - 2 s) + a T_a \, (s_a^3 - s_a^2), \qquad s = t/T, \quad
+          s_a = \max(1 - (T - t)/T_a, \, 0)                                                            (1)
 
-with t from the beginning of that rise; the angle is its integral that ends at the first sample. Rate and
-acceleration are continuous throughout: what the rise itself leaves ringing is of the order of
-6 v/(omega^3 T^2). The arm arrives from where it must have come: teeth on the flank, friction in the sense of
-its motion.
+with t from the beginning of that rise; the angle is its integral that ends at the first sample. T_a is T, or
+less where the second part would move the joint by more than `ASIDE`. Rate and acceleration are continuous:
+what the rise leaves ringing is of the order of 6 v/(omega^3 T^2). A first rate or acceleration far beyond the
+usual ones of the first second is noise of samples that are joined as they are; those of the cubic that fits
+this second best take its place. The arm arrives from where it must have come: teeth on the flank, friction in
+the sense of its motion.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from flexarm.arrays import Floats
 from flexarm.drive.joint_drive import JointDrive
 
 LEAD = 4.0
 """T of (1) [s]: several periods of an arm's first mode."""
+WINDOW = 1.0
+"""What is looked at for a trend [s]."""
+FAR = 3.0
+"""How far first rates may be from those of the trend, over their rms."""
+ASIDE = 0.1
+"""How far the second part of (1) may move a joint [rad, m if prismatic]."""
 
 
 def led_in(drive: JointDrive) -> JointDrive:
     """The motion with a rise (1) from rest before it."""
-    T, motion = LEAD, _padded(drive.coefficients, 5)
-    q, v, a = motion[-1, 0], motion[-2, 0], 2 * motion[-3, 0]
-    rise = [a / (4 * T**2) - v / (2 * T**3), v / T**2 - a / (3 * T), 0.0, 0.0, q - v * T / 2 + a * T**2 / 12]
-    coefficients = np.column_stack([np.pad(rise, (len(motion) - 5, 0)), motion])
-    return replace(
-        drive, breaks=np.concatenate([[drive.breaks[0] - T], drive.breaks]), coefficients=coefficients
-    )
+    T, begin = LEAD, drive.breaks[0]
+    v, a = _first_rates(drive)
+    late = T * min(1.0, np.sqrt(12 * ASIDE / max(abs(a) * T**2, 1e-300)))  # T_a
+    t = Polynomial([0.0, 1.0])
+    rise = v * (t**3 / T**2 - t**4 / (2 * T**3))
+    later = rise(t + (T - late)) + a * (t**4 / (4 * late**2) - t**3 / (3 * late))
+    rise, later = (piece - later(late) + float(drive(begin)) for piece in (rise, later))  # ends at the sample
+    starts, pieces = ([begin - T], [later]) if late == T else ([begin - T, begin - late], [rise, later])
+    return _before(drive, starts, pieces)
+
+
+def _first_rates(drive: JointDrive) -> tuple[float, float]:
+    """v and a of (1)."""
+    t = np.linspace(0.0, min(WINDOW, drive.breaks[-1] - drive.breaks[0]), 201)
+    values = drive(drive.breaks[0] + t)
+    trend = Polynomial.fit(t, values, min(3, len(drive.coefficients) - 1)).convert()
+    found = []
+    for order, first in enumerate(drive.polynomial()(drive.breaks[0])[1:], start=1):
+        values = np.gradient(values, t)
+        slow = float(trend.deriv(order)(0.0))
+        usual = FAR * float(np.sqrt(np.mean(values**2)))
+        found.append(float(first) if abs(first - slow) <= usual else slow)
+    return found[0], found[1]
+
+
+def _before(drive: JointDrive, starts: Sequence[float], pieces: Sequence[Polynomial]) -> JointDrive:
+    """The motion with pieces before its own, each a polynomial from its start on."""
+    rows = max(len(drive.coefficients), *(len(piece.coef) for piece in pieces))
+    columns = [np.pad(piece.coef, (0, rows - len(piece.coef)))[::-1] for piece in pieces]
+    padded = np.pad(drive.coefficients, ((rows - len(drive.coefficients), 0), (0, 0)))
+    breaks = np.concatenate([starts, drive.breaks])
+    return replace(drive, breaks=breaks, coefficients=np.column_stack([*columns, padded]))
 
 
 def jerked(drive: JointDrive, before: float, width: float, height: float) -> JointDrive:
@@ -44,21 +78,17 @@ def jerked(drive: JointDrive, before: float, width: float, height: float) -> Joi
 
     of `height` h [rad, m for a prismatic joint] over a `width` [s], that ends `before` the first sample [s].
     """
-    rise, (begin, first) = Polynomial(drive.coefficients[::-1, 0]), drive.breaks[:2]
-    starts = [begin, first - before - width, first - before]
-    pieces = [rise(Polynomial([start - begin, 1.0])) for start in starts]  # each from its own start
+    k = int(np.argmin(np.abs(drive.breaks - drive.breaks[0] - LEAD)))  # the first sample
+    last = drive.breaks[k] - before
     s = Polynomial([0.0, 1.0 / width])
-    pieces[1] += 64 * height * (s * (1 - s)) ** 3  # eq. (2)
-    kept = slice(3 if before > 0 else 2)
-    rows = max(7, len(drive.coefficients))
-    columns = [np.pad(piece.coef, (0, rows - len(piece.coef)))[::-1] for piece in pieces[kept]]
-    return replace(
-        drive,
-        breaks=np.concatenate([starts[kept], drive.breaks[1:]]),
-        coefficients=np.column_stack([*columns, _padded(drive.coefficients[:, 1:], rows)]),
+    jerk = 64 * height * (s * (1 - s)) ** 3  # eq. (2)
+    starts = sorted({*drive.breaks[:k].tolist(), last - width, *([last] if before > 0 else [])})
+    pieces = []
+    for start in starts:
+        i = int(np.searchsorted(drive.breaks, start, side="right")) - 1
+        piece = Polynomial(drive.coefficients[::-1, i])(Polynomial([start - drive.breaks[i], 1.0]))
+        lasts = last - width <= start < last
+        pieces.append(piece + jerk(Polynomial([start - (last - width), 1.0])) if lasts else piece)
+    return _before(
+        replace(drive, breaks=drive.breaks[k:], coefficients=drive.coefficients[:, k:]), starts, pieces
     )
-
-
-def _padded(coefficients: Floats, rows: int) -> Floats:
-    """Polynomials of higher order, the same."""
-    return np.vstack([np.zeros((rows - len(coefficients), coefficients.shape[1])), coefficients])

@@ -7,6 +7,8 @@ import pytest
 
 from flexarm.diagnosis.choosing import acceptance
 from flexarm.diagnosis.choosing.rivals import probabilities
+from flexarm.diagnosis.fitting.unknowns import Unknown
+from flexarm.effects import TimeDelay
 
 
 @pytest.mark.parametrize(
@@ -20,6 +22,7 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
     new, old, observed = SimpleNamespace(strain=0.0, rest=None), SimpleNamespace(strain=strained), None
     monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
     monkeypatch.setattr(acceptance, "matters", lambda *_: True)
+    monkeypatch.setattr(acceptance, "as_stated", lambda *_: False)
     monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: False)
     monkeypatch.setattr(acceptance, "worth", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: gain)
@@ -34,6 +37,7 @@ def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatc
     new, old = (SimpleNamespace(strain=x, cost=c, rest=None) for x, c in ((0.0, cost), (strained, 100.0)))
     monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
     monkeypatch.setattr(acceptance, "matters", lambda *_: True)
+    monkeypatch.setattr(acceptance, "as_stated", lambda *_: False)
     monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(acceptance, "worth", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: 1e3)
@@ -47,3 +51,14 @@ def test_no_effect_at_all_takes_part_in_the_odds():
     assert probabilities(rivals, log(2.0)) == pytest.approx([0.4, 0.4])
     assert probabilities(rivals, 1e5) == pytest.approx([0.5, 0.5])
     assert probabilities([], log(4.0)) == pytest.approx([0.8])
+
+
+@pytest.mark.parametrize(("delay", "stated"), [(3e-3, True), (5e-3, False)])
+def test_a_clock_within_what_is_stated_of_it_is_no_effect(delay, stated):
+    """Two milliseconds are stated, and up to two of these the model without the effect has it there too."""
+    clock = Unknown("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock")
+    effect = TimeDelay(at="tracker", delay=delay)
+    late = SimpleNamespace(name="time_delay", at="tracker", place=("time_delay", "tracker"), effect=effect)
+    old = SimpleNamespace(unknowns=SimpleNamespace(each=(clock,)), places=())
+    assert acceptance.as_stated(SimpleNamespace(members=(late,)), old) is stated
+    assert not acceptance.as_stated(SimpleNamespace(members=()), old)

@@ -18,8 +18,9 @@ something else must be there if
 
     max_c s_c > max(LEFT, LEFT_SHARE max_c s_c0).                                                      (4)
 
-An effect is accepted if the evidence for it is strong and it matters. If it leaves a gap all the same, it
-must also take a part of the whole one, C of `fitting.fit`, that is worth a name,
+An effect is accepted if the evidence for it is strong and it matters; none that is a clock or a frame within
+`FORBIDDEN` sigmas of what the records state, as the smaller model has it there too. If it leaves a gap all
+the same, it must also take a part of the whole one, C of `fitting.fit`, that is worth a name,
 
     C_new < (1 - DENT) C_old, or S_new < S_old - STRAINED,                                            (5)
 
@@ -63,7 +64,7 @@ LEFT_SHARE = 0.07
 def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     """Whether evidence for a larger model is strong and what it explains matters."""
     spared = spares(new, old)
-    if not (matters(new, old, null, observed) or spared):
+    if as_stated(new, old) or not (matters(new, old, null, observed) or spared):
         return False
     enough = SPARING if spared else STRONG
     strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > enough
@@ -74,6 +75,22 @@ def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     if strong:
         return missed(new, observed) < missed(old, observed)
     return foretells_better(new, old, observed)
+
+
+def as_stated(new: Fit, old: Fit) -> bool:
+    """Whether what is added is a clock or a frame within `FORBIDDEN` sigmas of what is stated of it.
+
+    In the smaller model it is free to be there.
+    """
+    stated = {u.key: u for u in old.unknowns.each}
+    pulls = [
+        abs(value - stated[key].centre) / stated[key].sigma
+        for member in new.members
+        if member.place not in old.places
+        for name, value, _ in member.effect.parameters()
+        if (key := f"effects.{member.name}.{member.at}.{name}") in stated
+    ]
+    return bool(pulls) and max(pulls) < FORBIDDEN
 
 
 def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
