@@ -4,15 +4,13 @@ A record that begins in motion does not tell what came before, and a run begins 
 first sample the rate therefore rises from rest to the rate v and the acceleration a with which the samples
 begin,
 
-.. math:: \dot q = v \, s^2 (3 - 2 s) + a T_a \, (s_a^3 - s_a^2), \qquad s = t/T, \quad
-          s_a = \max(1 - (T - t)/T_a, \, 0)                                                            (1)
+.. math:: \dot q = v \, s^2 (3 - 2 s) + a T \, (s^3 - s^2), \qquad s = t/T                             (1)
 
-with t from the beginning of that rise; the angle is its integral that ends at the first sample. T_a is T, or
-less where the second part would move the joint by more than `ASIDE`. Rate and acceleration are continuous:
-what the rise leaves ringing is of the order of 6 v/(omega^3 T^2). A first rate or acceleration far beyond the
-usual ones of the first second is noise of samples that are joined as they are; those of the cubic that fits
-this second best take its place. The arm arrives from where it must have come: teeth on the flank, friction in
-the sense of its motion.
+with t from the beginning of that rise; the angle is its integral that ends at the first sample. Rate and
+acceleration are continuous: what the rise leaves ringing is of the order of 6 v/(omega^3 T^2). A first rate
+or acceleration far beyond the usual ones of the first second is noise of samples that are joined as they are;
+those of the cubic that fits this second best take its place. The arm arrives from where it must have come:
+teeth on the flank, friction in the sense of its motion.
 """
 
 from __future__ import annotations
@@ -31,21 +29,15 @@ WINDOW = 1.0
 """What is looked at for a trend [s]."""
 FAR = 3.0
 """How far first rates may be from those of the trend, over their rms."""
-ASIDE = 0.1
-"""How far the second part of (1) may move a joint [rad, m if prismatic]."""
 
 
 def led_in(drive: JointDrive) -> JointDrive:
     """The motion with a rise (1) from rest before it."""
-    T, begin = LEAD, drive.breaks[0]
     v, a = _first_rates(drive)
-    late = T * min(1.0, np.sqrt(12 * ASIDE / max(abs(a) * T**2, 1e-300)))  # T_a
-    t = Polynomial([0.0, 1.0])
-    rise = v * (t**3 / T**2 - t**4 / (2 * T**3))
-    later = rise(t + (T - late)) + a * (t**4 / (4 * late**2) - t**3 / (3 * late))
-    rise, later = (piece - later(late) + float(drive(begin)) for piece in (rise, later))  # ends at the sample
-    starts, pieces = ([begin - T], [later]) if late == T else ([begin - T, begin - late], [rise, later])
-    return _before(drive, starts, pieces)
+    T, t = LEAD, Polynomial([0.0, 1.0])
+    rise = v * (t**3 / T**2 - t**4 / (2 * T**3)) + a * (t**4 / (4 * T**2) - t**3 / (3 * T))
+    first = drive.breaks[0]
+    return _before(drive, [first - T], [rise + float(drive(first)) - rise(T)])
 
 
 def _first_rates(drive: JointDrive) -> tuple[float, float]:
@@ -57,8 +49,8 @@ def _first_rates(drive: JointDrive) -> tuple[float, float]:
     for order, first in enumerate(drive.polynomial()(drive.breaks[0])[1:], start=1):
         values = np.gradient(values, t)
         slow = float(trend.deriv(order)(0.0))
-        usual = FAR * float(np.sqrt(np.mean(values**2)))
-        found.append(float(first) if abs(first - slow) <= usual else slow)
+        far = FAR * float(np.sqrt(np.mean(values**2)))
+        found.append(float(first) if abs(first - slow) <= far else slow)
     return found[0], found[1]
 
 
