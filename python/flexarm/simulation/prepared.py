@@ -59,7 +59,8 @@ def prepared(
         drive = drive.at_inputs(arm)
     options = _core.TransientOptions()
     options.step, options.alpha = float(step), float(alpha)
-    options.start = drive.start - step * ceil(drive.lead / step) if step > 0 else drive.start
+    led = ceil(drive.lead / step) if drive.lead > 0 and step > 0 else 0
+    options.start = drive.start - led * step if led else drive.start
     options.end = drive.end if end is None else float(end)
     options.record_forces, options.record_rotations = forces, rotations
     return PreparedRun(arm, drive, options)

@@ -1,117 +1,57 @@
-"""What an arm swings with when its record begins: fitted along, whatever it was, and told."""
+"""Where fits start, and that a start far off stops nothing."""
 
-import numpy as np
 import pytest
-from arms import crane, smooth_step, tracker
-from diagnoses import SENSORS
+from planted import run_of
 
-import flexarm
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.experiments.experiment_from import from_record
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.outcome.estimates import estimates
-from flexarm.diagnosis.outcome.swings import swings
+from flexarm.diagnosis.candidates.candidate import value_of
+from flexarm.diagnosis.candidates.candidate_probes import GROWTH, SOFTER
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.fitting.unknowns import Unknown, unknowns
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.starts import FINER, HEIGHT, start_slopes
-from flexarm.drive.lead_in import LEAD
-from flexarm.record import Clock, Frame
-
-CUT = 8.0
-"""When the record begins [s]; the motor jerks a second before."""
 
 
-def angle(t):
-    """A swing of 0.3 rad in 10 s, and a jerk of 2 mrad in 0.2 s that no record tells of."""
-    s = np.clip((t - (CUT - 1.0)) / 0.2, 0.0, 1.0)
-    return 0.3 * np.sin(2 * np.pi * t / 10.0) * smooth_step(t / 4.0) + 2e-3 * 64 * (s * (1 - s)) ** 3
+@pytest.mark.parametrize(
+    ("centre", "sigma", "step", "kept"),
+    [
+        (2.0, 0.5, -1.0, -1.0),
+        (2.0, 0.5, -3.0, -1.6),
+        (-2.0, 0.5, 3.0, 1.6),
+        (2.0, 0.5, 9.0, 9.0),
+        (0.0, 0.5, -3.0, -3.0),
+        (0.1, 0.5, -3.0, -3.0),
+    ],
+)
+def test_a_value_known_to_less_than_itself_keeps_its_sign(centre, sigma, step, kept):
+    """Down to a fifth of it; a place that may lie on either side of zero goes where it wants."""
+    assert Unknown("links.rod.density", centre, sigma, "kg/m3", "nominal").kept(step) == pytest.approx(kept)
 
 
-@pytest.fixture(scope="module")
-def observed():
-    """What a tracker saw of it from `CUT` on, beside the model that was the machine."""
-    t = np.arange(0.0, 20.0, 0.01)
-    run = flexarm.simulate(crane(), flexarm.Drive.from_samples(t, {"hinge": angle(t)}), step=2e-3)
-    known = {"clocks": {"controller": Clock(), "tracker": Clock()}, "frames": {"tracker": Frame()}}
-    sensors = [SENSORS[0], tracker("tip", rate_hz=20)]
-    seen = flexarm.measure(run, sensors, np.random.default_rng(4), drive=["hinge"], **known)
-    late = []
-    for signal in seen.signals.values():
-        kept = signal.time >= CUT
-        late.append(signal.replace(time=signal.time[kept], values=signal.values[kept]))
-    return Observed(crane(), {"late": seen.replace(signals=late, initial="moving")}, step=4e-3)
+def test_a_clock_goes_where_it_wants():
+    assert Unknown("effects.time_delay.clock.delay", 1e-3, 1e-4, "s", "clock").kept(-1.0) == -1.0
 
 
-@pytest.fixture(scope="module")
-def fit(observed):
-    return Fitter.nominal(observed, unknowns(observed)).fit(())
+def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
+    arm = run_of("one joint").simulation.arm
+    arm = arm.replace(effects=tuple(e for e in arm.effects if e.name != "joint_compliance"))
+    observed = Observed(arm, {"run": run_of("one joint").showing({}, 1).record})
+    found = candidates(observed, unknowns(observed).arm, softer=SOFTER)
+    springs = [c for c in found if c.name == "joint_compliance"]
+    stiffness = [value_of(c.probes[0], "stiffness") for c in springs]
+    assert [stiffness[0] / k for k in stiffness] == pytest.approx(SOFTER)
+    assert all("stiffness" in c.free for c in springs)
 
 
-def test_nothing_but_noise_is_left_of_what_the_right_model_rings_with(observed, fit):
-    """However it was excited: eight times the noise without it."""
-    count = len(observed)
-    assert np.sum(fit.residual**2) > 20 * count
-    assert fit.cost == pytest.approx(count, abs=5 * np.sqrt(2 * count))
-
-
-def test_one_joint_needs_two_jerks_a_mode_that_is_seen(observed):
-    """Modes across the plane of motion are seen by nothing, and phases are two."""
-    assert {start.joint for start in observed.starts} == {"hinge"}
-    widths = [start.width for start in observed.starts]
-    assert 2 <= len(widths) <= 4
-    assert max(widths.count(width) for width in widths) == 2
-
-
-def test_columns_are_in_proportion(observed):
-    """A jerk twenty times as high moves all signals as much more, within a thousandth."""
-    start = observed.starts[0]
-    [column] = start_slopes(observed, observed.arm, [start]).T
-    finer = observed.with_step(observed.step / FINER)
-    high = finer.residual(observed.arm).copy()
-    finer.put(high, "late", finer.runs.jerked(start, observed.arm, 20 * HEIGHT))
-    move = (high - finer.residual(observed.arm)) / (20 * HEIGHT)
-    assert np.linalg.norm(move - column) < 1e-3 * np.linalg.norm(column)
-
-
-def test_it_is_told_and_is_no_value_of_the_model(observed, fit):
-    found = estimates(fit, observed)
-    assert not found.nuisances
-    assert not found.refined
-    [sentence] = swings(fit, observed)
-    assert sentence.startswith("late begins with the arm swinging, by up to")
-    assert " mm at tip" in sentence
-
-
-def test_records_that_begin_at_rest_have_none(observed):
-    [record] = observed.records.values()
-    still = Observed(crane(), {"late": record.replace(initial="equilibrium")}, step=4e-3)
-    assert still.starts == ()
-
-
-def test_a_record_that_says_rest_and_begins_in_motion_is_told(observed):
-    """The run would ring with a jump of the rate that the arm never saw."""
-    [record] = observed.records.values()
-    [remark] = check(crane(), {"late": record.replace(initial="equilibrium")}).remarks
-    assert remark.startswith("late: hinge moves in the first sample, at ")
-    assert remark.endswith('state initial = "moving"')
-    assert not check(crane(), {"late": record}).remarks
-
-
-def test_an_experiment_made_once_more_begins_in_motion_too(observed):
-    """At twice the speed it is led in within half the time; the rise has the speed of what follows."""
-    [record] = observed.records.values()
-    again = from_record("again", record, crane())
-    assert again.record(crane(), 4e-3, -0.05).initial == "moving"
-    faster = again.faster(2.0).drive
-    assert faster.lead == LEAD / 2
-    motion = faster.joints["hinge"].polynomial()
-    assert list(motion(faster.start - faster.lead)[1:]) == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert abs(motion(faster.start)[1]) > 0.1
-
-
-def test_records_that_are_not_observed_have_no_rows(observed):
-    """An experiment that is planned asks for the columns of the data at hand."""
-    [record] = observed.records.values()
-    other = Observed(crane(), {"other": record.replace(initial="equilibrium")}, step=4e-3)
-    assert not start_slopes(other, crane(), observed.starts).any()
-    assert not other.slopes(crane(), [observed.starts[0].key]).any()
+def test_a_bow_that_grows_starts_at_several_time_constants():
+    """Each is fitted from there; a probe grows as its start does, so that its size is what is asked for."""
+    observed = Observed(
+        run_of("one joint").simulation.arm, {"run": run_of("one joint").showing({}, 1).record}
+    )
+    bows = [c for c in candidates(observed, unknowns(observed).arm) if c.name == "link_bow"]
+    assert [value_of(c.effect, "time_constant") for c in bows] == [0.0, *GROWTH]
+    assert ["time_constant" in c.free for c in bows] == [False, True, True]
+    for bow in bows:
+        assert len(bow.probes) == 2  # across the rod
+        assert {value_of(p, "time_constant") for p in bow.probes} == {value_of(bow.effect, "time_constant")}
+        sized = bow.sized([2.0, 0.0])
+        assert value_of(sized, "tip_offset.x") == pytest.approx(2 * value_of(bow.probes[0], "tip_offset.x"))
+        assert value_of(sized, "time_constant") == value_of(bow.effect, "time_constant")
