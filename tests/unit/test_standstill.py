@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline, PPoly
 
-from flexarm.measurement.least_squares_spline import fit_spline
+from flexarm.measurement.least_squares_spline import constant_in, fit_spline
 from flexarm.measurement.smoothing import smooth
 from flexarm.measurement.standstill import BLOCK, stands
 
@@ -76,12 +76,62 @@ def test_two_stands_with_a_short_move_between_them():
     assert np.abs(drive(TIME) - step).max() < 0.1e-3
 
 
+def smooth_start(x):
+    return x**3 * (10 - 15 * x + 6 * x**2)
+
+
+def cosine(x):
+    return 0.5 - 0.5 * np.cos(np.pi * x)
+
+
+def constant_acceleration(x):
+    return np.where(x < 0.5, 2 * x**2, 1 - 2 * (1 - x) ** 2)
+
+
+def dry_friction(angle, width=2e-5):
+    """Dahl's law along an angle, over the Coulomb torque."""
+    z = np.zeros(len(angle))
+    for i, way in enumerate(np.diff(angle), 1):
+        z[i] = np.sign(way) + (z[i - 1] - np.sign(way)) * np.exp(-abs(way) / width)
+    return z
+
+
+@pytest.mark.parametrize(
+    ("profile", "error"), [(smooth_start, 0.02), (cosine, 0.25), (constant_acceleration, 0.25)]
+)
+def test_a_motor_that_stops_keeps_its_friction(profile, error):
+    """Two moves with a stand after each, in five noises: no turning back, of which half a sigma is 1e-6 rad.
+
+    Where the acceleration jumps between two samples the instant is not known, and 1e-5 rad may be lost.
+    """
+
+    def angle(time):
+        rises = [profile(np.clip((time - begin) / 1.3, 0, 1)) for begin in (2.03, 7.21)]
+        return 0.5 * rises[0] - 0.3 * rises[1]
+
+    fine = np.arange(0, 12, 0.001)
+    true = dry_friction(angle(fine))
+    squares = []
+    for seed in range(5):
+        breaks, coefficients = smooth(TIME, noisy(angle(TIME), seed), NOISE)
+        squares.append(np.mean((dry_friction(PPoly(coefficients, breaks)(fine)) - true) ** 2))
+    assert np.sqrt(np.mean(squares)) < error
+
+
+def test_an_overshoot_above_the_noise_stays():
+    """Ten sigmas beyond the stand, for 40 ms, and back."""
+    bump = np.where(abs(TIME - 3.03) < 0.02, np.cos(np.pi * (TIME - 3.03) / 0.04) ** 2, 0)
+    overshoot = moves_and_stands(TIME) + 10 * NOISE * bump
+    drive = PPoly(*smooth(TIME, noisy(overshoot, 2), NOISE)[::-1])
+    assert drive(3.03) - drive(5.0) == pytest.approx(10 * NOISE, abs=4 * NOISE)
+
+
 def test_equal_coefficients_are_those_of_least_squares():
     """Against dense algebra: B E d = y with the columns of equal coefficients added up."""
     rng = np.random.default_rng(6)
     time, values = np.linspace(0, 1, 80), rng.standard_normal(80)
     breaks = np.array([0, 8, 20, 31, 50, 64, 79])
-    spline, fitted = fit_spline(time, values, breaks, at_rest=True, standing=(2, 4))
+    spline, fitted = fit_spline(time, values, breaks, at_rest=True, equal=constant_in((2, 4)))
     knots = np.concatenate([np.repeat(time[0], 3), time[breaks], np.repeat(time[-1], 3)])
     B = BSpline.design_matrix(time, knots, 3).toarray()
     E = np.zeros((9, 3))

@@ -7,7 +7,8 @@ an interval. The coefficients minimise the squared misfit,
 
 with B^T B of half band width 3, so that Cholesky's factorisation costs 16 operations a coefficient. A spline
 that starts at rest, s'(t_0) = 0, has c_0 = c_1; one that stands in an interval, where the B-splines add up to
-one, has its four coefficients equal. With c = E d, E of zeros and ones, d of fewer,
+one, has its four coefficients equal. It is monotone where its coefficients are. With c = E d, E of zeros and
+ones, d of fewer,
 
     E^T B^T B E d = E^T B^T y                                                                        (2)
 
@@ -16,7 +17,7 @@ Units: those of the samples. Source: [deBoor2001], chapters IX and XIV.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +34,7 @@ DEGREE = 3
 
 
 def fit_spline(
-    time: Floats, values: Floats, breaks: Indices, at_rest: bool = False, standing: Sequence[int] = ()
+    time: Floats, values: Floats, breaks: Indices, at_rest: bool = False, equal: Collection[int] = ()
 ) -> tuple[BSpline, Floats]:
     """Least-squares cubic spline (1) whose breaks are samples.
 
@@ -46,8 +47,8 @@ def fit_spline(
         least two apart: there must be no more coefficients than samples.
     at_rest : bool
         Whether the slope at the first break is zero.
-    standing : sequence of int
-        Intervals, from 0 to m - 1, in which the spline is constant.
+    equal : collection of int
+        Coefficients, of 1 to m + 2, that are equal to the one before.
 
     Returns
     -------
@@ -65,36 +66,40 @@ def fit_spline(
     rows = design.data.reshape(-1, DEGREE + 1).T  # the four that are not zero at a sample
     first = design.indices[:: DEGREE + 1]
     band, right = _normal_equations(rows, np.searchsorted(first, np.arange(len(at) - 1)), values)
-    equal = _equal(len(right), at_rest, standing)
-    if equal[-1] + 1 < len(right):
-        band, right = _reduced(band, right, equal)
-    coefficients = solveh_banded(band, right, lower=True, check_finite=False)[equal]  # eq. (2)
+    unknown = _unknown(len(right), at_rest, equal)
+    if unknown[-1] + 1 < len(right):
+        band, right = _reduced(band, right, unknown)
+    coefficients = solveh_banded(band, right, lower=True, check_finite=False)[unknown]  # eq. (2)
     return BSpline(knots, coefficients, DEGREE), design @ coefficients
 
 
-def _equal(count: int, at_rest: bool, standing: Sequence[int]) -> Indices:
+def constant_in(intervals: Iterable[int]) -> frozenset[int]:
+    """The coefficients that are equal to the one before where a spline stands in some intervals."""
+    return frozenset(interval + k for interval in intervals for k in range(1, DEGREE + 1))
+
+
+def _unknown(count: int, at_rest: bool, equal: Collection[int]) -> Indices:
     """Which d of (2) every coefficient is."""
     rises = np.ones(count, dtype=np.intp)
     rises[0] = 0
     if at_rest:
         rises[1] = 0
-    for interval in standing:
-        rises[interval + 1 : interval + DEGREE + 1] = 0
+    rises[list(equal)] = 0
     return np.cumsum(rises)
 
 
-def _reduced(band: Floats, right: Floats, equal: Indices) -> tuple[Floats, Floats]:
+def _reduced(band: Floats, right: Floats, unknown: Indices) -> tuple[Floats, Floats]:
     """Both sides of (2); coefficients that are equal follow one another, so that the band grows no wider."""
-    count = int(equal[-1]) + 1
+    count = int(unknown[-1]) + 1
     fewer, less = np.zeros((DEGREE + 1, count)), np.zeros(count)
-    np.add.at(less, equal, right)
+    np.add.at(less, unknown, right)
     for below in range(DEGREE + 1):
         column = np.arange(len(right) - below)
-        row, lower = equal[column + below], band[below, : len(column)]
-        np.add.at(fewer, (row - equal[column], equal[column]), lower)
+        row, lower = unknown[column + below], band[below, : len(column)]
+        np.add.at(fewer, (row - unknown[column], unknown[column]), lower)
         if below:  # an element above the diagonal falls onto it
-            onto = row == equal[column]
-            np.add.at(fewer[0], equal[column][onto], lower[onto])
+            onto = row == unknown[column]
+            np.add.at(fewer[0], unknown[column][onto], lower[onto])
     return fewer, less
 
 

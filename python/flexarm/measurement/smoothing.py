@@ -103,8 +103,8 @@ def smooth(
 @lru_cache(maxsize=16)
 def _layout(
     stamps: bytes, reading: bytes, noise_std: float
-) -> tuple[NDArray[np.intp], bool, tuple[int, ...]] | None:
-    """Breaks of samples, whether the fit starts at rest, where it stands; None where every sample counts.
+) -> tuple[NDArray[np.intp], bool, frozenset[int]] | None:
+    """Breaks, whether the fit starts at rest, its equal coefficients; None where every sample counts.
 
     A record drives many models: what its readings say is found once.
     """
@@ -113,8 +113,8 @@ def _layout(
     if np.all(steps == 0):
         return None
     breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
-    breaks, standing = with_stands(t, y / noise_std, breaks)
-    return breaks, _starts_at_rest(t, y, breaks, standing, noise_std), standing
+    breaks, equal = with_stands(t, y / noise_std, breaks)
+    return breaks, _starts_at_rest(t, y, breaks, equal, noise_std), equal
 
 
 def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:
@@ -219,11 +219,11 @@ def _starts_at_rest(
     t: NDArray[np.float64],
     y: NDArray[np.float64],
     breaks: NDArray[np.intp],
-    standing: tuple[int, ...],
+    equal: frozenset[int],
     noise_std: float,
 ) -> bool:
     """Whether chi-square does not tell the fit that starts at rest from the free one."""
-    at_rest, fitted = (fit_spline(t, y, breaks, resting, standing)[1] for resting in (True, False))
+    at_rest, fitted = (fit_spline(t, y, breaks, resting, equal)[1] for resting in (True, False))
     increase = (np.sum((y - at_rest) ** 2) - np.sum((y - fitted) ** 2)) / noise_std**2
     return bool(increase < REST_LIMIT)
 
