@@ -81,6 +81,26 @@ def test_nothing_is_gone_on_from_that_takes_hardly_anything(search, monkeypatch)
     assert (best.name, search[1]) == ("", [])
 
 
+def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search, monkeypatch):
+    """ "ad", of which d was there for a's sake, and b in the place of a: b alone, and "ad" a rival of it."""
+    monkeypatch.setitem(COST, "b", 20)
+    monkeypatch.setitem(COST, "ad", 25)
+    monkeypatch.setitem(COST, "bd", 19)
+    monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
+    about = SimpleNamespace(fit=lambda members: fit("".join(members)), observed=None)
+    about.about = lambda best: about
+    ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=fit("bd"))
+
+    def with_rivals(best, fitter):
+        rivals = [[ahead]] if best.name == "ad" else []
+        return SimpleNamespace(best=best, fitter=fitter, rivals=rivals)
+
+    monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
+    choice = search[0].weighed(fit("ad"), about)
+    assert choice.best.name == "b"
+    assert [each.name for each in search[0].tried] == ["ad"]
+
+
 def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch):
     """Sizes of first order may be absurd; three are fitted all the same."""
     names = ["bow and tilt", "bow and play", "friction", "bow and mass", "tilt", "play", "mass"]

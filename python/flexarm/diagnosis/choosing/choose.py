@@ -6,7 +6,7 @@ sets of two and three compete with what goes on from the best smaller one: sets 
 first order about the nominal model, which may be far from what one effect makes of it. After each step
 derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the others have made
 needless is dropped. *Rivals*: every rival of every effect that is left is fitted in its place (`rivals`);
-one that comes out ahead takes it.
+one that comes out ahead takes it, and may make others needless in its turn.
 """
 
 from __future__ import annotations
@@ -157,7 +157,8 @@ class _Search:
             if ahead is None or ahead.behind >= 0 or not ahead.foretells:
                 break
             self.tried.append(choice.best)  # which is the other's rival now
-            choice = self._with_rivals(*settled(ahead.fit, choice.fitter.about(ahead.fit)))
+            fewer = _backward(choice.fitter.about(ahead.fit), ahead.fit, self.null)
+            choice = self._with_rivals(*settled(*fewer))
         return choice
 
     def _with_rivals(self, best: Fit, about: Fitter) -> Choice:
