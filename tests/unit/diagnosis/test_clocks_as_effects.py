@@ -21,15 +21,14 @@ def problem():
     return fitter, probe(fitter, found), fitter.fit(())
 
 
-def test_it_leaves_as_much_and_frees_its_unknown(problem):
-    """Its prior's row goes: what the unknown asked, x^2/sigma^2, is spared."""
+def test_it_leaves_as_much_and_no_prior_to_pay(problem):
+    """It explains what the unknown did, whose row x/sigma is gone: never less, and hardly more than that."""
     fitter, probed, fit = problem
     asked = (fit.projection.best(fit.residual) / fit.unknowns.sigma) ** 2
     linear = Linear(fitter, probed, fit)
     for k in linear.free:
         own = [u.place == probed[k].candidate.place for u in fitter.unknowns.each]
-        share, _, relief = linear._solved((k,))
-        assert relief == pytest.approx(asked[own].sum(), rel=0.02, abs=0.02)
+        share, _ = linear._solved((k,))
         assert 0 <= share * fit.cost < 1.1 * asked[own].sum() + 0.1
 
 

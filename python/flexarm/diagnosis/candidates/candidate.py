@@ -26,6 +26,8 @@ SHAPES = ("width", "time_constant")
 """Parameters that shape what others size: they start a fit as they are probed."""
 POSITIVE = ("torque", "gap", "coefficient", "coulomb", "viscous", "cubic_stiffness", "damping_ratio")
 """Parameters that cannot be negative."""
+LEAST = 0.02
+"""Of these, the least part of a probe that a fit starts from."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +83,13 @@ class Candidate:
         """The model that a probe differs from: with what the effect needs."""
         return arm if self.needs is None else arm.with_effect(self.needs)
 
-    def sized(self, alphas: Sequence[float]) -> Effect:
-        """The effect of the size that least squares give to its probes."""
+    def sized(self, alphas: Sequence[float], least: float = LEAST) -> Effect:
+        """The effect of the size that least squares give to its probes.
+
+        What cannot be negative has at least so much of them, from where a fit can start.
+        """
         if self.name in SPRINGS:
-            return self._spring(float(alphas[0]))
+            return self._spring(float(alphas[0]), least)
         if self.name in WAVES:
             sine, cosine = (float(a) for a in alphas)
             size = value_of(self.probes[0], "amplitude")
@@ -96,9 +101,13 @@ class Candidate:
             k = (first + second) * value_of(self.probes[0], "stiffness")
             size = value_of(self.probes[1], "stiffness") * value_of(self.probes[1], "rest_angle")
             return self._at({"stiffness": k, "rest_angle": second * size / k if k else 0.0})
-        return self._linear(alphas)
+        return self._linear(alphas, least)
 
-    def _linear(self, alphas: Sequence[float]) -> Effect:
+    def nudged(self, probe: int, part: float) -> Effect:
+        """The effect of a small part of one of its probes, for derivatives."""
+        return self.sized([part if k == probe else 0.0 for k in range(len(self.probes))], least=0.0)
+
+    def _linear(self, alphas: Sequence[float], least: float) -> Effect:
         values: dict[str, float] = {}
         for name in self.free:
             null = self.null[name]
@@ -107,16 +116,16 @@ class Candidate:
                 continue
             values[name] = null + sum(a * m for a, m in zip(alphas, moves, strict=True))
             if name in POSITIVE:
-                values[name] = max(values[name], 0.02 * max(abs(m) for m in moves))
+                values[name] = max(values[name], least * max(abs(m) for m in moves))
             elif null > 0:
                 values[name] = max(values[name], 0.3 * null)
         return self._at(values)
 
-    def _spring(self, alpha: float) -> Effect:
+    def _spring(self, alpha: float, least: float) -> Effect:
         soft = 1.0 / value_of(self.probes[0], "stiffness")
         there = value_of(self.without, "stiffness") if self.without is not None else float("inf")
         nominal = 0.0 if isinf(there) else 1.0 / there
-        flexibility = max(nominal + alpha * (soft - nominal), 0.02 * soft)
+        flexibility = max(nominal + alpha * (soft - nominal), least * soft)
         stiffness = 1.0 / flexibility
         return self._at({"stiffness": stiffness, "damping": 2e-3 * stiffness})
 

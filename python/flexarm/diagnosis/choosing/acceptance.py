@@ -122,10 +122,14 @@ def strain(fit: Fit) -> float:
 
 def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
     """Whether nothing that matters is left above the noise, and no unknown is strained."""
+    return quiet(fit, null, observed) and strain(fit) < STRAINED  # eq. (3)
+
+
+def quiet(fit: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether nothing that matters is left above the noise, however strained unknowns are."""
     first = above_noise(null.rest, observed)
     left = above_noise(fit.rest, observed)
-    quiet = all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
-    return quiet and strain(fit) < STRAINED  # eq. (3)
+    return all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
 
 
 def leaves_anything(fit: Fit, observed: Observed) -> bool:

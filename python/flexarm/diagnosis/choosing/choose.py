@@ -1,12 +1,13 @@
 """Which effects: one after the other while they explain something real, then every one against its rivals.
 
-*Forward*: the most promising effects are fitted beside those that are there (`choosing.promising`),
-and the best of them (`ranking`) is taken if it is accepted (`acceptance`). Where one explains too little,
-sets of two and three compete with what goes on from the best smaller one: sets are put in their order to
-first order about the nominal model, which may be far from what one effect makes of it. After each step
-derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the others have made
-needless is dropped. *Rivals*: every rival of every effect that is left is fitted in its place (`rivals`);
-one that comes out ahead takes it, and may make others needless in its turn.
+*Forward*: the most promising effects are fitted beside those that are there (`choosing.promising`), after
+those that do what unknowns are strained to do (`takeover`), and the best of them (`ranking`) is taken if it
+is accepted (`acceptance`). Where one explains too little, sets of two and three compete with what goes on
+from the best smaller one: sets are put in their order to first order about the nominal model, which may be
+far from what one effect makes of it. After each step derivatives are taken anew about the better model
+(`polish`). *Backward*: an effect that the others have made needless is dropped, and what that leaves is gone
+on from once more. *Rivals*: every rival of every effect that is left is fitted in its place (`rivals`); one
+that comes out ahead takes it, and may make others needless in its turn.
 """
 
 from __future__ import annotations
@@ -15,19 +16,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, worth_a_name
+from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, quiet, worth_a_name
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.choosing.polish import settled, without_effects
 from flexarm.diagnosis.choosing.promising import larger_fits, other_springs
 from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
 from flexarm.diagnosis.choosing.screen import Probed
+from flexarm.diagnosis.choosing.takeover import taken_over
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.errors import InvalidParameter, NotConverged
 
 MOST = 3
 """Effects in one diagnosis."""
+AGAIN = 2
+"""Times that the search goes forward and back."""
 OVERTAKEN = 3
 """Times that a rival may take the place of what was chosen."""
 
@@ -70,8 +74,7 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     """Forward, backward, and rivals."""
     tell = note or (lambda what, done: None)
     search = _Search(fitter, probed)
-    best, about = search.forward(tell)
-    best, about = _backward(about, best, search.null)
+    best, about = search.through(tell)
     tell("weighing rivals", MOST / (MOST + 1))
     choice = search.weighed(*settled(best, about))
     gains = [(f, log_bayes_factor(f, search.null, fitter.observed, choice.value)) for f in search.tried]
@@ -88,15 +91,24 @@ class _Search:
     def __init__(self, fitter: Fitter, probed: Sequence[Probed]) -> None:
         self.fitter, self.observed, self.probed = fitter, fitter.observed, probed
         self.start = fitter.fit(())
-        self.null = without_effects(self.start, fitter)
+        self.null, self.about_null = without_effects(self.start, fitter)
         arm, records = self.observed.arm, self.observed.records.values()
         self.places = cardan_joints(arm, driven_joints(arm, records))
         self.tried: list[Fit] = []
         self.complete: Fit | None = None  # nothing beside it was accepted
 
-    def forward(self, tell: Note) -> tuple[Fit, Fitter]:
-        """The largest model of which each effect is accepted, and about which."""
+    def through(self, tell: Note) -> tuple[Fit, Fitter]:
+        """Forward and backward; forward once more where what is left after that is not all."""
         best, about = self.null, self.fitter
+        for _ in range(AGAIN):
+            larger, there = self.forward(best, about, tell)
+            best, about = _backward(there, larger, self.null)
+            if len(best.members) == len(larger.members) or self._explained(best):
+                break
+        return best, about
+
+    def forward(self, best: Fit, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
+        """The largest model of which each effect is accepted, and about which."""
         while (count := causes(best.members, self.places)) < MOST and not self._explained(best):
             tell(f"looking for effect {count + 1}", count / (MOST + 1))
             larger = self._larger(best, about)
@@ -112,26 +124,40 @@ class _Search:
 
         None if there is no candidate.
         """
-        here = best if best.members else self.start
-        found = larger_fits(about, self.probed, here, self.null, places=self.places)
-        self.tried += found
+        found = self._one_more(best, about)
         if not found:
             return None
         better, there = self._best_of(about, found, best)
         for size in (2, 3):
             if best.members or self._explained(better):
                 break
-            sets = larger_fits(about, self.probed, here, self.null, size, beside=better)
+            sets = self._sets(about, size, better)
             if len(better.members) == size - 1 and worth_a_name(better, best):
-                sets += larger_fits(there, self.probed, better, self.null, places=self.places)
+                sets += self._one_more(better, there)
                 self.complete = better
-            self.tried += sets
             if not sets:
                 continue
             more, where = self._best_of(about, sets, better)
             if accepted(more, better, self.null, self.observed):
                 better, there = more, where
         return better, there
+
+    def _one_more(self, best: Fit, about: Fitter) -> list[Fit]:
+        """Models with an effect more: what takes over where unknowns are strained, and what promises most."""
+        here, at = (best, about) if best.members else (self.null, self.about_null)
+        found = taken_over(at, self.probed, here)
+        here = best if best.members else self.start
+        found += larger_fits(about, self.probed, here, self.null, places=self.places, found=found)
+        self.tried += found
+        return found
+
+    def _sets(self, about: Fitter, size: int, beside: Fit) -> list[Fit]:
+        """Models of two or three effects, unless what a smaller one leaves is a strained unknown alone."""
+        if quiet(beside, self.null, self.observed):
+            return []
+        found = larger_fits(about, self.probed, self.start, self.null, size, beside=beside)
+        self.tried += found
+        return found
 
     def _best_of(self, fitter: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
         """The best of some, or if it leaves a gap the same with another spring of the machine soft."""

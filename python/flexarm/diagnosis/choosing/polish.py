@@ -30,19 +30,21 @@ ALIKE = 2
 """Rounds in which the model without effects is fitted about itself."""
 
 
-def without_effects(start: Fit, fitter: Fitter) -> Fit:
-    """The nominal model about its own optimum, as fits with effects are; otherwise any effect seems better.
+def without_effects(start: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+    """The nominal model about its own optimum, as fits with effects are, and where it was found.
+
+    Otherwise any effect seems better.
 
     The search itself starts where clocks and frames are nominal, since effects may take their places.
     """
     best, there = start, fitter
     for _ in range(ALIKE):
-        there = there.about(best)
-        fit = there.fit(())
-        if fit.cost > BETTER * best.cost:
-            return min(fit, best, key=lambda f: f.cost)
-        best = fit
-    return best
+        at = there.about(best)
+        fit = at.fit(())
+        before, (best, there) = best, (fit, at) if fit.cost < best.cost else (best, there)
+        if fit.cost > BETTER * before.cost:
+            break
+    return best, there
 
 
 def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:

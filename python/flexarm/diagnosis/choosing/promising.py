@@ -2,8 +2,7 @@
 
 A screening (`choosing.screen`) puts effects and places in an order; the first few are fitted. Sets
 of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
-smaller set does not lead. Where nominal values and nuisances are strained, what needs them least is fitted
-beside what explains most of the gap.
+smaller set does not lead.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.choosing.acceptance import DENT, STRAINED, explained, leaves_gap, strain
+from flexarm.diagnosis.choosing.acceptance import DENT, explained, leaves_gap
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.diagnosis.choosing.slow import slow_part
 from flexarm.diagnosis.fitting.fit import Fit
@@ -32,6 +31,8 @@ SLOW = 4
 """Candidates that are fitted for what is slow."""
 SETS = 12
 """Sets that are looked at for those: some are of sizes that cannot be simulated."""
+HALF = 0.5
+"""What the best must promise, or laws are looked at again at the ends of what is plausible."""
 FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 AHEAD = 0.9
@@ -46,27 +47,29 @@ def larger_fits(
     size: int = 1,
     places: Mapping[str, str] = NONE,
     beside: Fit | None = None,
+    found: Sequence[Fit] = (),
 ) -> list[Fit]:
     """Fits of the most promising candidates, or sets of `size`, beside the effects of `best`.
 
-    `places` are joints that are one place of the machine; `beside` is the best smaller set.
+    `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
+    large and fitted already.
     """
     slow = slow_part(fitter.observed)
     if size > 1:
-        found = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
-        if size == 2 and _all_leave_gaps(found, null, fitter.observed):
+        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
+        if size == 2 and _all_leave_gaps(more, null, fitter.observed):
             sets = one_variant(together(fitter, probed, best, size, slow), SETS)
-            found += _fitted(fitter, sets, best, null, PAIRS)
-        return found
+            more += _fitted(fitter, sets, best, null, PAIRS)
+        return more
     wanted, others = _promising(fitter, probed, best, places)
-    found = _fitted(fitter, wanted, best, null)
-    if _all_leave_gaps(found, null, fitter.observed):
-        found += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
-    if not best.members and _all_leave_gaps(found, null, fitter.observed):
-        found += _fitted(fitter, others, best, null)
-    if _all_leave_gaps(found, null, fitter.observed):
-        found += _from_other_gaps(fitter, found)
-    return found
+    more = _fitted(fitter, wanted, best, null)
+    if _all_leave_gaps([*found, *more], null, fitter.observed):
+        more += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
+    if not best.members and _all_leave_gaps([*found, *more], null, fitter.observed):
+        more += _fitted(fitter, others, best, null)
+    if _all_leave_gaps([*found, *more], null, fitter.observed):
+        more += _from_other_gaps(fitter, more)
+    return more
 
 
 def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
@@ -135,21 +138,37 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 def _promising(
     fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str]
 ) -> tuple[list[Share], list[Share]]:
-    """Single candidates: what explains most, where unknowns are strained what relieves them; and others."""
+    """Single candidates: those that explain most, and others."""
     shares = one_variant(screen(fitter, probed, best, places), len(probed))
     sharp = sharpened(fitter, shares[: 2 * TRIED], best)
+    if not sharp or sharp[0].share < HALF:
+        sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
     wanted = sharp[:TRIED]
-    if strain(best) > STRAINED:
-        wanted += _relieving(shares, wanted)
     there = {share.places for share in wanted}
     return wanted, [share for share in sharp if share.places not in there]
 
 
-def _relieving(shares: Sequence[Share], wanted: Sequence[Share]) -> list[Share]:
-    """Those that need nominal values and nuisances least, beside what explains most of the gap."""
-    there = {share.places for share in wanted}
-    others = [share for share in shares if share.places not in there]
-    return sorted(others, key=lambda share: -share.relief)[: TRIED // 2]
+def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:
+    """Effects of one parameter at the ends of what is plausible.
+
+    To first order a damping or a mass explains little of a gap that rings out of step by what it changes.
+    """
+    found = []
+    for candidate in (p.candidate for p in probed):
+        if candidate.place in best.places or len(candidate.free) > 1:
+            continue
+        (name,) = candidate.free
+        prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
+        for value in (prior.low, prior.high):
+            with suppress(InvalidParameter, ValueError):
+                effect = candidate.effect.with_parameters({name: value})
+                found.append(Share((replace(candidate, effect=effect),), 0.0))
+    return found
+
+
+def _sharpest(shares: Sequence[Share]) -> list[Share]:
+    """The best of each place, the best first."""
+    return one_variant(sorted(shares, key=lambda share: -share.share), len(shares))
 
 
 def _leads(shares: Sequence[Share], beside: Fit) -> bool:

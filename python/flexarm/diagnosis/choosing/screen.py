@@ -35,8 +35,6 @@ Ranked = tuple[float, tuple[int, ...]]
 RIDGE = 0.1
 LONGER = 2.0
 """Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
-RELIEF = 1.0
-"""Squared sigmas that a set without a share must spare."""
 AMONG = 16
 """Places that are tried in sets of three."""
 HARDLY = 0.02
@@ -65,13 +63,10 @@ class Share:
         Of the size that explains most, ready to be fitted.
     share : float
         Of the squared gap, eq. (1).
-    relief : float
-        By how much clocks, frames and nominal values need leave their priors less, in squared sigmas.
     """
 
     members: tuple[Candidate, ...]
     share: float
-    relief: float = 0.0
 
     @property
     def places(self) -> tuple[tuple[str, str], ...]:
@@ -89,7 +84,7 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
             try:
-                moves = _as_unknown(fitter, candidate)
+                moves = in_proportion(candidate, fitter.unknowns.keys, fitter.slopes)
                 if moves is None:
                     there = candidate.base(arm)
                     models = [there, *(there.with_effect(each) for each in candidate.probes)]
@@ -104,18 +99,17 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
     return probed
 
 
-def _as_unknown(fitter: Fitter, candidate: Candidate) -> Floats | None:
-    """Moves of a clock or frame in proportion, as it is eliminated where it is no effect; None of all else.
+def in_proportion(candidate: Candidate, keys: Sequence[str], slopes: Floats) -> Floats | None:
+    """Moves of a clock or frame, from the derivatives by it as it is no effect; None of all else.
 
     A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
     explain less as an effect.
     """
-    keys = [f"effects.{candidate.name}.{candidate.at}.{name}" for name in candidate.free]
-    if not set(keys) <= set(fitter.unknowns.keys):
+    own = [f"effects.{candidate.name}.{candidate.at}.{name}" for name in candidate.free]
+    if not set(own) <= set(keys):
         return None
-    slopes = fitter.slopes[:, [fitter.unknowns.keys.index(key) for key in keys]]
     steps = [[value_of(probe, name) for probe in candidate.probes] for name in candidate.free]
-    moves: Floats = slopes @ np.array(steps)
+    moves: Floats = slopes[:, [keys.index(key) for key in own]] @ np.array(steps)
     return moves
 
 
@@ -237,7 +231,7 @@ class Linear:
         self._moves = np.concatenate([*(p.moves for p in probed), fit.slopes], axis=1)
         self._takes = [fitter.taken([p.candidate]) for p in probed]
         self._fitted = fitter.taken(fit.members)
-        self._grams: dict[frozenset[str], tuple[Floats, Floats, float, Floats]] = {}
+        self._grams: dict[frozenset[str], tuple[Floats, Floats, float]] = {}
 
     def sets(self, among: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
         """All sets of different places."""
@@ -255,19 +249,15 @@ class Linear:
                     yield i, j
 
     def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
-        """Share and members of those in which no law would have to be negative, the best first.
-
-        Not those that explain nothing, unless they spare clocks, frames and nominal values a strain.
-        """
-        found = [(*self._solved(each)[::2], each) for each in sets]
-        kept = [(share, each) for share, relief, each in found if share > 0 or relief > RELIEF]
-        return sorted(kept, key=lambda pair: -pair[0])
+        """Share and members of those that explain something without a negative law, the best first."""
+        found = [(self._solved(each)[0], each) for each in sets]
+        return sorted((pair for pair in found if pair[0] > 0), key=lambda pair: -pair[0])
 
     def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
         """The first of them at the sizes of eq. (2)."""
         found = []
         for share, chosen in ranked[:most]:
-            _, alphas, relief = self._solved(chosen)
+            _, alphas = self._solved(chosen)
             members = []
             try:
                 for index, mine in zip(chosen, alphas, strict=True):
@@ -275,12 +265,12 @@ class Linear:
                     members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
             except (InvalidParameter, ValueError):
                 continue
-            found.append(Share(tuple(members), share, relief))
+            found.append(Share(tuple(members), share))
         return found
 
-    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats], float]:
-        """Eq. (2) for one set, and its relief; a share of -1 where a law would have to be negative."""
-        gram, b, square, asked = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
+    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats]]:
+        """Eq. (2) for one set; a share of -1 where a law would have to be negative."""
+        gram, b, square = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
         parts = [self._columns[k] for k in chosen]
         columns = np.concatenate([*parts, self._own])
         own = len(columns) - len(self._own)
@@ -288,20 +278,18 @@ class Linear:
         ridge = np.diag([RIDGE**2] * own + [1.0] * len(self._own))
         alphas = np.asarray(np.linalg.solve(G + ridge, -b), dtype=float)  # eq. (2)
         mine = np.split(alphas[:own], np.cumsum([len(part) for part in parts])[:-1])
-        if not all(_possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
-            return -1.0, mine, 0.0
+        if not all(possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
+            return -1.0, mine
         left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
-        asks = asked[:, 0] + asked[:, 1 + columns] @ alphas
-        before = self._before[len(self.fit.residual) :]
-        whole = float(self._before @ self._before)
-        return 1.0 - left / whole, mine, float(before @ before - asks @ asks)
+        return 1.0 - left / self._before, mine
 
     @cached_property
-    def _before(self) -> Floats:
-        """What the fit leaves of what is looked at."""
+    def _before(self) -> float:
+        """Square of what the fit leaves of what is looked at."""
         if self.seen is None:
-            return self.fit.rest
-        return self._rest(self._fitted, self.fit.residual[:, None])[:, 0]
+            return self.fit.cost
+        rest = self._rest(self._fitted, self.fit.residual[:, None])[:, 0]
+        return float(rest @ rest)
 
     def _rest(self, taken: frozenset[str], columns: Floats) -> Floats:
         """Columns without what unknowns explain, of what is looked at."""
@@ -310,15 +298,15 @@ class Linear:
             return projection.rest(columns)
         return Projection(self.seen(projection.slopes), unknowns.sigma).rest(self.seen(columns))
 
-    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float, Floats]:
+    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float]:
         if taken not in self._grams:
             rest = self._rest(taken, np.column_stack([self.fit.residual, self._moves]))
             q, d = rest[:, 0], rest[:, 1:]
-            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q), rest[len(self.fit.residual) :])
+            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q))
         return self._grams[taken]
 
 
-def _possible(candidate: Candidate, alphas: Floats) -> bool:
+def possible(candidate: Candidate, alphas: Floats) -> bool:
     """Whether a law has the sign that it can have."""
     if candidate.name in ONE_SIGNED and candidate.without is None:
         return bool(alphas.max() > 0)

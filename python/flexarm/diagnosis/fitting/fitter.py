@@ -12,7 +12,7 @@ of that one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,23 +79,31 @@ class Fitter:
         best = dict(zip(fit.unknowns.keys, tempered(fit), strict=True))
         for k, unknown in enumerate(self.unknowns.each):
             at[k] = unknown.kept(best.get(unknown.key, 0.0))
-        return self._moved(at, fit)
+        return self._moved(at, fit.members)
 
-    def _moved(self, at: Floats, fit: Fit) -> Fitter:
+    def stated(self, keys: Collection[str]) -> Fitter:
+        """The same with some unknowns at the centres of their priors."""
+        return replace(self, at=np.where([u.key in keys for u in self.unknowns.each], 0.0, self.at))
+
+    def as_stated(self, keys: Collection[str], members: Sequence[Candidate]) -> Fitter:
+        """The same about a model with effects, some unknowns of which are at the centres of their priors."""
+        return self._moved(self.stated(keys).at, tuple(members))
+
+    def _moved(self, at: Floats, members: tuple[Candidate, ...]) -> Fitter:
         """The same with unknowns elsewhere; those that an effect overrules, such as a mass, where they were.
 
         Otherwise they would have moved, at no cost, in a model without that effect.
         """
         there = replace(self, at=at)
-        arm = there.with_effects(fit.members)
-        keys = fit.unknowns.keys
+        arm = there.with_effects(members)
+        keys = self.eliminated(members)[0].keys
         slopes = self.slopes.copy()
         slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(
             arm, keys, self.unknowns.steps(arm)
         )
         acting = np.where(slopes.any(axis=0), at, 0.0)
         correction = self.observed.correction(arm)
-        return replace(self, at=acting, slopes=slopes, correction=correction, members=fit.members)
+        return replace(self, at=acting, slopes=slopes, correction=correction, members=members)
 
     def centred(self) -> Fitter:
         """The same about nominal values that fit better, for those that act otherwise than in proportion.
@@ -108,7 +116,7 @@ class Fitter:
         for _ in range(CENTRED):
             best = np.clip(fit.projection.best(fit.residual), -reach, reach)
             kept = [u.kept(float(x)) for u, x in zip(self.unknowns.each, best, strict=True)]
-            about = there._moved(np.where(nominal, kept, 0.0), fit)
+            about = there._moved(np.where(nominal, kept, 0.0), fit.members)
             better = about.fit(())
             if better.cost > LESS * fit.cost:
                 break

@@ -1,0 +1,172 @@
+r"""Effects that take over what a clock, a frame or a nominal value is strained to do.
+
+A value far outside of what is stated of it stands in for an effect that moves the arm as it does: a modulus
+for a link that is stiffer, a clock for a sensor that is late. About the nominal model the two may look apart,
+as the finite steps of probes bend, and as that model's arm swings out of step with the machine's. So both are
+laid side by side about the fit that is strained, with small steps. An effect with the derivatives D takes
+over the move :math:`J_u x_u` of an unknown u where
+
+.. math:: R_u^2 = 1 - \min_\alpha |J_u x_u - D \alpha|^2 / |J_u x_u|^2 > \text{ALIKE},               (1)
+
+and with it what else it is the `SAME` as, such as all of a frame. Its fit starts with these unknowns back
+where they are stated, and with the size that makes up for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain, zip_longest
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
+from flexarm.diagnosis.choosing.screen import Probed, in_proportion, possible
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.errors import InvalidParameter, NotConverged
+
+ALIKE, SAME = 0.8, 0.98
+"""Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
+SMALL = 1e-3
+"""Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
+TAKEN = 3
+"""Effects that are fitted."""
+SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
+"""Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
+
+
+@dataclass(frozen=True, eq=False)
+class Takeover:
+    """An effect that does what some unknowns are strained to do.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        The effect.
+    alphas : ndarray
+        How much of its probes that is, to first order.
+    keys : frozenset of str
+        The unknowns that it takes over.
+    """
+
+    candidate: Candidate
+    alphas: Floats
+    keys: frozenset[str]
+
+    def member(self, times: float = 1.0) -> Candidate:
+        """The effect of that size, or of so many times that size."""
+        sized = self.candidate.sized((times * self.alphas).tolist())
+        return replace(self.candidate, effect=sized)
+
+
+def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]:
+    """Fits of what could take over what unknowns of `best` are strained to do, beside its effects.
+
+    Where others must make room, derivatives at the start lead nowhere; then they are taken anew.
+    """
+    found = []
+    for each in takeovers(fitter, probed, best):
+        with suppress(InvalidParameter, NotConverged, ValueError):
+            members = (*best.members, _matched(fitter, each, best))
+            fit = fitter.as_stated(each.keys, members).fit(members)
+            if fit.cost > best.cost:
+                fit = fitter.about(fit).fit(fit.members)
+            found.append(fit)
+    return found
+
+
+def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
+    """Of each strained unknown what is most alike, then what is so next, the most strained ones first."""
+    strained = _strained(fitter, best) if strain(best) > STRAINED else {}
+    alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in strained}
+    for candidate, moves in _small_moves(fitter, probed, best) if strained else ():
+        parts = {key: _part(move, moves) for key, move in strained.items()}
+        for key in (key for key, part in parts.items() if part > ALIKE):
+            keys = frozenset({key, *(other for other, part in parts.items() if part > SAME)})
+            alphas = _alphas(moves, np.sum([strained[each] for each in keys], axis=0))
+            if possible(candidate, alphas):
+                alike[key].append((parts[key], Takeover(candidate, alphas, keys)))
+    ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
+    found: dict[tuple[str, str], Takeover] = {}
+    for each in chain.from_iterable(zip_longest(*ranked)):
+        if each is not None and len(found) < TAKEN:
+            found.setdefault(each.candidate.place, each)
+    return list(found.values())
+
+
+def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
+    """The effect of the size that moves residuals most as the unknowns do where they are simulated.
+
+    A spring, say, adds to what gives way, of which a modulus a sixth too small has a fifth too much.
+    """
+    observed, there = fitter.observed, fitter.stated(takeover.keys)
+    wanted = observed.residual(fitter.with_effects(best.members))
+    sizes = {}
+    for times in SIZES:
+        with suppress(InvalidParameter, NotConverged, ValueError):
+            member = takeover.member(times)
+            sizes[times] = observed.residual(there.with_effects((*best.members, member))) - wanted
+    return takeover.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
+
+
+def _strained(fitter: Fitter, best: Fit) -> dict[str, Floats]:
+    """What each unknown beyond `FORBIDDEN` sigmas moves, by its key, the most strained first.
+
+    As far as it is simulated, or else as far as it would have to be.
+    """
+    values = best.projection.best(best.residual)
+    far = np.abs(values) / best.unknowns.sigma
+    simulated = dict(zip(fitter.unknowns.keys, fitter.at, strict=True))
+    found = {}
+    for k in np.argsort(-far):
+        unknown = best.unknowns.each[k]
+        if unknown.kind != "start" and far[k] > FORBIDDEN:
+            by = simulated[unknown.key] or values[k]
+            found[unknown.key] = best.projection.slopes[:, k] * by
+    return found
+
+
+def _small_moves(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> Iterator[tuple[Candidate, Floats]]:
+    """Every effect that is not there, with its derivatives by the sizes of its probes about a fit."""
+    free = [p.candidate for p in probed if p.candidate.place not in best.places]
+    others = [each for each in free if each.needs is None]  # a spring moves the arm by itself
+    proportional = [in_proportion(each, best.unknowns.keys, best.projection.slopes) for each in others]
+    nudged = [
+        _nudged(fitter, each, best) if moves is None else []
+        for each, moves in zip(others, proportional, strict=True)
+    ]
+    fitter.observed.prepare(arm for arms in nudged for arm in arms)
+    before = fitter.observed.residual(fitter.with_effects(best.members))
+    for candidate, moves, arms in zip(others, proportional, nudged, strict=True):
+        if moves is None and arms:
+            with suppress(InvalidParameter, NotConverged):
+                after = [fitter.observed.residual(arm) for arm in arms]
+                moves = np.stack([(r - before) / SMALL for r in after], axis=1)
+        if moves is not None and moves.any():
+            yield candidate, moves
+
+
+def _nudged(fitter: Fitter, candidate: Candidate, best: Fit) -> list[Arm]:
+    """Models with a small part of each probe of an effect; none where one of them cannot be."""
+    arms = []
+    for k in range(len(candidate.probes)):
+        with suppress(InvalidParameter, ValueError):
+            small = replace(candidate, effect=candidate.nudged(k, SMALL))
+            arms.append(fitter.with_effects((*best.members, small)))
+    return arms if len(arms) == len(candidate.probes) else []
+
+
+def _part(move: Floats, moves: Floats) -> float:
+    """R^2 of (1)."""
+    left = move - moves @ _alphas(moves, move)
+    return 1.0 - float(left @ left) / float(move @ move)
+
+
+def _alphas(moves: Floats, move: Floats) -> Floats:
+    """Sizes of the minimum in (1)."""
+    return np.asarray(np.linalg.lstsq(moves, move, rcond=None)[0], dtype=float)

@@ -1,0 +1,82 @@
+"""Unknowns far from what is stated of them, and the effects that do what they are strained to do."""
+
+import numpy as np
+import pytest
+from planted import run_of
+
+import flexarm
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.choosing.acceptance import spares, strain
+from flexarm.diagnosis.choosing.polish import without_effects
+from flexarm.diagnosis.choosing.screen import probe
+from flexarm.diagnosis.choosing.takeover import taken_over, takeovers
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects import LinkStiffness, TimeDelay
+from flexarm.measurement import predict
+from flexarm.record import Clock
+
+MODULUS, DELAY = "links.rod.material.youngs_modulus", "effects.time_delay.tracker.delay"
+SCALE, LATE = 1.5, 8e-3
+
+
+def seen(truth):
+    """The record of one joint as another machine makes it, whose tracker has a clock known to 2 ms."""
+    run = run_of("one joint")
+    nominal = run.simulation.arm.replace(uncertainty={MODULUS: 0.01})
+    clocks = {**run.record.clocks, "tracker": Clock(sigma=2e-3)}
+    signals = [
+        s.replace(clock="tracker") if s.quantity == "position" else s for s in run.record.signals.values()
+    ]
+    record = run.record.replace(signals=signals, clocks=clocks)
+    machine = nominal.with_effect(truth)
+    simulation = flexarm.simulate(machine, record, step=1e-3)
+    rng = np.random.default_rng(3)
+    shown = [
+        s if s.name in record.drive
+        else s.replace(values=(exact := predict(simulation, s)) + s.noise_std * rng.normal(size=exact.shape))
+        for s in record.signals.values()
+    ]  # fmt: skip
+    observed = Observed(nominal, {"run": record.replace(signals=shown)}, step=4e-3)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    null, about = without_effects(fitter.fit(()), fitter)
+    return about, probe(fitter, candidates(observed, fitter.unknowns.arm)), null
+
+
+@pytest.fixture(scope="module")
+def stiffer():
+    """A rod half as stiff again as a modulus says that is known to 1 %."""
+    return seen(LinkStiffness(at="rod", scale=SCALE))
+
+
+def test_the_stiffness_takes_over_what_the_modulus_is_strained_to_do(stiffer):
+    fitter, probed, null = stiffer
+    assert strain(null) > 30
+    first = takeovers(fitter, probed, null)[0]
+    assert (first.candidate.place, first.keys) == (("link_stiffness", "rod"), {MODULUS})
+    # To first order about the strained fit: (1 + 50 sigma)/1 is not 1 + ln 1.5.
+    assert first.member().effect.scale == pytest.approx(SCALE, rel=0.2)
+
+
+def test_its_fit_leaves_the_noise_and_the_modulus_where_it_is_stated(stiffer):
+    fitter, probed, null = stiffer
+    [found] = [f for f in taken_over(fitter, probed, null) if f.places == (("link_stiffness", "rod"),)]
+    assert strain(found) == 0.0
+    assert spares(found, null)
+    assert found.members[0].effect.scale == pytest.approx(SCALE, rel=0.03)  # the modulus is known to 1 %
+    assert found.cost < 1.1 * len(found.residual)
+
+
+def test_a_clock_takes_over_what_it_did_as_an_unknown():
+    fitter, probed, null = seen(TimeDelay(at="tip", delay=LATE))
+    first = takeovers(fitter, probed, null)[0]
+    assert (first.candidate.place, first.keys) == (("time_delay", "tracker"), {DELAY})
+    assert first.member().effect.delay == pytest.approx(LATE, rel=0.1)
+
+
+def test_nothing_is_looked_for_where_nothing_is_strained():
+    fitter, probed, null = seen(LinkStiffness(at="rod", scale=1.005))
+    made = fitter.observed.runs.made
+    assert takeovers(fitter, probed, null) == []
+    assert fitter.observed.runs.made == made
