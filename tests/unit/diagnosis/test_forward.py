@@ -183,7 +183,7 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
     monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
-    monkeypatch.setattr(promising, "_at_ends", lambda *_: [])
+    monkeypatch.setattr(promising, "quiet", lambda *_: True)
     monkeypatch.setattr(promising, "explained", lambda *_: False)
     monkeypatch.setattr(promising, "leaves_gap", lambda *_: gap)
     fitter = SimpleNamespace(fit=lambda members: members[0], observed=NOTHING)
@@ -200,8 +200,10 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted, _ = promising._promising(None, [None] * 20, None, {})
+    wanted, _ = promising._promising(None, [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
+    wanted, _ = promising._promising(None, [None] * 20, None, {}, at_ends=False)
+    assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 
 def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
@@ -217,6 +219,15 @@ def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
     assert not {"payload_offset", "transmission_error", "joint_compliance"} & {name for name, _ in values}
     prior = LinkDamping(at="upper", damping_ratio=0.02).priors(observed.arm)["damping_ratio"]
     assert values["link_damping", "upper"] == [prior.low, prior.high]
+
+
+def test_where_only_an_unknown_is_strained_only_what_takes_over_is_fitted(search, monkeypatch):
+    monkeypatch.setattr(module, "quiet", lambda *_: True)
+    monkeypatch.setattr(module, "taken_over", lambda at, probed, best: [fit("ab")])
+    assert [each.name for each in search[0]._one_more(fit("a"), None)] == ["ab"]
+    assert search[1] == []
+    monkeypatch.setattr(module, "taken_over", lambda *_: [])
+    assert {each.name for each in search[0]._one_more(fit("a"), None)} == {"ab", "ac"}
 
 
 def test_no_sets_are_tried_where_only_an_unknown_is_strained(search, monkeypatch):

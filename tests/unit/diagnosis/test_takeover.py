@@ -9,7 +9,7 @@ from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.choosing.acceptance import spares, strain
 from flexarm.diagnosis.choosing.polish import without_effects
 from flexarm.diagnosis.choosing.screen import probe
-from flexarm.diagnosis.choosing.takeover import taken_over, takeovers
+from flexarm.diagnosis.choosing.takeover import _matched, taken_over, takeovers
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.residuals.observed import Observed
@@ -54,7 +54,7 @@ def test_the_stiffness_takes_over_what_the_modulus_is_strained_to_do(stiffer):
     fitter, probed, null = stiffer
     assert strain(null) > 30
     first = takeovers(fitter, probed, null)[0]
-    assert (first.candidate.place, first.keys) == (("link_stiffness", "rod"), {MODULUS})
+    assert (first.candidate.place, set(first.values)) == (("link_stiffness", "rod"), {MODULUS})
     # To first order about the strained fit: (1 + 50 sigma)/1 is not 1 + ln 1.5.
     assert first.member().effect.scale == pytest.approx(SCALE, rel=0.2)
 
@@ -70,9 +70,20 @@ def test_its_fit_leaves_the_noise_and_the_modulus_where_it_is_stated(stiffer):
 
 def test_a_clock_takes_over_what_it_did_as_an_unknown():
     fitter, probed, null = seen(TimeDelay(at="tip", delay=LATE))
+    made = fitter.observed.runs.made
     first = takeovers(fitter, probed, null)[0]
-    assert (first.candidate.place, first.keys) == (("time_delay", "tracker"), {DELAY})
+    assert (first.candidate.place, set(first.values)) == (("time_delay", "tracker"), {DELAY})
     assert first.member().effect.delay == pytest.approx(LATE, rel=0.1)
+    assert fitter.observed.runs.made == made
+
+
+def test_it_starts_as_far_as_the_unknown_was():
+    """About a model with the clock where it is stated, too: from there the unknown is only to first order."""
+    about, probed, _ = seen(TimeDelay(at="tip", delay=LATE))
+    nominal = about.moved_to({DELAY: 0.0})
+    start = nominal.fit(())
+    first = takeovers(nominal, probed, start)[0]
+    assert _matched(nominal, first, start).effect.delay == pytest.approx(LATE, rel=0.1)
 
 
 def test_nothing_is_looked_for_where_nothing_is_strained():

@@ -143,11 +143,15 @@ class _Search:
         return better, there
 
     def _one_more(self, best: Fit, about: Fitter) -> list[Fit]:
-        """Models with an effect more: what takes over where unknowns are strained, and what promises most."""
+        """Models with an effect more: what takes over where unknowns are strained, and what promises most.
+
+        Only the former, if there is such, where nothing but that strain is left.
+        """
         here, at = (best, about) if best.members else (self.null, self.about_null)
         found = taken_over(at, self.probed, here)
-        here = best if best.members else self.start
-        found += larger_fits(about, self.probed, here, self.null, places=self.places, found=found)
+        if not (found and quiet(here, self.null, self.observed)):
+            here = best if best.members else self.start
+            found += larger_fits(about, self.probed, here, self.null, places=self.places, found=found)
         self.tried += found
         return found
 

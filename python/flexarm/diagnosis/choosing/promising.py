@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.choosing.acceptance import DENT, explained, leaves_gap
+from flexarm.diagnosis.choosing.acceptance import DENT, explained, leaves_gap, quiet
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.diagnosis.choosing.slow import slow_part
 from flexarm.diagnosis.fitting.fit import Fit
@@ -61,7 +61,8 @@ def larger_fits(
             sets = one_variant(together(fitter, probed, best, size, slow), SETS)
             more += _fitted(fitter, sets, best, null, PAIRS)
         return more
-    wanted, others = _promising(fitter, probed, best, places)
+    at_ends = not quiet(best, null, fitter.observed)
+    wanted, others = _promising(fitter, probed, best, places, at_ends)
     more = _fitted(fitter, wanted, best, null)
     if _all_leave_gaps([*found, *more], null, fitter.observed):
         more += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
@@ -136,12 +137,15 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 
 
 def _promising(
-    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str]
+    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
 ) -> tuple[list[Share], list[Share]]:
-    """Single candidates: those that explain most, and others."""
+    """Single candidates: those that explain most, and others.
+
+    Where the best promises little, laws are looked at `at_ends` too.
+    """
     shares = one_variant(screen(fitter, probed, best, places), len(probed))
     sharp = sharpened(fitter, shares[: 2 * TRIED], best)
-    if not sharp or sharp[0].share < HALF:
+    if at_ends and (not sharp or sharp[0].share < HALF):
         sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
     wanted = sharp[:TRIED]
     there = {share.places for share in wanted}

@@ -14,7 +14,7 @@ where they are stated, and with the size that makes up for them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
@@ -50,13 +50,13 @@ class Takeover:
         The effect.
     alphas : ndarray
         How much of its probes that is, to first order.
-    keys : frozenset of str
-        The unknowns that it takes over.
+    values : dict of str to float
+        The unknowns that it takes over, and where they are.
     """
 
     candidate: Candidate
     alphas: Floats
-    keys: frozenset[str]
+    values: Mapping[str, float]
 
     def member(self, times: float = 1.0) -> Candidate:
         """The effect of that size, or of so many times that size."""
@@ -73,7 +73,7 @@ def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]
     for each in takeovers(fitter, probed, best):
         with suppress(InvalidParameter, NotConverged, ValueError):
             members = (*best.members, _matched(fitter, each, best))
-            fit = fitter.as_stated(each.keys, members).fit(members)
+            fit = fitter.as_stated(each.values, members).fit(members)
             if fit.cost > best.cost:
                 fit = fitter.about(fit).fit(fit.members)
             found.append(fit)
@@ -84,13 +84,9 @@ def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeo
     """Of each strained unknown what is most alike, then what is so next, the most strained ones first."""
     strained = _strained(fitter, best) if strain(best) > STRAINED else {}
     alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in strained}
-    for candidate, moves in _small_moves(fitter, probed, best) if strained else ():
-        parts = {key: _part(move, moves) for key, move in strained.items()}
-        for key in (key for key, part in parts.items() if part > ALIKE):
-            keys = frozenset({key, *(other for other, part in parts.items() if part > SAME)})
-            alphas = _alphas(moves, np.sum([strained[each] for each in keys], axis=0))
-            if possible(candidate, alphas):
-                alike[key].append((parts[key], Takeover(candidate, alphas, keys)))
+    for candidate, moves in _moves(fitter, probed, best, set(strained)) if strained else ():
+        for key, part, takeover in _takes_over(candidate, moves, strained):
+            alike[key].append((part, takeover))
     ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
     found: dict[tuple[str, str], Takeover] = {}
     for each in chain.from_iterable(zip_longest(*ranked)):
@@ -99,13 +95,45 @@ def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeo
     return list(found.values())
 
 
+def _moves(
+    fitter: Fitter, probed: Sequence[Probed], best: Fit, strained: Set[str]
+) -> Iterator[tuple[Candidate, Floats]]:
+    """Effects that are not there, with derivatives by the sizes of their probes about a fit.
+
+    Nothing is simulated for clocks alone: late readings look like nothing that an arm does.
+    """
+    free = [p.candidate for p in probed if p.candidate.place not in best.places]
+    others = []
+    for candidate in free:
+        moves = in_proportion(candidate, best.unknowns.keys, best.projection.slopes)
+        if moves is not None:
+            yield candidate, moves
+        elif candidate.needs is None:  # a spring that is needed moves the arm by itself
+            others.append(candidate)
+    kinds = {unknown.kind for unknown in best.unknowns.each if unknown.key in strained}
+    if kinds != {"clock"}:
+        yield from _small_moves(fitter, others, best)
+
+
+def _takes_over(
+    candidate: Candidate, moves: Floats, strained: Mapping[str, tuple[Floats, float]]
+) -> Iterator[tuple[str, float, Takeover]]:
+    """Unknowns that an effect takes over, R^2 of (1), and how."""
+    parts = {key: _part(move, moves) for key, (move, _) in strained.items()}
+    for key in (key for key, part in parts.items() if part > ALIKE):
+        taken = {other: at for other, (_, at) in strained.items() if other == key or parts[other] > SAME}
+        alphas = _alphas(moves, np.sum([strained[other][0] for other in taken], axis=0))
+        if possible(candidate, alphas):
+            yield key, parts[key], Takeover(candidate, alphas, taken)
+
+
 def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
-    """The effect of the size that moves residuals most as the unknowns do where they are simulated.
+    """The effect of the size that moves residuals most as the unknowns do where they are.
 
     A spring, say, adds to what gives way, of which a modulus a sixth too small has a fifth too much.
     """
-    observed, there = fitter.observed, fitter.stated(takeover.keys)
-    wanted = observed.residual(fitter.with_effects(best.members))
+    observed, there = fitter.observed, fitter.moved_to(dict.fromkeys(takeover.values, 0.0))
+    wanted = observed.residual(fitter.moved_to(takeover.values).with_effects(best.members))
     sizes = {}
     for times in SIZES:
         with suppress(InvalidParameter, NotConverged, ValueError):
@@ -114,10 +142,10 @@ def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
     return takeover.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
 
 
-def _strained(fitter: Fitter, best: Fit) -> dict[str, Floats]:
-    """What each unknown beyond `FORBIDDEN` sigmas moves, by its key, the most strained first.
+def _strained(fitter: Fitter, best: Fit) -> dict[str, tuple[Floats, float]]:
+    """What each unknown beyond `FORBIDDEN` sigmas moves, and where it is, the most strained first.
 
-    As far as it is simulated, or else as far as it would have to be.
+    That is where it is simulated, or else where it would have to be.
     """
     values = best.projection.best(best.residual)
     far = np.abs(values) / best.unknowns.sigma
@@ -126,29 +154,24 @@ def _strained(fitter: Fitter, best: Fit) -> dict[str, Floats]:
     for k in np.argsort(-far):
         unknown = best.unknowns.each[k]
         if unknown.kind != "start" and far[k] > FORBIDDEN:
-            by = simulated[unknown.key] or values[k]
-            found[unknown.key] = best.projection.slopes[:, k] * by
+            at = float(simulated[unknown.key] or values[k])
+            found[unknown.key] = (best.projection.slopes[:, k] * at, at)
     return found
 
 
-def _small_moves(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> Iterator[tuple[Candidate, Floats]]:
-    """Every effect that is not there, with its derivatives by the sizes of its probes about a fit."""
-    free = [p.candidate for p in probed if p.candidate.place not in best.places]
-    others = [each for each in free if each.needs is None]  # a spring moves the arm by itself
-    proportional = [in_proportion(each, best.unknowns.keys, best.projection.slopes) for each in others]
-    nudged = [
-        _nudged(fitter, each, best) if moves is None else []
-        for each, moves in zip(others, proportional, strict=True)
-    ]
+def _small_moves(
+    fitter: Fitter, others: Sequence[Candidate], best: Fit
+) -> Iterator[tuple[Candidate, Floats]]:
+    """Those derivatives from small steps of each effect."""
+    nudged = [_nudged(fitter, each, best) for each in others]
     fitter.observed.prepare(arm for arms in nudged for arm in arms)
     before = fitter.observed.residual(fitter.with_effects(best.members))
-    for candidate, moves, arms in zip(others, proportional, nudged, strict=True):
-        if moves is None and arms:
-            with suppress(InvalidParameter, NotConverged):
-                after = [fitter.observed.residual(arm) for arm in arms]
-                moves = np.stack([(r - before) / SMALL for r in after], axis=1)
-        if moves is not None and moves.any():
-            yield candidate, moves
+    for candidate, arms in zip(others, nudged, strict=True):
+        with suppress(InvalidParameter, NotConverged):
+            after = [fitter.observed.residual(arm) for arm in arms]
+            moves = np.array([(r - before) / SMALL for r in after]).T
+            if moves.any():
+                yield candidate, moves
 
 
 def _nudged(fitter: Fitter, candidate: Candidate, best: Fit) -> list[Arm]:

@@ -12,7 +12,7 @@ of that one.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -81,13 +81,14 @@ class Fitter:
             at[k] = unknown.kept(best.get(unknown.key, 0.0))
         return self._moved(at, fit.members)
 
-    def stated(self, keys: Collection[str]) -> Fitter:
-        """The same with some unknowns at the centres of their priors."""
-        return replace(self, at=np.where([u.key in keys for u in self.unknowns.each], 0.0, self.at))
+    def moved_to(self, values: Mapping[str, float]) -> Fitter:
+        """The same with some unknowns elsewhere, from their centres; derivatives stay."""
+        at = [values.get(unknown.key, x) for unknown, x in zip(self.unknowns.each, self.at, strict=True)]
+        return replace(self, at=np.array(at))
 
-    def as_stated(self, keys: Collection[str], members: Sequence[Candidate]) -> Fitter:
+    def as_stated(self, keys: Iterable[str], members: Sequence[Candidate]) -> Fitter:
         """The same about a model with effects, some unknowns of which are at the centres of their priors."""
-        return self._moved(self.stated(keys).at, tuple(members))
+        return self._moved(self.moved_to(dict.fromkeys(keys, 0.0)).at, tuple(members))
 
     def _moved(self, at: Floats, members: tuple[Candidate, ...]) -> Fitter:
         """The same with unknowns elsewhere; those that an effect overrules, such as a mass, where they were.
