@@ -23,7 +23,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.candidates.candidate import SPRINGS, WAVES, Candidate
 from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
 from flexarm.diagnosis.choosing.screen import Probed, in_proportion, possible
 from flexarm.diagnosis.fitting.fit import Fit
@@ -103,16 +103,25 @@ def _moves(
     Nothing is simulated for clocks alone: late readings look like nothing that an arm does.
     """
     free = [p.candidate for p in probed if p.candidate.place not in best.places]
-    others = []
+    others: list[Candidate] = []
     for candidate in free:
         moves = in_proportion(candidate, best.unknowns.keys, best.projection.slopes)
         if moves is not None:
             yield candidate, moves
-        elif candidate.needs is None:  # a spring that is needed moves the arm by itself
+        elif not _unlike(candidate, others):
             others.append(candidate)
     kinds = {unknown.kind for unknown in best.unknowns.each if unknown.key in strained}
     if kinds != {"clock"}:
         yield from _small_moves(fitter, others, best)
+
+
+def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+    """Whether an effect moves nothing as an unknown does, or as it does in small steps of another variant.
+
+    Waves have frequencies of their own, and a spring that another law needs moves the arm by itself.
+    """
+    again = candidate.name in SPRINGS and candidate.place in {other.place for other in others}
+    return candidate.name in WAVES or candidate.needs is not None or again
 
 
 def _takes_over(
