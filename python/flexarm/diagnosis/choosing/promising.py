@@ -162,11 +162,10 @@ def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]
         if candidate.place in best.places or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
-        prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
-        for value in (prior.low, prior.high):
-            with suppress(InvalidParameter, ValueError):
-                effect = candidate.effect.with_parameters({name: value})
-                found.append(Share((replace(candidate, effect=effect),), 0.0))
+        with suppress(InvalidParameter, ValueError):
+            prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
+            ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
+            found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]
     return found
 
 
