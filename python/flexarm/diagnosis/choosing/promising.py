@@ -61,7 +61,7 @@ def larger_fits(
             sets = one_variant(together(fitter, probed, best, size, slow), SETS)
             more += _fitted(fitter, sets, best, null, PAIRS)
         return more
-    at_ends = not quiet(best, null, fitter.observed)
+    at_ends = not found or not quiet(best, null, fitter.observed)
     wanted, others = _promising(fitter, probed, best, places, at_ends)
     more = _fitted(fitter, wanted, best, null)
     if _all_leave_gaps([*found, *more], null, fitter.observed):
