@@ -9,7 +9,7 @@ from arms import LENGTH, G, arm, beam, hinge, point
 from flexarm.arm.sensor import Sensor
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import CannotMeasure, ClockError, Registration, measure, predict
-from flexarm.measurement.sampling import EARLY
+from flexarm.measurement.sampling import EARLY, sample
 from flexarm.record import Clock, Frame
 
 HEIGHT, RATIO = 0.4, 120.0
@@ -87,6 +87,17 @@ def test_torque_at_the_shaft_is_the_output_torque_over_the_ratio():
     _, output = noiseless(quantity="motor_torque", joint="hinge", side="output")
     np.testing.assert_allclose(shaft * RATIO, output, rtol=1e-12)
     np.testing.assert_allclose(output[:, 0], 500 * np.sin(angle(t)), atol=1e-3)
+
+
+def test_quantities_without_rates_take_differences_of_uneven_steps():
+    """Central ones of a parabola are exact, and so is what lies between; at both ends they are one-sided."""
+    time = np.array([0.0, 0.1, 0.3, 0.4, 0.8, 0.9])
+    between = np.linspace(0.1, 0.8, 30)
+    assert sample(time, time**2, between) == pytest.approx(between**2, abs=1e-14)
+    ends = np.array([0.05, 0.85])
+    rates = np.gradient(time**2, time)
+    assert sample(time, time**2, ends) == pytest.approx(sample(time, time**2, ends, rates))
+    assert sample(time[:2], time[:2], np.array([0.05])) == pytest.approx(0.05)
 
 
 def test_position_is_sampled_at_the_sensors_own_instants():

@@ -196,5 +196,5 @@ def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffect
 
 
 def _sum(vectors: Iterable[Vector]) -> Vector:
-    x, y, z = np.sum([(0.0, 0.0, 0.0), *vectors], axis=0).tolist()
+    x, y, z = map(sum, zip((0.0, 0.0, 0.0), *vectors, strict=True))
     return x, y, z

@@ -12,6 +12,7 @@ the stated pose left out, (1) is the effects `frame_registration` and `frame_dri
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -28,13 +29,16 @@ def rotation_matrix(vector: Floats) -> Floats:
     return found
 
 
+@lru_cache(maxsize=64)  # every reading needs that of its frame
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
-    """R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it, shape (3, 3)."""
-    return (
+    """R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it, shape (3, 3), read-only."""
+    found = (
         rotation_matrix(np.array([0, 0, yaw]))
         @ rotation_matrix(np.array([0, pitch, 0]))
         @ rotation_matrix(np.array([roll, 0, 0]))
     )
+    found.setflags(write=False)
+    return found
 
 
 @dataclass(frozen=True)

@@ -96,17 +96,30 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
     i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
     h = time[i + 1] - time[i]
     s, h = _column((inside - time[i]) / h, values), _column(h, values)
-    slope = np.gradient(values, time, axis=0) if rates is None else rates
+    v_0, v_1 = (_slope(time, values, k) if rates is None else rates[k] for k in (i, i + 1))
     found = (
         (1 + 2 * s) * (1 - s) ** 2 * values[i]
-        + s * (1 - s) ** 2 * h * slope[i]
+        + s * (1 - s) ** 2 * h * v_0
         + s**2 * (3 - 2 * s) * values[i + 1]
-        - s**2 * (1 - s) * h * slope[i + 1]
+        - s**2 * (1 - s) * h * v_1
     )  # eq. (1)
     if rates is not None:
         found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]
     late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))
     return np.where(_column(late, values), np.nan, found)
+
+
+def _slope(time: Floats, values: Floats, i: NDArray[np.intp]) -> Floats:
+    """Differences at steps i alone, central and exact of a parabola; one-sided at both ends."""
+    if len(time) < 3:
+        return np.asarray(np.gradient(values, time, axis=0)[i])
+    j = np.clip(i, 1, len(time) - 2)  # the middle one of three
+    h_0, h_1 = _column(time[j] - time[j - 1], values), _column(time[j + 1] - time[j], values)
+    v_0, v_1 = (values[j] - values[j - 1]) / h_0, (values[j + 1] - values[j]) / h_1
+    at = _column(i - j, values)
+    inside = (h_1 * v_0 + h_0 * v_1) / (h_0 + h_1)
+    found: Floats = np.where(at == 0, inside, np.where(at < 0, v_0, v_1))
+    return found
 
 
 def _column(values: NDArray[Any], like: Floats) -> NDArray[Any]:
