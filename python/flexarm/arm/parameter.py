@@ -126,15 +126,15 @@ def with_value(arm: Arm, key: str, value: float) -> Arm:
 
 
 def neighbours(
-    arm: Arm, parameter: Parameter, step: float | None = None
+    arm: Arm, parameter: Parameter, step: float | None = None, part: float = _STEP
 ) -> tuple[tuple[Arm, float], tuple[Arm, float]]:
-    """The arm with the parameter a little up and a little down, or by a step, each with the change.
+    """The arm with the parameter up and down by a part of its size, or by a step, each with the change.
 
     At the limit of what is allowed one of them is the arm itself, with a change of zero.
     """
     path = path_of(arm, parameter.key)
     arm = _with_fixed_axes(arm, path)
-    size = _STEP * _size(arm, parameter, path) if step is None else step
+    size = part * _size(arm, parameter, path) if step is None else step
 
     def moved(change: float) -> tuple[Arm, float]:
         value = parameter.value + change

@@ -100,12 +100,14 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
 
 
 def in_proportion(candidate: Candidate, keys: Sequence[str], slopes: Floats) -> Floats | None:
-    """Moves of a clock or frame, from the derivatives by it as it is no effect; None of all else.
+    """Moves of a clock, frame or reflector, from the derivatives by it as it is no effect; None of all else.
 
     A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
-    explain less as an effect.
+    explain less as an effect. A reflector is a point elsewhere, and needs no simulation.
     """
     own = [f"effects.{candidate.name}.{candidate.at}.{name}" for name in candidate.free]
+    if candidate.name == "reflector_offset":
+        own = [f"points.{candidate.at}.{name.replace('offset', 'position')}" for name in candidate.free]
     if not set(own) <= set(keys):
         return None
     steps = [[value_of(probe, name) for probe in candidate.probes] for name in candidate.free]
@@ -182,17 +184,24 @@ def together(
 
 
 def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
-    """Shares taken anew with each set at the size found, since laws bend between a probe and that size."""
+    """Shares taken anew with each set at the size found, since laws bend between a probe and that size.
+
+    What a set moves is a difference, simulated in longer steps as probes are.
+    """
+    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
     models = []
     for share in shares:
         members = (*fit.members, *share.members)
         with suppress(InvalidParameter):  # a ripple that would turn the output back
             models.append((share, members, fitter.with_effects(members)))
-    fitter.observed.prepare(arm for _, _, arm in models)
+    coarse.observed.prepare(arm for _, _, arm in models)
+    if not models:
+        return []
+    before = coarse.residual(fit.members)
     found = []
     for share, members, _ in models:
         try:
-            move = fitter.residual(members) - fit.residual
+            move = coarse.residual(members) - before
         except (InvalidParameter, NotConverged):
             continue
         _, projection = fitter.eliminated(members)

@@ -21,6 +21,7 @@ from flexarm.arm import Arm
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.residuals.corners import CORNERS
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
@@ -32,8 +33,6 @@ STEP, ACROSS = 3e-4, 1e-2
 A hundredth of a sigma of a stiffness turns the phase of a vibration by tenths of a radian in a minute. The
 derivative was off by 4 % then, which told it from the link's modulus, though nothing can.
 """
-CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
-"""Laws with corners."""
 TURN = 0.01
 """Most that the step of a frequency may turn the phase until the end of a record [rad]."""
 

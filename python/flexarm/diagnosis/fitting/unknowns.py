@@ -17,7 +17,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters, with_value
 from flexarm.comparison.unknowns import drive_clock
-from flexarm.diagnosis.fitting.coordinate import CORNERS
+from flexarm.diagnosis.residuals.corners import has_corners
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.residuals.starts import SIGMA
 from flexarm.effects.frame_registration import FrameRegistration
@@ -123,7 +123,7 @@ class Unknowns:
 
         What hits a stop a little earlier swings on out of step: small differences say what the next hit does.
         """
-        if not any(effect.name in CORNERS for effect in arm.effects):
+        if not has_corners(arm):
             return {}
         return {
             u.key: min(OVER_RIPPLES * u.sigma, WIDEST * abs(u.centre) or u.sigma)

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -27,15 +28,20 @@ from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import stated
 from flexarm.diagnosis.at_once import at_once
+from flexarm.diagnosis.residuals.corners import has_corners
 from flexarm.diagnosis.residuals.observed_rows import Rows, evidence_rows, put_over_noise
 from flexarm.diagnosis.residuals.residual_slopes import differences, pose_slopes
 from flexarm.diagnosis.residuals.runs import Runs
 from flexarm.diagnosis.residuals.starts import Start, start_slopes, starts_of
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.measurement.effects_of import SensorEffects
 from flexarm.record import Record
 
 KEPT_RESIDUALS = 400
 """Number of residuals that are remembered."""
+
+_Seen = WeakKeyDictionary[Any, dict[tuple[str, SensorEffects], Floats]]
+"""What is left of each signal beside a run that is still there, by the effects on its sensor."""
 
 
 @dataclass(eq=False)
@@ -75,6 +81,7 @@ class Observed:
     starts: tuple[Start, ...] = field(init=False, default=())
     runs: Runs = field(init=False)
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
+    _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)
 
     def __post_init__(self) -> None:
         self.runs = Runs(self.records, self.step, self.alpha)
@@ -147,13 +154,18 @@ class Observed:
                 self._residuals.popitem(last=False)
         return self._residuals[key]
 
-    def put(self, found: Floats, name: str, pair: Subject) -> None:
-        """Writes the rows of one record into a residual."""
+    def put(self, found: Floats, name: str, pair: Subject, rows: Iterable[Rows] | None = None) -> None:
+        """Writes the rows of one record into a residual, or some of them."""
+        seen = self._seen.setdefault(pair.simulation, {})
 
-        def of_signal(signal: str) -> Floats:
-            return pair.residual(pair.record.signals[signal], self.placement[name], hold=True)
+        def of_signal(name_of: str) -> Floats:
+            signal = pair.record.signals[name_of]
+            key = (name_of, pair.effects(signal))
+            if key not in seen:
+                seen[key] = pair.residual(signal, self.placement[name], hold=True)
+            return seen[key]
 
-        put_over_noise(found, self.rows_of(name), of_signal)
+        put_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
 
     def prepare(self, arms: Iterable[Arm]) -> None:
         """Computes residuals of many models, `jobs` at once; `residual` says later which of them failed."""
@@ -168,12 +180,18 @@ class Observed:
     def correction(self, arm: Arm) -> Floats:
         """What (1) misses of its value for vanishing time steps h, shape (len(self),).
 
-        r(h/4) + (r(h/4) - r(h/2))/3 - r(h): Richardson's extrapolation, as the method is of order two.
+        r(h/2) + (r(h/2) - r(h))/3 - r(h): Richardson's extrapolation, as the method is of order two. Where
+        h/2 moves more than the noise, or laws have corners, that shows in smaller steps: with h/2 and h/4.
         """
         if all(record.kind == "static" for record in self.records.values()):
             return np.zeros(len(self))
-        half, quarter = (self.with_step(self.step / n).residual(arm) for n in (2, 4))
-        found: Floats = quarter + (quarter - half) / 3 - self.residual(arm)
+        coarse = self.residual(arm)
+        half = self.with_step(self.step / 2).residual(arm)
+        if has_corners(arm) or np.mean((half - coarse) ** 2) > 1.0:
+            fine, finer = half, self.with_step(self.step / 4).residual(arm)
+        else:
+            fine, finer = coarse, half
+        found: Floats = finer + (finer - fine) / 3 - coarse
         return found
 
     def slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})) -> Floats:

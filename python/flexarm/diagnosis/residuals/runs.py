@@ -40,7 +40,7 @@ class Runs:
     def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:
         self.records, self.step, self.alpha = records, step, alpha
         self.made = 0
-        self._runs: OrderedDict[Any, Any] = OrderedDict()
+        self._runs: OrderedDict[Any, Subject] = OrderedDict()
         self._drives: dict[Any, Drive] = {}
 
     def with_step(self, step: float) -> Runs:
@@ -53,25 +53,22 @@ class Runs:
         """A run of the model, beside the record that it repeats."""
         record = self.records[name]
         carried = record.applied_to(arm)
+        key = (name, *_mechanics(record, carried))
+        run = self._runs.get(key)
+        if run is None:
+            self.made += 1
+            run = self._runs[key] = self._made(name, carried)
+            while len(self._runs) > KEPT_RUNS:
+                self._runs.popitem(last=False)
+        return replace(run, arm=carried)
+
+    def _made(self, name: str, arm: Arm) -> Subject:
+        """A run."""
+        record = self.records[name]
         if record.kind == "static":
             inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
-            return subject(self._run(name, carried), record, pose_numbers(record), inputs, carried)
-        return subject(self._run(name, carried), record, arm=carried)
-
-    def _run(self, name: str, arm: Arm) -> Any:
-        """The simulation, made or remembered."""
-        record = self.records[name]
-        key = (name, *_mechanics(record, arm))
-        run = self._runs.get(key)
-        if run is not None:
-            return run
-        self.made += 1
-        poses = record.kind == "static"
-        run = solve_poses(arm, record) if poses else self._along(self.drive(name, arm), name, arm)
-        self._runs[key] = run
-        while len(self._runs) > KEPT_RUNS:
-            self._runs.popitem(last=False)
-        return run
+            return subject(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+        return subject(self._along(self.drive(name, arm), name, arm), record, arm=arm)
 
     def jerked(self, start: Start, arm: Arm, height: float) -> Subject:
         """A run beside its record that a jerk of a drive comes before."""

@@ -1,0 +1,100 @@
+"""Residuals of motions: what is simulated and read for them, and how exact their derivatives are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted import run_of
+
+import flexarm
+from flexarm.comparison.subject import Subject
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.choosing.screen import probe
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.residuals.runs import Runs
+from flexarm.effects import Backlash, SensorOffset
+from flexarm.measurement.slopes import predict_slopes
+
+MODULUS = "links.rod.material.youngs_modulus"
+
+
+@pytest.fixture
+def run():
+    """Half a minute of an arm of one joint that swings on at 2.4 Hz."""
+    return run_of("one joint")
+
+
+def observed(run, step):
+    return Observed(run.simulation.arm, {"run": run.record}, step=step)
+
+
+def test_what_an_imperfect_sensor_shows_costs_no_run_and_no_reading_of_the_others(run, monkeypatch):
+    there = observed(run, 4e-3)
+    arm = run.simulation.arm
+    before, made = there.residual(arm), there.runs.made
+    read, plain = [], Subject.residual
+
+    def spied(self, signal, *given, **named):
+        read.append(signal.name)
+        return plain(self, signal, *given, **named)
+
+    monkeypatch.setattr(Subject, "residual", spied)
+    after = there.residual(arm.with_effect(SensorOffset(at="tip", offset=(1e-3, 0.0, 0.0))))
+    assert (there.runs.made, read) == (made, ["tip"])
+    moved = {row.signal for row in there.rows if not np.array_equal(before[row.where], after[row.where])}
+    assert moved == {"tip"}
+
+
+@pytest.mark.parametrize("step", [4e-3, 8e-3])
+def test_derivatives_of_a_long_swing_are_those_of_the_equations(run, step):
+    """Newton's iterations stop 1e-7 m apart, half a percent of 3e-4 of the modulus at the longer step."""
+    there, arm = observed(run, step), run.simulation.arm
+    found = there.slopes(arm, [MODULUS])[:, 0]
+    drive = there.runs.drive("run", arm)
+    simulation = flexarm.simulate(
+        arm, drive, step=step, alpha=there.alpha, rotations=True, sensitivities=[MODULUS]
+    )
+    exact = np.zeros(len(there))
+    for row in there.rows:
+        signal, placement = run.record.signals[row.signal], there.placement["run"]
+        slopes = predict_slopes(simulation, signal, placement.clock(signal), placement.frame(signal))
+        exact[row.where] = -slopes[row.kept, row.channel, 0] / row.sigma
+    assert np.linalg.norm(found - exact) < 0.02 * np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("step, finest", [(4e-3, 2), (8e-3, 4)])
+def test_steps_are_halved_again_where_half_a_step_moves_more_than_the_noise(run, monkeypatch, step, finest):
+    """8 ms leave 2 sigmas of phase after half a minute, 4 ms a quarter of that."""
+    there = observed(run, step)
+    seen, plain = [], Runs._along
+    monkeypatch.setattr(Runs, "_along", lambda self, *given: seen.append(self.step) or plain(self, *given))
+    there.correction(run.simulation.arm)
+    assert min(seen) == pytest.approx(step / finest)
+
+
+def test_steps_are_halved_again_beside_laws_with_corners(run, monkeypatch):
+    there = observed(run, 4e-3)
+    steps = []
+    monkeypatch.setattr(there, "with_step", lambda step: steps.append(step) or replace(there, step=step))
+    there.correction(run.simulation.arm.with_effect(Backlash(at="hinge", gap=1e-3)))
+    assert min(steps) == pytest.approx(1e-3)
+
+
+def test_a_reflector_elsewhere_is_probed_without_a_simulation(run):
+    """Its moves are those of its point, which are known before as the point is uncertain.
+
+    Their rates are differences of turned sections, which leave 2e-6 between steps.
+    """
+    key = "points.tip.position_m"
+    arm = run.simulation.arm.replace(uncertainty={key: 1e-3})
+    there = Observed(arm, {"run": run.record}, step=4e-3)
+    fitter = Fitter.nominal(there, unknowns(there))
+    reflectors = [c for c in candidates(there, fitter.unknowns.arm) if c.place == ("reflector_offset", "tip")]
+    made = there.runs.made
+    [probed] = probe(fitter, reflectors)
+    assert there.runs.made == made
+    for k, effect in enumerate(probed.candidate.probes):
+        moved = there.residual(fitter.start.with_effect(effect)) - there.residual(fitter.start)
+        assert probed.moves[:, k] == pytest.approx(moved, abs=1e-5 * np.abs(moved).max())
