@@ -103,6 +103,29 @@ def test_a_frequency_is_found_to_a_small_part_of_a_turn(run):
     assert (found.amplitude, found.phase) == pytest.approx((60.0, 0.6), rel=0.02)
 
 
+@pytest.mark.parametrize("part, kept", [(0.001, True), (0.05, False)], ids=["a little", "far"])
+def test_derivatives_by_unknowns_are_kept_where_they_foretold_the_step(run, part, kept):
+    """Of phases that a modulus turns: 1/1000 of it by 0.2 rad in half a minute, 1/20 by turns."""
+    key = "links.rod.material.youngs_modulus"
+    nominal = run.simulation.arm.replace(uncertainty={key: 0.05})
+    modulus = nominal.link("rod").material.youngs_modulus
+    both = observed(nominal, seen(run, with_value(nominal, key, (1 + part) * modulus)), step=4e-3)
+    fitter = Fitter.nominal(both, unknowns(both))
+    found = fitter.fit(())
+    k = fitter.unknowns.keys.index(key)
+    there = fitter.towards(found)
+    assert (there.slopes is fitter.slopes) == kept
+    assert there.at[k] == pytest.approx(found.projection.best(found.residual)[k], rel=1e-3)
+    assert not np.array_equal(there.correction, fitter.correction)
+
+
+def test_derivatives_beside_other_effects_are_taken_anew(run):
+    both = observed(run.simulation.arm, run.record, step=4e-3)
+    fitter = Fitter.nominal(both, unknowns(both))
+    spring = [c for c in candidates(both, fitter.unknowns.arm) if c.name == "joint_compliance"][:1]
+    assert fitter.towards(fitter.evaluated(spring)).members != fitter.members
+
+
 def test_a_value_that_an_effect_overrules_stays_where_it_was(run):
     """A load's mass beside an effect that states it: moved along at no cost, it would replace the effect."""
     nominal = run.simulation.arm

@@ -29,6 +29,13 @@ def fit(names):
     return SimpleNamespace(members=tuple(names), cost=COST[names], name=names)
 
 
+def made(names):
+    """The same with places."""
+    found = fit(names)
+    found.places = found.members
+    return found
+
+
 @pytest.fixture
 def search(monkeypatch):
     """A search whose fits are looked up, and the models from which single effects were added."""
@@ -102,18 +109,35 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     monkeypatch.setitem(COST, "ad", 25)
     monkeypatch.setitem(COST, "bd", 19)
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
-    about = SimpleNamespace(fit=lambda members: fit("".join(members)), observed=None)
+    about = SimpleNamespace(fit=lambda members: made("".join(members)), observed=None)
     about.about = lambda best: about
-    ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=fit("bd"))
+    ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=made("bd"))
 
     def with_rivals(best, fitter):
         rivals = [[ahead]] if best.name == "ad" else []
         return SimpleNamespace(best=best, fitter=fitter, rivals=rivals)
 
     monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
-    choice = search[0].weighed(fit("ad"), about)
+    choice = search[0].weighed(made("ad"), about)
     assert choice.best.name == "b"
     assert [each.name for each in search[0].tried] == ["ad"]
+
+
+def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, monkeypatch):
+    weighed = []
+    monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
+    monkeypatch.setattr(module, "_backward", lambda about, best, null: (best, about))
+    about = SimpleNamespace(observed=None)
+    about.about = lambda best: about
+
+    def with_rivals(best, fitter):
+        weighed.append(best.name)
+        other = SimpleNamespace(behind=-0.1, foretells=True, fit=made("b" if best.name == "a" else "a"))
+        return SimpleNamespace(best=best, fitter=fitter, rivals=[[other]])
+
+    monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
+    assert search[0].weighed(made("a"), about).best.name == "b"
+    assert weighed == ["a", "b"]
 
 
 @pytest.mark.parametrize("cost, chosen", [(50, "bd"), (5, "b")], ids=["gone on from", "all explained"])
@@ -189,6 +213,16 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     fitter = SimpleNamespace(fit=lambda members: members[0], observed=NOTHING)
     nothing = SimpleNamespace(members=())
     assert len(promising.larger_fits(fitter, [None] * 20, nothing, nothing)) == tried
+
+
+def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(monkeypatch):
+    shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.5**k) for k in range(20)]
+    monkeypatch.setattr(promising, "screen", lambda *_: shares)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    wanted, others = promising._promising(None, [None] * 20, None, {}, at_ends=False)
+    assert len(wanted) == 6
+    assert [share.share for share in others] == [0.5**6]  # the next is 0.8 %
 
 
 @pytest.mark.parametrize("most, first", [(0.4, "far"), (0.6, "near")], ids=["little promised", "enough"])

@@ -86,7 +86,7 @@ def test_what_came_close_on_the_way_is_a_rival():
 
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
     """Beside derivatives of the nominal model both are poor; the chosen one has come to rest since."""
-    monkeypatch.setattr(rivals, "further", lambda fit, about: (Made("settled", 1.0, 1.0, 99.0), about))
+    monkeypatch.setattr(rivals, "further", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about))
     about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     fitter = SimpleNamespace(observed=None, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))

@@ -13,7 +13,7 @@ from flexarm.diagnosis.choosing.takeover import _matched, taken_over, takeovers
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.effects import LinkStiffness, TimeDelay
+from flexarm.effects import LinkStiffness, PayloadMass, TimeDelay
 from flexarm.measurement import predict
 from flexarm.record import Clock
 
@@ -84,6 +84,15 @@ def test_it_starts_as_far_as_the_unknown_was():
     start = nominal.fit(())
     first = takeovers(nominal, probed, start)[0]
     assert _matched(nominal, first, start).effect.delay == pytest.approx(LATE, rel=0.1)
+
+
+def test_nothing_is_looked_for_where_something_else_strains_the_unknowns():
+    """A load half as heavy again: the modulus that is strained by it makes up for less than a third."""
+    fitter, probed, null = seen(PayloadMass(at="load", mass=21.0))
+    assert strain(null) > 1.0
+    made = fitter.observed.runs.made
+    assert takeovers(fitter, probed, null) == []
+    assert fitter.observed.runs.made == made
 
 
 def test_nothing_is_looked_for_where_nothing_is_strained():

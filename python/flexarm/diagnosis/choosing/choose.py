@@ -180,11 +180,17 @@ class _Search:
         return explained(fit, self.null, self.observed)
 
     def weighed(self, best: Fit, about: Fitter) -> Choice:
-        """A model with the rivals of its effects, after those that are ahead have taken their places."""
-        choice = self._with_rivals(best, about)
+        """A model with the rivals of its effects, after those that are ahead have taken their places.
+
+        None does so twice: of two that are equal each may be ahead of the other by a little.
+        """
+        choice, chosen = self._with_rivals(best, about), []
         for _ in range(OVERTAKEN):
             ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
             if ahead is None or ahead.behind >= 0 or not ahead.foretells:
+                break
+            chosen.append(set(choice.best.places))
+            if set(ahead.fit.places) in chosen:
                 break
             self.tried.append(choice.best)  # which is the other's rival now
             fewer = _backward(choice.fitter.about(ahead.fit), ahead.fit, self.null)

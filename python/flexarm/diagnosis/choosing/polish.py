@@ -52,7 +52,7 @@ def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     best, there, idle = fit, about, 0
     with suppress(*FAILED):
         while idle < IDLE and not _quiet(best, about):
-            ahead, at = further(best, there)
+            ahead, at = further(best, there, anew=False)
             fell = objective(best) - objective(ahead)
             if fell < STILL * sigma_squared(best):
                 break
@@ -88,10 +88,11 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     return (here, at) if rests else (fit, about)
 
 
-def further(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
+def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
     """A step of Newton from a fit; where that leads up, as with laws that bend, a fit about what it found.
 
-    Never one of which the objective is higher than that of the fit, all derivatives taken about it.
+    Never one of which the objective is higher than that of the fit, all derivatives taken about it. Those by
+    unknowns are taken `anew` after the step, or where they did not foretell it.
 
     Raises
     ------
@@ -100,7 +101,7 @@ def further(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     """
     here, at = evaluated(fit, about)
     with suppress(*FAILED):
-        ahead, there = stepped(here, at)
+        ahead, there = stepped(here, at, anew)
         if objective(ahead) < objective(here):
             return ahead, there
     again = at.fit(stepped_over(here, at))

@@ -33,6 +33,8 @@ SETS = 12
 """Sets that are looked at for those: some are of sizes that cannot be simulated."""
 HALF = 0.5
 """What the best must promise, or laws are looked at again at the ends of what is plausible."""
+LITTLE = 0.01
+"""Least share of those many more: a third of what a gap must lose to an effect that leaves one."""
 FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 AHEAD = 0.9
@@ -149,7 +151,7 @@ def _promising(
         sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
     wanted = sharp[:TRIED]
     there = {share.places for share in wanted}
-    return wanted, [share for share in sharp if share.places not in there]
+    return wanted, [share for share in sharp if share.places not in there and share.share > LITTLE]
 
 
 def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:

@@ -22,7 +22,7 @@ from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
 from flexarm.diagnosis.choosing.polish import FAILED, ROUNDS, further
-from flexarm.diagnosis.choosing.promising import PAIRS, TRIED, one_variant
+from flexarm.diagnosis.choosing.promising import FAR, PAIRS, TRIED, one_variant
 from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
 from flexarm.diagnosis.fitting.fit import Fit
@@ -77,6 +77,7 @@ def rivals_of(
     """What could stand in the place of effect k of the chosen model, the best first.
 
     Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and fitted once.
+    Beside a model that explains everything none is fitted that promises far less than the first.
     """
     observed = fitter.observed
     open_gap = leaves_gap(best, null, observed)
@@ -88,7 +89,8 @@ def rivals_of(
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
     most = PAIRS if open_gap else TRIED
-    wanted = [s.members[0] for s in sharpened(fitter, one_variant(shares, 2 * most), without)[:most]]
+    sharp = sharpened(fitter, one_variant(shares, 2 * most), without)[:most]
+    wanted = [s.members[0] for s in sharp if open_gap or s.share >= FAR * sharp[0].share]
     if not open_gap:
         wanted += _near(known, wanted, best, observed, value)
         wanted += _sticking(best.members[k], wanted, probed)
@@ -172,7 +174,7 @@ def _caught_up(
     behind = log_bayes_factor(best, fit, observed, value)
     for _ in range(0 if open_gap else ROUNDS):
         try:
-            fit, about = further(fit, about)
+            fit, about = further(fit, about, anew=False)
         except FAILED:
             break
         before, behind = behind, log_bayes_factor(best, fit, observed, value)

@@ -14,7 +14,7 @@ where they are stated, and with the size that makes up for them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
@@ -25,19 +25,25 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import SPRINGS, WAVES, Candidate
 from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
-from flexarm.diagnosis.choosing.screen import Probed, in_proportion, possible
+from flexarm.diagnosis.choosing.screen import LONGER, Probed, in_proportion, possible
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged
 
 ALIKE, SAME = 0.8, 0.98
 """Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
 SMALL = 1e-3
 """Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
+PART = 1 / 3
+"""Least part of what would be left without strained unknowns that they explain."""
 TAKEN = 3
 """Effects that are fitted."""
 SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
 """Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
+
+Strained = dict[str, tuple[Floats, float]]
+"""What unknowns move, and where they are, by their keys."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +88,10 @@ def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]
 
 def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
     """Of each strained unknown what is most alike, then what is so next, the most strained ones first."""
-    strained = _strained(fitter, best) if strain(best) > STRAINED else {}
+    strained = _strained(fitter, best) if strain(best) > STRAINED and _stand_in(best) else {}
     alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in strained}
-    for candidate, moves in _moves(fitter, probed, best, set(strained)) if strained else ():
-        for key, part, takeover in _takes_over(candidate, moves, strained):
+    for candidate, moves, of in _moves(fitter, probed, best, strained) if strained else ():
+        for key, part, takeover in _takes_over(candidate, moves, of):
             alike[key].append((part, takeover))
     ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
     found: dict[tuple[str, str], Takeover] = {}
@@ -95,24 +101,36 @@ def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeo
     return list(found.values())
 
 
+def _stand_in(best: Fit) -> bool:
+    """Whether strained unknowns explain a good part of what would be left with them where they are stated.
+
+    Beside a larger gap they are strained by what else is missing, and that comes first.
+    """
+    far = np.abs(best.projection.best(best.residual)) > FORBIDDEN * best.unknowns.sigma
+    others = Projection(best.projection.slopes[:, ~far], best.unknowns.sigma[~far]).rest(best.residual)
+    noise, without = len(best.residual), float(others @ others)
+    return without - best.cost > PART * (without - noise)
+
+
 def _moves(
-    fitter: Fitter, probed: Sequence[Probed], best: Fit, strained: Set[str]
-) -> Iterator[tuple[Candidate, Floats]]:
+    fitter: Fitter, probed: Sequence[Probed], best: Fit, strained: Strained
+) -> Iterator[tuple[Candidate, Floats, Strained]]:
     """Effects that are not there, with derivatives by the sizes of their probes about a fit.
 
-    Nothing is simulated for clocks alone: late readings look like nothing that an arm does.
+    Beside them what strained unknowns move in the same simulations. Nothing is simulated for clocks alone:
+    late readings look like nothing that an arm does.
     """
     free = [p.candidate for p in probed if p.candidate.place not in best.places]
     others: list[Candidate] = []
     for candidate in free:
         moves = in_proportion(candidate, best.unknowns.keys, best.projection.slopes)
         if moves is not None:
-            yield candidate, moves
+            yield candidate, moves, strained
         elif not _unlike(candidate, others):
             others.append(candidate)
     kinds = {unknown.kind for unknown in best.unknowns.each if unknown.key in strained}
     if kinds != {"clock"}:
-        yield from _small_moves(fitter, others, best)
+        yield from _small_moves(fitter, others, best, strained)
 
 
 def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
@@ -125,7 +143,7 @@ def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
 
 
 def _takes_over(
-    candidate: Candidate, moves: Floats, strained: Mapping[str, tuple[Floats, float]]
+    candidate: Candidate, moves: Floats, strained: Strained
 ) -> Iterator[tuple[str, float, Takeover]]:
     """Unknowns that an effect takes over, R^2 of (1), and how."""
     parts = {key: _part(move, moves) for key, (move, _) in strained.items()}
@@ -151,7 +169,7 @@ def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
     return takeover.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
 
 
-def _strained(fitter: Fitter, best: Fit) -> dict[str, tuple[Floats, float]]:
+def _strained(fitter: Fitter, best: Fit) -> Strained:
     """What each unknown beyond `FORBIDDEN` sigmas moves, and where it is, the most strained first.
 
     That is where it is simulated, or else where it would have to be.
@@ -169,18 +187,22 @@ def _strained(fitter: Fitter, best: Fit) -> dict[str, tuple[Floats, float]]:
 
 
 def _small_moves(
-    fitter: Fitter, others: Sequence[Candidate], best: Fit
-) -> Iterator[tuple[Candidate, Floats]]:
-    """Those derivatives from small steps of each effect."""
+    fitter: Fitter, others: Sequence[Candidate], best: Fit, strained: Strained
+) -> Iterator[tuple[Candidate, Floats, Strained]]:
+    """Those derivatives from small steps of each effect, in simulations of longer steps."""
+    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
+    there = fitter.with_effects(best.members)
+    slopes = observed.slopes(there, list(strained), fitter.unknowns.steps(there))
+    of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
     nudged = [_nudged(fitter, each, best) for each in others]
-    fitter.observed.prepare(arm for arms in nudged for arm in arms)
-    before = fitter.observed.residual(fitter.with_effects(best.members))
+    observed.prepare([there, *(arm for arms in nudged for arm in arms)])
+    before = observed.residual(there)
     for candidate, arms in zip(others, nudged, strict=True):
         with suppress(InvalidParameter, NotConverged):
-            after = [fitter.observed.residual(arm) for arm in arms]
+            after = [observed.residual(arm) for arm in arms]
             moves = np.array([(r - before) / SMALL for r in after]).T
             if moves.any():
-                yield candidate, moves
+                yield candidate, moves, of
 
 
 def _nudged(fitter: Fitter, candidate: Candidate, best: Fit) -> list[Arm]:

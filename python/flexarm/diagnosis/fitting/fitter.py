@@ -32,6 +32,8 @@ LIKELY = 2.0
 """Sigmas within which nominal values are centred."""
 CENTRED, LESS = 3, 0.98
 """Rounds in which nominal values are centred, and the part of the gap below which one was worth while."""
+FORETOLD = 0.1
+"""Part of a move that derivatives by unknowns may miss and are kept."""
 
 
 @dataclass(eq=False)
@@ -75,11 +77,26 @@ class Fitter:
 
     def about(self, fit: Fit) -> Fitter:
         """The same about a fitted model, where derivatives are those of the model with its effects."""
-        at = self.at.copy()
+        return self._moved(self._found_at(fit), fit.members)
+
+    def towards(self, fit: Fit) -> Fitter:
+        """The same about a fit of the same effects; with derivatives as they are, where these foretell it.
+
+        What they miss must be nothing, a sigma of a single value, or a small part of what they move.
+        """
+        if {m.place for m in fit.members} != {m.place for m in self.members}:
+            return self.about(fit)
+        at = np.where(self.slopes.any(axis=0), self._found_at(fit), 0.0)
+        there = replace(self, at=at, members=fit.members)
+        missed, move = there.residual(fit.members) - fit.residual, self.slopes @ (at - self.at)
+        if float(missed @ missed) > max(1.0, FORETOLD**2 * float(move @ move)):
+            return self.about(fit)
+        return replace(there, correction=self.observed.correction(there.with_effects(fit.members)))
+
+    def _found_at(self, fit: Fit) -> Floats:
+        """Where a fit has the unknowns."""
         best = dict(zip(fit.unknowns.keys, tempered(fit), strict=True))
-        for k, unknown in enumerate(self.unknowns.each):
-            at[k] = unknown.kept(best.get(unknown.key, 0.0))
-        return self._moved(at, fit.members)
+        return np.array([unknown.kept(best.get(unknown.key, 0.0)) for unknown in self.unknowns.each])
 
     def moved_to(self, values: Mapping[str, float]) -> Fitter:
         """The same with some unknowns elsewhere, from their centres; derivatives stay."""

@@ -35,8 +35,10 @@ def evaluated(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     return fitter.evaluated(fit.members), fitter
 
 
-def stepped(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def stepped(fit: Fit, fitter: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
     """The fit after a step of (1) from an evaluated one, and the fitter that made it.
+
+    Its derivatives by unknowns are taken `anew`, or kept where they foretell the step.
 
     Raises
     ------
@@ -46,7 +48,7 @@ def stepped(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     dz = _least(fit)
     members = members_at(fit.members, fit.coordinates, fit.z + dz)
     ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)
-    about = fitter.about(ahead)
+    about = fitter.about(ahead) if anew else fitter.towards(ahead)
     return about.fit(members), about
 
 
