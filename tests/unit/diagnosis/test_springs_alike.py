@@ -1,10 +1,14 @@
 """A spring in the place of another one: as soft and as lossy, whatever springs the model has."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from arms import crane
 
 from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.choosing.rivals import _soft_elsewhere
+from flexarm.diagnosis.choosing.screen import Probed
 from flexarm.effects import BaseCompliance, JointCompliance, JointHysteresis
 
 
@@ -38,6 +42,21 @@ def test_a_stiffer_joint_has_no_like_in_a_rigid_base():
     stiffer = candidate(JointCompliance(at="hinge", stiffness=2e5, damping=200.0), nominal)
     base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3))
     assert base.as_soft_as(stiffer) is base
+
+
+@pytest.mark.parametrize("left, tried", [(40.0, ["base"]), (60.0, [])], ids=["helped", "hardly helped"])
+def test_where_one_spring_helps_the_others_are_rivals_as_soft_as_that(left, tried):
+    """A gap of 100 that a vibration explains, a soft elbow more than half of; the waist is one already."""
+    soft = candidate(JointCompliance(at="elbow", stiffness=1e4, damping=20.0))
+    waist = candidate(JointCompliance(at="waist", stiffness=1e6, damping=1e3))
+    base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3))
+    fit = SimpleNamespace(cost=left, members=(soft,))
+    shakes = SimpleNamespace(cost=10.0, members=(SimpleNamespace(place=("external_vibration", "base")),))
+    probed = [Probed(each, np.empty((0, 0))) for each in (soft, waist, base)]
+    found = _soft_elsewhere({soft.place: fit}, [waist], shakes, 100.0, probed)
+    assert [each.at for each in found] == tried
+    assert all(each.effect == base.as_soft_as(soft).effect for each in found)
+    assert _soft_elsewhere({}, [waist], shakes, 100.0, probed) == []
 
 
 def test_the_sum_bends_an_arm_alike():

@@ -17,6 +17,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp
 
+import numpy as np
+
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
@@ -32,6 +34,8 @@ from flexarm.errors import InvalidParameter, NotConverged
 
 WITHIN_SIGHT = 8.0
 """How far behind in ln Z a rival is in sight of the chosen model, and taken further."""
+HELPED = 0.5
+"""Part of what the chosen effect explains that a spring must, for the machine's other ones to be tried."""
 NEARER = 0.3
 """Least gain of ln Z in a step of a rival that comes nearer: a tenth of what decides."""
 
@@ -94,6 +98,8 @@ def rivals_of(
     if not open_gap:
         wanted += _near(known, wanted, best, observed, value)
         wanted += _sticking(best.members[k], wanted, probed)
+        before = min((f.cost for f in (null, *tried) if set(f.places) == set(without.places)), default=np.inf)
+        wanted += _soft_elsewhere(known, wanted, best, before, probed)
     for candidate in wanted:
         try:
             fit = known.get(candidate.place) or fitter.fit((candidate, *others))
@@ -138,6 +144,29 @@ def _near(
         for place, fit in known.items()
         if place not in there and log_bayes_factor(best, fit, observed, value) < CLOSE
     ]
+
+
+def _soft_elsewhere(
+    known: Mapping[tuple[str, str], Fit],
+    wanted: Sequence[Candidate],
+    best: Fit,
+    before: float,
+    probed: Sequence[Probed],
+) -> list[Candidate]:
+    """The machine's other springs, as soft as one that explained half of what the chosen effect does.
+
+    What is soft has moved far from where it was screened: a joint took half of what a base did that gives
+    way, beside a strained modulus, and a vibration all of it. `before` is what was left without them.
+    """
+    half = before - HELPED * (before - best.cost)
+    found = [(fit.cost, fit, at) for at, fit in known.items() if at[0] in SPRINGS and fit.cost < half]
+    if not found or np.isinf(before):
+        return []
+    _, fit, at = min(found, key=lambda one: one[0])
+    spring = next(member for member in fit.members if member.place == at)
+    there = {candidate.place for candidate in wanted} | {member.place for member in best.members} | {at}
+    others = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
+    return [each.as_soft_as(spring) for place, each in others.items() if place not in there]
 
 
 def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
