@@ -95,6 +95,29 @@ def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatc
     assert rivals._caught_up(rival, best, best, fitter, {}, False) == (rival, 60.0)
 
 
+@pytest.mark.parametrize("gap, fitted", [(False, ["near"]), (True, ["near", "far"])], ids=["none", "a gap"])
+def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch, gap, fitted):
+    """A tenth of the best: what explains everything is not told by it, what leaves a gap may be."""
+    made = {name: Made(name, 1.0, 1.0) for name in ("chosen", "near", "far")}
+    shares = [
+        SimpleNamespace(members=made[name].members, share=s) for name, s in (("near", 0.9), ("far", 0.09))
+    ]
+    for name in ("_near", "_sticking", "_soft_elsewhere"):
+        monkeypatch.setattr(rivals, name, lambda *_: [])
+    monkeypatch.setattr(rivals, "screen", lambda *_: shares)
+    monkeypatch.setattr(rivals, "sharpened", lambda fitter, shares, fit: shares)
+    monkeypatch.setattr(rivals, "one_variant", lambda shares, most: shares)
+    monkeypatch.setattr(rivals, "leaves_gap", lambda *_: gap)
+    monkeypatch.setattr(rivals, "foretells_better", lambda *_: False)
+    monkeypatch.setattr(rivals, "log_likelihood_ratio", lambda *_: 0.0)
+    monkeypatch.setattr(rivals, "_alike", lambda *_: None)
+    monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
+    nothing = SimpleNamespace(members=(), places=(), cost=9.0)
+    fitter = SimpleNamespace(observed=None, fit=lambda m: made[m[0].place[0]] if m else nothing)
+    found = rivals.rivals_of(0, made["chosen"], nothing, fitter, [], [], {})
+    assert [rival.candidate.place[0] for rival in found] == fitted
+
+
 def test_the_chosen_one_is_compared_as_it_was_tried():
     first, other = Made("gear_ratio", 7.5, 1.0), Made("encoder_scale", 7.5, 1.0)
     best = Made("gear_ratio", 6.8, 1.0)
