@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,11 @@ from flexarm.comparison.poses import is_input
 from flexarm.diagnosis.wording import with_unit
 
 if TYPE_CHECKING:
+    from flexarm.arm import Arm
     from flexarm.record import Record, Signal
 
 BLOCKS, EVERY = 20, 5
 """Blocks of a record, of which every so-many-th is held back."""
-NOMINAL = "what the model says"
-"""Instead of a weighed mass."""
 SAME = 0.05
 """Relative difference within which two motions or payloads count as the same."""
 
@@ -41,29 +40,29 @@ def hold_back(record: Record) -> tuple[Record, Record]:
     return replace(record, signals=fitted), replace(record, signals=held)
 
 
-def hold_out_kind(training: Mapping[str, Record], held_out: Record) -> str:
+def hold_out_kind(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
     """How far a held-out record lies from the training.
 
     Returns
     -------
     {"repetition", "interpolation", "extrapolation"}
-        By payload, range and rates of the drives, and how far links were drawn out: as in one of the records
+        By payloads, range and rates of the drives, and how far links were drawn out: as in one of the records
         of training, between them, or beyond.
     """
-    asked, known = _features(held_out), _alike(training, held_out)
+    asked, known = _features(arm, held_out), _alike(arm, training, held_out)
     if not known:
         return "extrapolation"
-    if any(all(one.same(other) for one, other in zip(asked, record, strict=True)) for record in known):
+    if any(all(one.same(record[name]) for name, one in asked.items()) for record in known):
         return "repetition"
     return "extrapolation" if _beyond(asked, known) else "interpolation"
 
 
-def hold_out_why(training: Mapping[str, Record], held_out: Record) -> str:
+def hold_out_why(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
     """What of a held-out record lies beyond the training, in words; empty if nothing does."""
-    known = _alike(training, held_out)
+    known = _alike(arm, training, held_out)
     if not known:
         return "it drives other joints, or other links are drawn out"
-    return "; ".join(_beyond(_features(held_out), known))
+    return "; ".join(_beyond(_features(arm, held_out), known))
 
 
 @dataclass(frozen=True)
@@ -100,45 +99,70 @@ class _Feature:
         return ""
 
     def _told(self, end: float, which: str) -> str:
-        here, there = (
-            "" if self.unit == "kg" and value < 0 else with_unit(value, self.unit)
-            for value in (self.value, end)
-        )
-        return f"{self.words} {here or NOMINAL}, in the training {f'{there} {which}' if there else NOMINAL}"
+        here, there = with_unit(self.value, self.unit), with_unit(end, self.unit)
+        return f"{self.words} {here}, in the training {there} {which}"
 
 
-def _alike(training: Mapping[str, Record], held_out: Record) -> list[list[_Feature]]:
-    """Features of the records of training that drive as many joints and draw out the same links."""
+Features = dict[str, _Feature]
+"""By name."""
+
+
+def _alike(arm: Arm, training: Mapping[str, Record], held_out: Record) -> list[Features]:
+    """Features of the records of training that drive the same joints and draw out the same links."""
     return [
-        _features(record)
+        _features(arm, record)
         for record in training.values()
-        if len(record.drive) == len(held_out.drive) and record.links.keys() == held_out.links.keys()
+        if _driven(record) == _driven(held_out) and record.links.keys() == held_out.links.keys()
     ]
 
 
-def _beyond(asked: Sequence[_Feature], known: Sequence[Sequence[_Feature]]) -> list[str]:
-    found = [each.beyond([record[i].value for record in known]) for i, each in enumerate(asked)]
+def _driven(record: Record) -> set[str]:
+    """The joints that a record drives."""
+    return {record.signals[name].joint or name for name in record.drive}
+
+
+def _beyond(asked: Features, known: Sequence[Features]) -> list[str]:
+    found = [each.beyond([record[name].value for record in known]) for name, each in asked.items()]
     return [words for words in found if words]
 
 
-def _features(record: Record) -> list[_Feature]:
-    """Lengths of links, range and rms rate of each drive, and the mass that was weighed (-1: nominal)."""
-    found = [
-        _Feature(f"link {name} is drawn out to", "m", record.links[name].length)
+def _features(arm: Arm, record: Record) -> Features:
+    """Lengths of links, range and rms rate of each drive, and masses of payloads."""
+    found = {
+        f"length of {name}": _Feature(f"link {name} is drawn out to", "m", record.links[name].length)
         for name in sorted(record.links)
-    ]
+    }
     for name in record.drive:
         signal = record.signals[name]
-        values = signal.values[np.isfinite(signal.values[:, 0]), 0]
-        least, most = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
+        least, most = _range(signal)
         joint = signal.joint or name
-        found += [
-            _Feature(f"{joint} goes down to", signal.unit, least, -1),
-            _Feature(f"{joint} goes up to", signal.unit, most, 1),
-            _Feature(f"the rms rate of {joint} is", f"{signal.unit}/s", _rate(signal)),
-        ]
-    weighed = [float(load.mass) for load in record.payloads.values() if load.mass is not None]
-    return [*found, _Feature("the payload weighs", "kg", sum(weighed) if weighed else -1.0)]
+        found |= {
+            f"least of {joint}": _Feature(f"{joint} goes down to", signal.unit, least, -1),
+            f"most of {joint}": _Feature(f"{joint} goes up to", signal.unit, most, 1),
+            f"rate of {joint}": _Feature(f"the rms rate of {joint} is", f"{signal.unit}/s", _rate(signal)),
+        }
+    return found | _masses(arm, record)
+
+
+def _masses(arm: Arm, record: Record) -> Features:
+    """Least and greatest mass of each payload: one and the same but where poses were weighed one by one."""
+    carried = record.applied_to(arm)
+    by_pose = {signal.payload: signal for signal in record.of_quantity("payload_mass").values()}
+    found = {}
+    for load in carried.payloads:
+        effect: Any = carried.effect("payload_mass", load.name)
+        mass = load.mass if effect is None or effect.mass is None else effect.mass
+        least, most = _range(by_pose[load.name]) if load.name in by_pose else (mass, mass)
+        words = "the payload weighs" if len(carried.payloads) == 1 else f"payload {load.name} weighs"
+        found[f"least mass of {load.name}"] = _Feature(words, "kg", least, -1)
+        found[f"greatest mass of {load.name}"] = _Feature(words, "kg", most, 1)
+    return found
+
+
+def _range(signal: Signal) -> tuple[float, float]:
+    """Least and greatest value; zeros if there is none."""
+    values = signal.values[np.isfinite(signal.values[:, 0]), 0]
+    return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
 def _rate(signal: Signal) -> float:

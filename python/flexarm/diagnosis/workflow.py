@@ -102,7 +102,7 @@ def diagnose(
     remarks = (*map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
-    parted = _parted(checked.records, hold_out)
+    parted = _parted(arm, checked.records, hold_out)
     tell(0.1, "simulating")
     observed = Observed(
         arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
@@ -208,12 +208,13 @@ class _Parted:
     why: str
 
 
-def _parted(records: Mapping[str, Record], hold_out: Record | None) -> _Parted:
+def _parted(arm: Arm, records: Mapping[str, Record], hold_out: Record | None) -> _Parted:
     """Training and check: a record of its own, or else blocks of time of each."""
     named = dict(records)
     if hold_out is not None:
         held = {_name(hold_out, named): hold_out}
-        return _Parted(named, held, hold_out_kind(named, hold_out), hold_out_why(named, hold_out))
+        kind, why = hold_out_kind(arm, named, hold_out), hold_out_why(arm, named, hold_out)
+        return _Parted(named, held, kind, why)
     parts = {name: hold_back(record) for name, record in named.items()}
     return _Parted(
         {name: fitted for name, (fitted, _) in parts.items()},

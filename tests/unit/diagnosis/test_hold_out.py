@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arms import PAYLOAD, crane
+from planted import two_joints
 
 from flexarm import Record, Signal
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.workflow import _parted
+from flexarm.effects import PayloadMass
 from flexarm.record.table import CarriedPayload, DrawnLink
 
 TIME = np.arange(0.0, 20.0, 0.02)
+ARM = crane()
 
 
 def record(amplitude=1.0, frequency=0.2, mass=None):
@@ -21,6 +25,27 @@ def record(amplitude=1.0, frequency=0.2, mass=None):
     ]
     payloads = {} if mass is None else {"load": CarriedPayload(mass=mass)}
     return Record(signals={s.name: s for s in signals}, drive=("hinge",), payloads=payloads)
+
+
+def poses(count=10, masses=None):
+    """A static record of a tip in as many poses, or with as many masses."""
+    names = np.array([f"p{k}" for k in range(count if masses is None else len(masses))])
+    of_all = {"pose": names}
+    signals = [
+        Signal(
+            name="hinge",
+            quantity="joint_angle",
+            values=np.linspace(-1, 1, len(names)),
+            joint="hinge",
+            **of_all,
+        ),
+        Signal(
+            name="tip", quantity="position", values=np.zeros(len(names)), point="tip", axes=("x",), **of_all
+        ),
+    ]
+    if masses is not None:
+        signals.append(Signal(name="mass", quantity="payload_mass", values=masses, payload="load", **of_all))
+    return Record(kind="static", signals=signals, drive=("hinge",))
 
 
 def test_every_row_of_evidence_is_in_one_of_the_parts():
@@ -56,17 +81,71 @@ def test_blocks_are_stretches_of_time():
 )
 def test_a_held_out_record_is_told_by_payload_range_and_rate(held_out, kind):
     training = {"large": record(), "small": record(amplitude=0.5, frequency=0.2)}
-    assert hold_out_kind(training, held_out) == kind
+    assert hold_out_kind(ARM, training, held_out) == kind
 
 
 def test_a_payload_between_those_of_training_is_interpolation():
     training = {"light": record(mass=2.0), "heavy": record(mass=10.0)}
-    assert hold_out_kind(training, record(mass=6.0)) == "interpolation"
+    assert hold_out_kind(ARM, training, record(mass=6.0)) == "interpolation"
+
+
+@pytest.mark.parametrize(
+    ("mass", "kind"),
+    [(PAYLOAD, "repetition"), (10.0, "interpolation"), (3.0, "extrapolation"), (20.0, "extrapolation")],
+)
+def test_a_payload_that_was_not_weighed_has_the_mass_of_the_model(mass, kind):
+    """14.1 kg, or what an effect makes of it."""
+    assert hold_out_kind(ARM, {"nominal": record(), "light": record(mass=5.0)}, record(mass=mass)) == kind
+    changed = ARM.with_effect(PayloadMass(at="load", mass=5.0))
+    assert (
+        hold_out_kind(changed, {"changed": record(), "heavy": record(mass=PAYLOAD)}, record(mass=mass))
+        == kind
+    )
+
+
+def test_payloads_are_compared_by_name():
+    """Two that weigh 10 kg together are not what 2 and 8 kg are."""
+    one = {"link": "rod", "position": [0, 0, 3.0]}
+    both = crane(payloads=[{"name": "load", "mass": 2.0, **one}, {"name": "tool", "mass": 8.0, **one}])
+    swapped = replace(record(), payloads={"load": CarriedPayload(mass=8.0), "tool": CarriedPayload(mass=2.0)})
+    assert hold_out_kind(both, {"a": record()}, swapped) == "extrapolation"
+    assert hold_out_why(both, {"a": record()}, swapped) == (
+        "payload load weighs 8.00 kg, in the training 2.00 kg at most; "
+        "payload tool weighs 2.00 kg, in the training 8.00 kg at least"
+    )
+
+
+def test_masses_of_poses_are_those_that_were_weighed():
+    training, heavier = poses(masses=[0.0, 5.0, 10.0]), poses(masses=[5.0, 10.0, 20.0])
+    assert hold_out_kind(ARM, {"a": training}, poses(masses=[0.0, 5.0, 10.0])) == "repetition"
+    assert hold_out_why(ARM, {"a": training}, heavier) == (
+        "the payload weighs 20.0 kg, in the training 10.0 kg at most"
+    )
+
+
+def test_drives_are_compared_by_joint():
+    """A swing of the elbow is not one of the shoulder, and the order of two drives says nothing."""
+
+    def driven(*joints):
+        angles = [0.3 * (k + 1) * np.sin(TIME) for k in range(len(joints))]
+        signals = [
+            Signal(name=name, quantity="joint_angle", values=angle, time=TIME, joint=name)
+            for name, angle in zip(joints, angles, strict=True)
+        ]
+        return Record(signals=signals, drive=joints)
+
+    both = driven("shoulder", "elbow")
+    other_order = replace(both, drive=("elbow", "shoulder"))
+    assert hold_out_kind(two_joints(), {"a": both}, other_order) == "repetition"
+    assert hold_out_kind(two_joints(), {"a": both}, driven("elbow", "shoulder")) == "extrapolation"
+    assert hold_out_why(two_joints(), {"a": driven("elbow")}, driven("shoulder")).startswith(
+        "it drives other joints"
+    )
 
 
 def test_another_number_of_drives_is_extrapolation():
     lone = record()
-    assert hold_out_kind({"a": lone}, replace(lone, drive=())) == "extrapolation"
+    assert hold_out_kind(ARM, {"a": lone}, replace(lone, drive=())) == "extrapolation"
 
 
 @pytest.mark.parametrize(
@@ -74,10 +153,10 @@ def test_another_number_of_drives_is_extrapolation():
 )
 def test_a_boom_that_was_drawn_out_further_than_ever_is_extrapolation(length, kind):
     def out(length):
-        return replace(record(), links={"boom": DrawnLink(length=length)})
+        return replace(record(), links={"rod": DrawnLink(length=length)})
 
-    assert hold_out_kind({"short": out(1.0), "middle": out(1.8)}, out(length)) == kind
-    assert hold_out_kind({"no boom": record()}, out(length)) == "extrapolation"
+    assert hold_out_kind(ARM, {"short": out(1.0), "middle": out(1.8)}, out(length)) == kind
+    assert hold_out_kind(ARM, {"no boom": record()}, out(length)) == "extrapolation"
 
 
 @pytest.mark.parametrize(
@@ -91,18 +170,18 @@ def test_a_boom_that_was_drawn_out_further_than_ever_is_extrapolation(length, ki
             "in the training 1.00 rad at most",
         ),
         (record(frequency=0.4), "the rms rate of hinge is 1.77 rad/s, in the training 0.886 rad/s at most"),
-        (record(mass=5.0), "the payload weighs 5.00 kg, in the training what the model says"),
+        (record(mass=5.0), "the payload weighs 5.00 kg, in the training 14.1 kg at least"),
     ],
 )
 def test_what_is_beyond_the_training_is_said(held_out, why):
     training = {"large": record(), "small": record(amplitude=0.5, frequency=0.2)}
-    assert hold_out_why(training, held_out) == why
-    assert (hold_out_kind(training, held_out) == "extrapolation") == bool(why)
+    assert hold_out_why(ARM, training, held_out) == why
+    assert (hold_out_kind(ARM, training, held_out) == "extrapolation") == bool(why)
 
 
 def test_other_joints_are_said():
     lone = record()
-    assert hold_out_why({"a": lone}, replace(lone, drive=())).startswith("it drives other joints")
+    assert hold_out_why(ARM, {"a": lone}, replace(lone, drive=())).startswith("it drives other joints")
 
 
 def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
@@ -110,6 +189,6 @@ def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
     path = tmp_path / "test_2/by_reference"
     record().save(path)
     held = Record.load(path)
-    assert _parted({"test_3/by_reference": record()}, held).held_out.keys() == {"test_2/by_reference"}
-    assert _parted({"test_3": record()}, held).held_out.keys() == {"by_reference"}
-    assert _parted({"by_reference": record()}, held).held_out.keys() == {"by_reference (held out)"}
+    assert _parted(ARM, {"test_3/by_reference": record()}, held).held_out.keys() == {"test_2/by_reference"}
+    assert _parted(ARM, {"test_3": record()}, held).held_out.keys() == {"by_reference"}
+    assert _parted(ARM, {"by_reference": record()}, held).held_out.keys() == {"by_reference (held out)"}
