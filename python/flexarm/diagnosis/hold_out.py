@@ -2,18 +2,26 @@
 
 Without a record of its own, whole blocks of every record are held back: every fifth twentieth of its time
 (every fifth pose of a static record). The motion is continuous and its drive is known throughout, so that
-only evidence is taken from one part and left in the other.
+only evidence is taken from one part and left in the other. A row at the stamp s lies at the part
+
+    x = (s - d - first)/(last - first)                                                                 (1)
+
+of the record, d the offset that is stated for its clock, first and last the ends of all signals in that time.
+A clock of unknown offset has ends of its own: what it showed meanwhile is held back to within the difference
+of its span to that of the record.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arrays import Floats
 from flexarm.comparison.poses import is_input
 from flexarm.diagnosis.wording import with_unit
 
@@ -29,14 +37,11 @@ SAME = 0.05
 
 def hold_back(record: Record) -> tuple[Record, Record]:
     """A record without the blocks that are held back, and one with nothing else."""
-    first, last = _span(record)
     fitted, held = dict(record.signals), dict(record.signals)
-    for name, signal in record.signals.items():
-        if name in record.drive or (record.kind == "static" and is_input(record, signal)):
-            continue
-        back = _held(record, signal, first, last)
-        fitted[name] = _without(signal, back)
-        held[name] = _without(signal, ~back)
+    for signal in _evidence(record):
+        back = _held(record, signal)
+        fitted[signal.name] = _without(signal, back)
+        held[signal.name] = _without(signal, ~back)
     return replace(record, signals=fitted), replace(record, signals=held)
 
 
@@ -175,19 +180,52 @@ def _rate(signal: Signal) -> float:
     return float(np.sqrt(np.nanmean(rate**2))) if len(rate) else 0.0
 
 
-def _span(record: Record) -> tuple[float, float]:
-    times = [s.time for s in record.signals.values() if s.pose is None and len(s.time)]
+def _evidence(record: Record) -> list[Signal]:
+    """Signals that say how the arm answered."""
+    return [
+        signal
+        for name, signal in record.signals.items()
+        if name not in record.drive and not (record.kind == "static" and is_input(record, signal))
+    ]
+
+
+def _held(record: Record, signal: Signal) -> NDArray[np.bool_]:
+    """Rows that are held back."""
+    if signal.pose is not None:
+        number = _numbers(record)
+        return np.array([number[pose] % EVERY == EVERY - 1 for pose in signal.pose.tolist()], dtype=bool)
+    first, last = _span(record, signal)
+    share = (_instants(record, signal) - first) / max(last - first, 1e-12)  # eq. (1)
+    block = np.minimum((BLOCKS * share).astype(int), BLOCKS - 1)
+    found: NDArray[np.bool_] = block % EVERY == EVERY - 1
+    return found
+
+
+def _numbers(record: Record) -> dict[str, int]:
+    """Poses in the order in which they were seen: one that is held back is so for every signal."""
+    seen = (signal.pose.tolist() for signal in _evidence(record) if signal.pose is not None)
+    return {pose: k for k, pose in enumerate(dict.fromkeys(chain.from_iterable(seen)))}
+
+
+def _span(record: Record, signal: Signal) -> tuple[float, float]:
+    """First and last instant of all signals whose clocks tell one time with that of a signal [s]."""
+    own = _time_of(record, signal)
+    times = [
+        _instants(record, other)
+        for other in record.signals.values()
+        if other.pose is None and len(other.time) and _time_of(record, other) == own
+    ]
     return (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 1.0)
 
 
-def _held(record: Record, signal: Signal, first: float, last: float) -> NDArray[np.bool_]:
-    """Rows that are held back."""
-    if signal.pose is not None:
-        number = {pose: k for k, pose in enumerate(dict.fromkeys(signal.pose.tolist()))}
-        return np.array([number[pose] % EVERY == EVERY - 1 for pose in signal.pose.tolist()], dtype=bool)
-    block = np.minimum((BLOCKS * (signal.time - first) / max(last - first, 1e-12)).astype(int), BLOCKS - 1)
-    found: NDArray[np.bool_] = block % EVERY == EVERY - 1
-    return found
+def _time_of(record: Record, signal: Signal) -> str:
+    """The time that a clock tells: that of the reference clock (""), or its own if its offset is unknown."""
+    return signal.clock if record.clocks[signal.clock].unknown else ""
+
+
+def _instants(record: Record, signal: Signal) -> Floats:
+    """Stamps less how late they are stated to be [s]."""
+    return signal.time - record.clocks[signal.clock].offset
 
 
 def _without(signal: Signal, rows: NDArray[np.bool_]) -> Signal:

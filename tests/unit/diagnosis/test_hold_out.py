@@ -11,7 +11,7 @@ from flexarm import Record, Signal
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.workflow import _parted
 from flexarm.effects import PayloadMass
-from flexarm.record.table import CarriedPayload, DrawnLink
+from flexarm.record.table import CarriedPayload, Clock, DrawnLink
 
 TIME = np.arange(0.0, 20.0, 0.02)
 ARM = crane()
@@ -67,6 +67,27 @@ def test_blocks_are_stretches_of_time():
     _, held = hold_back(record())
     back = np.isfinite(held.signals["tip"].values[:, 0])
     assert np.abs(np.diff(back.astype(int))).sum() <= 8  # four blocks have eight ends
+
+
+@pytest.mark.parametrize("clock", [Clock(offset=1000.0, sigma=2e-3), Clock(unknown=True)])
+def test_blocks_are_the_same_by_any_clock(clock):
+    """A tracker whose stamps are 1000 s late loses the same rows as one with the clock of the drive."""
+    whole = record()
+    tip = whole.signals["tip"]
+    late = tip.replace(time=TIME + 1000.0, clock="tracker")
+    other = whole.replace(signals=[whole.signals["hinge"], late], clocks={"clock": Clock(), "tracker": clock})
+    for part, late_part in zip(hold_back(whole), hold_back(other), strict=True):
+        assert np.array_equal(part.signals["tip"].valid, late_part.signals["tip"].valid)
+
+
+def test_a_pose_is_held_back_of_all_signals():
+    """Whatever the order in which a second instrument saw which of them."""
+    whole = poses(10)
+    tip = whole.signals["tip"]
+    again = tip.replace(name="again", values=tip.values[::-1][:7], pose=tip.pose[::-1][:7])
+    _, held = hold_back(whole.replace(signals={**whole.signals, "again": again}))
+    back = {name: set(held.signals[name].pose[held.signals[name].valid]) for name in ("tip", "again")}
+    assert back == {"tip": {"p4", "p9"}, "again": {"p4", "p9"}}
 
 
 @pytest.mark.parametrize(
