@@ -2,6 +2,7 @@
 
 import diagnoses
 import pytest
+from arms import crane
 from pytest import approx
 
 from flexarm.diagnosis.named import Refined
@@ -21,6 +22,16 @@ from flexarm.diagnosis.outcome.refinement import Refinement, refinements, stated
 def test_stated_sigma_is_found_whatever_its_key_says_of_units(key, sigma):
     found = stated_sigma(diagnoses.nominal(), key)
     assert found is None if sigma is None else found == approx(sigma)
+
+
+def test_products_of_inertia_are_as_uncertain_as_they_are_large():
+    """A tenth of each of six components, in the order xx, yy, zz, xy, xz, yz."""
+    load = {"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}
+    inertia = {"x": 2.0, "y": 2.5, "z": 3.0, "xy": 0.01, "xz": -0.02, "yz": 0.03}
+    known = {"payloads.load.inertia": 0.1}
+    arm = crane(payloads=[{**load, "inertia": list(inertia.values())}], uncertainty=known)
+    for component, value in inertia.items():
+        assert stated_sigma(arm, f"payloads.load.inertia.{component}") == approx(0.1 * abs(value))
 
 
 def test_a_modulus_moved_by_as_many_sigmas_as_it_differs():

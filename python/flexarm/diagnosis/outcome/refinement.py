@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
+from flexarm.arm.parameter import parameters, path_of
 from flexarm.comparison.align import KEPT
 from flexarm.diagnosis.wording import scale, signed
 
@@ -86,16 +87,9 @@ def stated_sigma(arm: Arm, key: str) -> float | None:
     key : str
         The parameter, such as "points.tip.position.x"; the model's own key may end in a unit.
     """
-    stem, _, last = key.rpartition(".")
-    component = "xyz".index(last) if last in ("x", "y", "z") and stem else 0
-    plain = {key, stem} if last in ("x", "y", "z") else {key}
     for given in arm.uncertainty:
-        if any(given == name or _is_with_unit(given, name) for name in plain):
+        if key in {parameter.key for parameter in parameters(arm, given)}:
             _, sigma = arm.sigma(given)
+            component = path_of(arm, key).component or 0
             return float(sigma[component] if isinstance(sigma, tuple) else sigma) or None
     return None
-
-
-def _is_with_unit(given: str, name: str) -> bool:
-    """Whether a key is this name with a unit at its end, such as `_m`."""
-    return given.startswith(f"{name}_") and "." not in given[len(name) :]
