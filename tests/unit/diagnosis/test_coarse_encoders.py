@@ -5,6 +5,7 @@ import pytest
 from planted import run_of
 
 import flexarm
+from flexarm import Record, Signal
 from flexarm.diagnosis.candidates.coarse_encoders import coarse_encoders, with_coarse_encoders
 from flexarm.diagnosis.checks.spikes import clean_drives
 from flexarm.diagnosis.residuals.observed import Observed
@@ -66,6 +67,21 @@ def test_the_noise_that_steps_add_is_what_they_leave():
     named = encoder.named()
     assert (named.name, named.at) == ("encoder_quantisation", "hinge encoder")
     assert named.parameters[0].low90 < STEP < named.parameters[0].high90
+
+
+@pytest.mark.parametrize("encoder", ["hinge encoder", "another encoder"])
+def test_poses_beside_the_motion_have_no_part_in_it(encoder):
+    """They state no noise of the encoder, or have another one: the motion alone tells of its steps."""
+    arm, motion = run_of("one joint").simulation.arm, read(STEP)
+    names = np.array(["a", "b", "c"])
+    angle = Signal(name=encoder, quantity="joint_angle", joint="hinge", values=[-0.4, 0.3, 0.9], pose=names)
+    tip = motion.signals["tip"].replace(time=None, pose=names, values=np.ones((3, 2)))
+    static = Record(kind="static", drive=(encoder,), signals=[angle, tip])
+    alone, [found] = with_coarse_encoders(Observed(arm, {"run": motion}, step=1e-2), seed=0)
+    beside, [same] = with_coarse_encoders(Observed(arm, {"run": motion, "poses": static}, step=1e-2), seed=0)
+    assert same == found
+    assert [rows.sigma for rows in beside.rows if rows.record == "run"] == [r.sigma for r in alone.rows]
+    assert {rows.sigma for rows in beside.rows if rows.record == "poses"} == {tip.noise_std}
 
 
 def test_steps_that_nothing_shows_are_left_alone():

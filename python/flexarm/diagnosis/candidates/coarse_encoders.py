@@ -103,7 +103,8 @@ def with_coarse_encoders(observed: Observed, seed: int) -> tuple[Observed, tuple
         if error[most] > MATTERS:
             variance += (ROUGHLY * error) ** 2
             arm = there
-            noise = min(r.signals[effect.at].noise_std or 0.0 for r in observed.records.values())
+            driven = [r for r in observed.records.values() if _moves_by(r, effect.at)]
+            noise = min(record.signals[effect.at].noise_std or 0.0 for record in driven)
             moves = observed.rows[most].signal
             found.append(CoarseEncoder(effect, effect.step / noise, moves, float(error[most])))
     if not found:
@@ -115,8 +116,16 @@ def with_coarse_encoders(observed: Observed, seed: int) -> tuple[Observed, tuple
 
 def _error(observed: Observed, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Floats:
     """What (1) does to each of `rows`, rms over its noise."""
-    again = {name: _rounded_again(record, arm, effect, rng) for name, record in observed.records.items()}
+    again = {
+        name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
+        for name, record in observed.records.items()
+    }
     return _rms(observed, observed.with_drives(again).residual(arm) - observed.residual(arm))
+
+
+def _moves_by(record: Record, encoder: str) -> bool:
+    """Whether a record is a motion along the readings of an encoder; poses and other motions are not."""
+    return record.kind == "motion" and encoder in record.drive
 
 
 def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Record:
