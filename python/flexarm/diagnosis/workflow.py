@@ -98,7 +98,7 @@ def diagnose(
     tell = progress or (lambda done, what: None)
     given = named_records(records)
     tell(0.0, "checking")
-    checked = check(arm, given, step=step)
+    checked = check(arm, given, step=step, alpha=alpha)
     remarks = (*map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))

@@ -40,6 +40,7 @@ def check(
     records: Mapping[str, Record] | Sequence[Record],
     *,
     step: float = 2e-3,
+    alpha: float = -0.05,
     progress: Progress = None,
 ) -> Checked:
     """What is wrong with records before any physics: faulty sensors, outliers, clocks, contradictions.
@@ -50,8 +51,8 @@ def check(
         The nominal model.
     records : dict of str to Record, or sequence of Record
         What was measured; of a sequence the names are those of the directories.
-    step : float
-        Of the simulation [s].
+    step, alpha : float
+        Of the simulation [s], [-].
     progress : bool or callable, optional
         As in `simulate`.
 
@@ -74,7 +75,7 @@ def check(
         record.check_against(arm)
         named[name], removed = clean_drives(name, record)
         outliers += removed
-    subjects, failed = run(arm, named, step, progress)
+    subjects, failed = run(arm, named, step, alpha, progress)
     verdicts = []
     remarks = [*remarks_on_stamps(named), *remarks_on_poses(named), *remarks_on_starts(subjects)]
     for name in named:
@@ -82,13 +83,13 @@ def check(
             named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))
             outliers += removed
             subjects[name] = _beside(arm, named[name], subjects[name])
-        verdict = _judged(arm, name, named[name], subjects.get(name), step)
+        verdict = _judged(arm, name, named[name], subjects.get(name), step, alpha)
         verdicts.append(verdict)
         named[name], notes = _without_frozen(named[name], verdict)
         remarks += notes
         if name in failed and verdict.drive is None:
             remarks.append(f"{name}: the model cannot be simulated: {failed[name]}")
-    faults = merged([_again(arm, verdict, verdicts, named, step) for verdict in verdicts])
+    faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
     return Checked(named, faults, tuple(outliers), tuple(remarks))
@@ -129,24 +130,31 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
     return named
 
 
-def _judged(arm: Arm, name: str, record: Record, subject: Subject | None, step: float) -> Verdict:
+def _judged(
+    arm: Arm, name: str, record: Record, subject: Subject | None, step: float, alpha: float
+) -> Verdict:
     """One record: its channels as they are, or with a drive's fault taken back if that explains more."""
     if subject is None:
-        return Verdict(name, (), drive_fault(arm, name, record, None, step))
+        return Verdict(name, (), drive_fault(arm, name, record, None, step, alpha))
     found = findings(name, subject)
     standing = standing_drive(arm, record, found)
     if standing is not None:
         return Verdict(name, (), standing)
     if not any(each.name or each.strange for each in found):
         return Verdict(name, found)
-    verdict = _weighed(name, found, drive_fault(arm, name, record, found, step))
+    verdict = _weighed(name, found, drive_fault(arm, name, record, found, step, alpha))
     if verdict.drive is None and (still := constant_drive(arm, record, found)) is not None:
         return Verdict(name, (), still)
     return verdict
 
 
 def _again(
-    arm: Arm, verdict: Verdict, all_of_them: Sequence[Verdict], records: Mapping[str, Record], step: float
+    arm: Arm,
+    verdict: Verdict,
+    all_of_them: Sequence[Verdict],
+    records: Mapping[str, Record],
+    step: float,
+    alpha: float,
 ) -> Verdict:
     """Channels at fault where another record shows that it is their drive: a small motion shows little."""
     sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.rest and not v.tied]
@@ -154,7 +162,7 @@ def _again(
         return verdict
     for fault in sure:
         name = verdict.record
-        found = same_fault(arm, name, records[name], fault, verdict.channels, step)
+        found = same_fault(arm, name, records[name], fault, verdict.channels, step, alpha)
         if found is not None:
             return Verdict(name, found.rest, found)
     return verdict

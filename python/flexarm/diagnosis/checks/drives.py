@@ -69,7 +69,7 @@ class DriveFinding:
 
 
 def drive_fault(
-    arm: Arm, name: str, record: Record, without: Sequence[Finding] | None, step: float
+    arm: Arm, name: str, record: Record, without: Sequence[Finding] | None, step: float, alpha: float
 ) -> DriveFinding | None:
     """The best hypothesis on the drives of a record, if it is worth considering beside `without`.
 
@@ -80,26 +80,34 @@ def drive_fault(
     """
     best: tuple[float, ChannelEffect] | None = None
     for effect in _hypotheses(arm, record, without):
-        trial = _tried(arm, name, record, effect, without, COARSE)
+        trial = _tried(arm, name, record, effect, without, COARSE, alpha)
         if trial is not None and (best is None or trial.log_bayes > best[0]):
             best = trial.log_bayes, effect
         if trial is not None and trial.log_bayes > PLAIN and not any(e.name or e.strange for e in trial.rest):
             break
     if best is None:
         return None
-    found = _tried(arm, name, record, best[1], without, step)
+    found = _tried(arm, name, record, best[1], without, step, alpha)
     return found if found is not None and found.log_bayes > -CLEAR else None
 
 
 def same_fault(
-    arm: Arm, name: str, record: Record, fault: DriveFinding, without: Sequence[Finding], step: float
+    arm: Arm,
+    name: str,
+    record: Record,
+    fault: DriveFinding,
+    without: Sequence[Finding],
+    step: float,
+    alpha: float,
 ) -> DriveFinding | None:
     """A drive's fault that another record shows, if it explains this one as well or better."""
     from flexarm.arm.effect import read_effect
 
     table = {key: value for key, (value, _, _) in fault.values.items()}
     effect: Any = read_effect({"name": fault.name, "at": fault.signal.name, **table})
-    found = _tried(arm, name, record, effect, without, step) if fault.signal.name in record.drive else None
+    if fault.signal.name not in record.drive:
+        return None
+    found = _tried(arm, name, record, effect, without, step, alpha)
     return found if found is not None and found.log_bayes > 0 else None
 
 
@@ -158,9 +166,10 @@ def _tried(
     effect: ChannelEffect,
     without: Sequence[Finding] | None,
     step: float,
+    alpha: float,
 ) -> DriveFinding | None:
     """One hypothesis, simulated; None if the model cannot follow it, or it repairs too little."""
-    subjects, _ = run(arm.with_effect(effect), {name: record}, step)
+    subjects, _ = run(arm.with_effect(effect), {name: record}, step, alpha)
     if name not in subjects:
         return None
     rest = findings(name, subjects[name])

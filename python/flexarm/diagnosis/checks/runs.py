@@ -21,6 +21,7 @@ def run(
     arm: Arm,
     records: Mapping[str, Record],
     step: float,
+    alpha: float,
     progress: Progress = None,
 ) -> tuple[dict[str, Subject], dict[str, str]]:
     """Subjects by record, and why there is none of the others.
@@ -28,21 +29,23 @@ def run(
     A drive whose numbers are wrong may ask for a motion that no arm makes: that record then has no subject.
     """
     try:
-        runs = _simulations(arm, records, step, progress)
+        runs = _simulations(arm, records, step, alpha, progress)
     except (InvalidParameter, NotConverged):
         runs = {}  # one of them fails: each by itself
     found: dict[str, Subject] = {}
     why: dict[str, str] = {}
     for name, record in records.items():
         try:
-            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, None)[name]
+            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, None)[name]
             found[name] = beside(arm, record, align=False, simulation=mine, step=step).subject
         except (InvalidParameter, NotConverged) as error:
             why[name] = str(error)
     return found, why
 
 
-def _simulations(arm: Arm, records: Mapping[str, Record], step: float, progress: Progress) -> dict[str, Any]:
+def _simulations(
+    arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress
+) -> dict[str, Any]:
     """Of motions side by side, of poses one after the other."""
     moving = {name: record for name, record in records.items() if record.kind == "motion"}
     seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
@@ -50,6 +53,7 @@ def _simulations(arm: Arm, records: Mapping[str, Record], step: float, progress:
         [(record.applied_to(arm), record) for record in moving.values()],
         progress=progress,
         step=step,
+        alpha=alpha,
         rotations=bool(seen & set(NEEDS_ROTATIONS)),
         forces="strain" in seen,
     )

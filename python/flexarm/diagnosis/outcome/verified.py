@@ -50,7 +50,10 @@ class Bench:
 
     def beside(self, model: Arm) -> dict[str, Beside]:
         """A model beside each record that was fitted, sample by sample."""
-        return {name: beside(model, record, step=self.step) for name, record in self.training.items()}
+        return {
+            name: beside(model, record, step=self.step, alpha=self.alpha)
+            for name, record in self.training.items()
+        }
 
     def _gaps(self, model: Arm, records: Mapping[str, Record]) -> Gaps:
         return gaps(partial(compare, step=self.step, alpha=self.alpha), model, records, self.jobs)

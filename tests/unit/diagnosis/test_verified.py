@@ -1,0 +1,30 @@
+"""What a repair is verified with: records beside models, simulated as the diagnosis was told to."""
+
+from diagnoses import nominal, record
+
+from flexarm.diagnosis.checks import runs
+from flexarm.diagnosis.checks.check import check
+from flexarm.diagnosis.outcome.verified import Bench
+
+
+def test_a_bench_simulates_with_the_damping_that_it_is_given():
+    bench = Bench({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
+    [seen] = bench.beside(nominal()).values()
+    assert (seen.subject.simulation.solver["step"], seen.subject.simulation.solver["alpha"]) == (0.01, 0.0)
+
+
+def test_a_check_simulates_with_the_damping_that_it_is_given(monkeypatch):
+    """Its hypotheses too: here an encoder counts the other way."""
+    used = set()
+
+    def simulate_all(*args, alpha, **options):
+        used.add(alpha)
+        return whole(*args, alpha=alpha, **options)
+
+    whole = runs.simulate_all
+    monkeypatch.setattr(runs, "simulate_all", simulate_all)
+    hinge = record(1).signals["hinge"]
+    flipped = record(1).replace(signals={**record(1).signals, "hinge": hinge.replace(values=-hinge.values)})
+    found = check(nominal(), {"swing": flipped}, step=0.01, alpha=0.0)
+    assert [fault.name for fault in found.faults] == ["sign_error"]
+    assert used == {0.0}
