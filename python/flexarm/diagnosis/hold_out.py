@@ -13,7 +13,7 @@ of its span to that of the record.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -35,13 +35,26 @@ SAME = 0.05
 """Relative difference within which two motions or payloads count as the same."""
 
 
-def hold_back(record: Record) -> tuple[Record, Record]:
-    """A record without the blocks that are held back, and one with nothing else."""
+def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Record, Record | None]:
+    """A record without the blocks that are held back, and one with nothing else.
+
+    If either would hold nothing to compare, as of four poses, the record stays whole and the other is None.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    compared : iterable of str, optional
+        Signals that the model predicts; default all.
+    """
     fitted, held = dict(record.signals), dict(record.signals)
     for signal in _evidence(record):
         back = _held(record, signal)
         fitted[signal.name] = _without(signal, back)
         held[signal.name] = _without(signal, ~back)
+    names = [signal.name for signal in _evidence(record)] if compared is None else list(compared)
+    if not all(any(part[name].valid.any() for name in names) for part in (fitted, held)):
+        return record, None
     return replace(record, signals=fitted), replace(record, signals=held)
 
 

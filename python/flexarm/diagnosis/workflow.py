@@ -102,7 +102,7 @@ def diagnose(
     remarks = (*map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
-    parted = _parted(arm, checked.records, hold_out)
+    parted = _parted(arm, checked, hold_out)
     tell(0.1, "simulating")
     observed = Observed(
         arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
@@ -140,7 +140,7 @@ def diagnose(
         stages=seen.stages,
         constancy=found.drifts,
         remainder=seen.remainder,
-        remarks=(*remarks, *swings(choice.best, observed), *seen.remarks),
+        remarks=(*remarks, *parted.remarks, *swings(choice.best, observed), *seen.remarks),
         next_experiment=further.sentence,
         provenance=_provenance(seed, begun),
         located=seen.located,
@@ -200,27 +200,30 @@ def _unusable(
 
 @dataclass(frozen=True)
 class _Parted:
-    """Records to fit, those to check the repair with, and how these were held out and why so."""
+    """Records to fit, those to check the repair with, how these were held out and why so, and remarks."""
 
     training: dict[str, Record]
     held_out: dict[str, Record]
     kind: str
     why: str
+    remarks: tuple[str, ...]
 
 
-def _parted(arm: Arm, records: Mapping[str, Record], hold_out: Record | None) -> _Parted:
+def _parted(arm: Arm, checked: Checked, hold_out: Record | None) -> _Parted:
     """Training and check: a record of its own, or else blocks of time of each."""
-    named = dict(records)
+    named = checked.comparable()
     if hold_out is not None:
         held = {_name(hold_out, named): hold_out}
         kind, why = hold_out_kind(arm, named, hold_out), hold_out_why(arm, named, hold_out)
-        return _Parted(named, held, kind, why)
-    parts = {name: hold_back(record) for name, record in named.items()}
+        return _Parted(named, held, kind, why, ())
+    parts = {name: hold_back(record, checked.compared.get(name)) for name, record in named.items()}
+    whole = [name for name, (_, back) in parts.items() if back is None]
     return _Parted(
         {name: fitted for name, (fitted, _) in parts.items()},
-        {f"{name}, held-back blocks": back for name, (_, back) in parts.items()},
+        {f"{name}, held-back blocks": back for name, (_, back) in parts.items() if back is not None},
         "blocks",
         "",
+        tuple(f"{name} is too short to hold a part of it back" for name in whole),
     )
 
 

@@ -8,6 +8,7 @@ from arms import PAYLOAD, crane
 from planted import two_joints
 
 from flexarm import Record, Signal
+from flexarm.diagnosis.checks.checked import Checked
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.workflow import _parted
 from flexarm.effects import PayloadMass
@@ -88,6 +89,19 @@ def test_a_pose_is_held_back_of_all_signals():
     _, held = hold_back(whole.replace(signals={**whole.signals, "again": again}))
     back = {name: set(held.signals[name].pose[held.signals[name].valid]) for name in ("tip", "again")}
     assert back == {"tip": {"p4", "p9"}, "again": {"p4", "p9"}}
+
+
+def test_what_would_be_left_with_nothing_is_not_parted():
+    """Four poses, or a tip that is seen in none of the blocks that are held back."""
+    whole = record()
+    tip = whole.signals["tip"]
+    early = tip.replace(values=np.where(TIME[:, None] < 1.0, tip.values, np.nan))
+    torque = tip.replace(name="torque", quantity="motor_torque", joint="hinge", point=None, axes=())
+    both = whole.replace(signals=[whole.signals["hinge"], early, torque])
+    assert hold_back(poses(4)) == (poses(4), None)
+    assert hold_back(poses(5))[1] is not None
+    assert hold_back(both)[1] is not None
+    assert hold_back(both, ["tip"]) == (both, None)  # the model does not predict the torque
 
 
 @pytest.mark.parametrize(
@@ -210,6 +224,8 @@ def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
     path = tmp_path / "test_2/by_reference"
     record().save(path)
     held = Record.load(path)
-    assert _parted(ARM, {"test_3/by_reference": record()}, held).held_out.keys() == {"test_2/by_reference"}
-    assert _parted(ARM, {"test_3": record()}, held).held_out.keys() == {"by_reference"}
-    assert _parted(ARM, {"by_reference": record()}, held).held_out.keys() == {"by_reference (held out)"}
+    one, two = Checked({"test_3/by_reference": record()}), Checked({"test_3": record()})
+    assert _parted(ARM, one, held).held_out.keys() == {"test_2/by_reference"}
+    assert _parted(ARM, two, held).held_out.keys() == {"by_reference"}
+    taken = Checked({"by_reference": record()})
+    assert _parted(ARM, taken, held).held_out.keys() == {"by_reference (held out)"}

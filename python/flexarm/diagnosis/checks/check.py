@@ -19,6 +19,7 @@ from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, sa
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.diagnosis.checks.findings import findings
 from flexarm.diagnosis.checks.jumps import remarks_on_clocks
+from flexarm.diagnosis.checks.lost import without_lost_channels
 from flexarm.diagnosis.checks.merge import Verdict, merged
 from flexarm.diagnosis.checks.placing import placing
 from flexarm.diagnosis.checks.runs import run
@@ -71,14 +72,16 @@ def check(
     """
     named = named_records(records)
     outliers: list[Removed] = []
+    remarks: list[str] = []
     for name, record in named.items():
-        record.check_against(arm)
-        named[name], removed = clean_drives(name, record)
+        named[name], removed, notes = _readable(arm, name, record)
         outliers += removed
-    subjects, failed = run(arm, named, step, alpha, progress)
+        remarks += notes
+    subjects, failed, empty = run(arm, named, step, alpha, progress)
     verdicts = []
-    remarks = [*remarks_on_stamps(named), *remarks_on_poses(named), *remarks_on_starts(subjects)]
-    for name in named:
+    remarks += [*remarks_on_stamps(named), *remarks_on_poses(named), *remarks_on_starts(subjects)]
+    remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]
+    for name in (each for each in named if each not in empty):
         if name in subjects:
             named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))
             outliers += removed
@@ -92,7 +95,8 @@ def check(
     faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
-    return Checked(named, faults, tuple(outliers), tuple(remarks))
+    compared = {name: tuple(subject.evidence) for name, subject in subjects.items()}
+    return Checked(named, faults, tuple(outliers), tuple(remarks), {**compared, **dict.fromkeys(empty, ())})
 
 
 def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
@@ -128,6 +132,14 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
                 where=f"records.{name}",
             )
     return named
+
+
+def _readable(arm: Arm, name: str, record: Record) -> tuple[Record, list[Removed], list[str]]:
+    """A record that fits the model, without empty channels and the outliers of its drives."""
+    record.check_against(arm)
+    record, notes = without_lost_channels(name, record)
+    record, removed = clean_drives(name, record)
+    return record, removed, notes
 
 
 def _judged(

@@ -80,17 +80,25 @@ class Checked:
     remarks : tuple of str
         What a person should know: clocks that jump, pauses, scatter unlike the stated noise, records that
         contradict each other.
+    compared : dict of str to tuple of str
+        By record the signals that the model predicts; a record that has none cannot be compared at all.
     """
 
     records: Mapping[str, Record]
     faults: tuple[Fault, ...] = ()
     outliers: tuple[Removed, ...] = ()
     remarks: tuple[str, ...] = field(default=())
+    compared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def usable(self) -> bool:
         """Whether no sensor is at fault."""
         return not self.faults
+
+    def comparable(self) -> dict[str, Record]:
+        """The records that something can be compared of; all of them if that is true of none."""
+        found = {name: record for name, record in self.records.items() if self.compared.get(name, True)}
+        return found or dict(self.records)
 
     def summary(self) -> str:
         """The same for a person to read."""

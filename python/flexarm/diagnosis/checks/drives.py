@@ -169,7 +169,7 @@ def _tried(
     alpha: float,
 ) -> DriveFinding | None:
     """One hypothesis, simulated; None if the model cannot follow it, or it repairs too little."""
-    subjects, _ = run(arm.with_effect(effect), {name: record}, step, alpha)
+    subjects, _, _ = run(arm.with_effect(effect), {name: record}, step, alpha)
     if name not in subjects:
         return None
     rest = findings(name, subjects[name])

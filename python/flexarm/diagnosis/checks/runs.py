@@ -23,24 +23,30 @@ def run(
     step: float,
     alpha: float,
     progress: Progress = None,
-) -> tuple[dict[str, Subject], dict[str, str]]:
-    """Subjects by record, and why there is none of the others.
+) -> tuple[dict[str, Subject], dict[str, str], dict[str, str]]:
+    """Subjects by record, and why there is none of those that cannot be simulated, and of the empty ones.
 
-    A drive whose numbers are wrong may ask for a motion that no arm makes: that record then has no subject.
+    A drive whose numbers are wrong may ask for a motion that no arm makes; an empty record holds nothing that
+    a simulation predicts.
     """
     try:
         runs = _simulations(arm, records, step, alpha, progress)
     except (InvalidParameter, NotConverged):
         runs = {}  # one of them fails: each by itself
     found: dict[str, Subject] = {}
-    why: dict[str, str] = {}
+    failed: dict[str, str] = {}
+    empty: dict[str, str] = {}
     for name, record in records.items():
         try:
             mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, None)[name]
-            found[name] = beside(arm, record, align=False, simulation=mine, step=step).subject
         except (InvalidParameter, NotConverged) as error:
-            why[name] = str(error)
-    return found, why
+            failed[name] = str(error)
+            continue
+        try:
+            found[name] = beside(arm, record, align=False, simulation=mine, step=step).subject
+        except InvalidParameter as error:
+            empty[name] = error.problems[0].what
+    return found, failed, empty
 
 
 def _simulations(

@@ -82,7 +82,7 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
             f"{_article(diagnosis.hold_out_kind)} of the training"
             f"{f': {diagnosis.hold_out_why}' if diagnosis.hold_out_why else ''}."
         )
-    return f"Fitted on {fitted}; whole blocks of it were held back to choose."
+    return f"Fitted on {fitted}; nothing was held back."
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:

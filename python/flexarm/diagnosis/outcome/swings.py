@@ -21,8 +21,8 @@ def swings(fit: Fit, observed: Observed) -> Iterator[str]:
         mine = [fit.unknowns.keys.index(s.key) for s in observed.starts if s.record == name]
         move = fit.projection.slopes[:, mine] @ x[mine]
         most = {each: float(np.abs(move[each.where]).max()) for each in observed.rows_of(name)}
-        each = max(most, key=lambda rows: most[rows])
-        if mine and most[each] > TOLD:
+        each = max(most, key=lambda rows: most[rows], default=None)
+        if mine and each is not None and most[each] > TOLD:
             unit = observed.records[name].signals[each.signal].unit
             size = with_unit(most[each] * each.sigma, unit)
             yield (

@@ -1,0 +1,101 @@
+"""Records of which nothing can be compared, in whole or in part, and such as are too short to be parted."""
+
+import numpy as np
+import pytest
+from arms import compliance, crane
+from diagnoses import lean
+
+import flexarm
+from flexarm import Record, Signal
+from flexarm.comparison.beside import beside
+from flexarm.diagnosis.checks.check import check
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.outcome.sentences import hold_out_sentence
+from flexarm.diagnosis.outcome.swings import swings
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.errors import InvalidParameter
+
+NOISE = 5e-5
+
+
+def poses(count: int, seed: int = 0) -> Record:
+    """The tip of an arm with a soft hinge, in as many poses."""
+    soft = crane(effects=[compliance("hinge", 5e4)])
+    of_all = {"pose": np.array([f"p{k}" for k in range(count)])}
+    angle = Signal(
+        name="hinge", quantity="joint_angle", joint="hinge", values=np.linspace(-1.0, 1.2, count), **of_all
+    )
+    tip = Signal(
+        name="tip",
+        quantity="position",
+        point="tip",
+        axes=("x", "z"),
+        values=np.zeros((count, 2)),
+        noise_std=NOISE,
+        **of_all,
+    )
+    record = Record(kind="static", drive=("hinge",), signals=[angle, tip])
+    pair = beside(soft, record, align=False)
+    seen = pair.subject.predicted(tip, pair.aligned.placement)
+    return shown(record, seen + NOISE * np.random.default_rng(seed).standard_normal(seen.shape))
+
+
+def shown(record: Record, values: np.ndarray, **changes: object) -> Record:
+    """The record with other readings of its tip."""
+    tip = record.signals["tip"].replace(values=values, **changes)
+    return record.replace(signals={**record.signals, "tip": tip})
+
+
+def without_axes(record: Record, *lost: int) -> Record:
+    """The record with axes of its tip that hold no value."""
+    values = record.signals["tip"].values.copy()
+    values[:, lost] = np.nan
+    return shown(record, values)
+
+
+def test_a_record_without_a_value_is_left_out_and_told():
+    found = flexarm.diagnose(crane(), {"one": poses(8), "none": without_axes(poses(8), 0, 1)}, jobs=1)
+    assert [(effect.name, effect.at) for effect in found.effects] == [("joint_compliance", "hinge")]
+    assert (found.training, found.held_out) == (("one",), ("one, held-back blocks",))
+    assert any(
+        remark.startswith("none holds nothing to compare with a simulation")
+        and remark.endswith("a diagnosis leaves it out")
+        for remark in found.remarks
+    )
+
+
+def test_if_no_record_holds_a_value_that_is_an_error():
+    with pytest.raises(InvalidParameter, match="records: hold nothing to compare with a simulation"):
+        flexarm.diagnose(crane(), {"none": without_axes(poses(8), 0, 1)}, jobs=1)
+
+
+def test_of_four_poses_none_is_held_back():
+    """The fifth would be: the repair is then told by its gap in the training."""
+    found = flexarm.diagnose(crane(), {"few": poses(4)}, jobs=1)
+    assert [(effect.name, effect.at) for effect in found.effects] == [("joint_compliance", "hinge")]
+    assert (found.training, found.held_out) == (("few",), ())
+    assert "few is too short to hold a part of it back" in found.remarks
+    assert found.to_json_dict()["gap"]["held_out"]["before_rms"] is None
+
+
+def test_where_nothing_was_held_back_that_is_said():
+    assert hold_out_sentence(lean()) == "Fitted on 'other'; nothing was held back."
+
+
+def test_an_axis_without_a_value_leaves_the_other_one():
+    """A row counts if all its channels hold a value: with the empty one none would."""
+    found = check(crane(), {"half": without_axes(poses(8), 1)})
+    tip = found.records["half"].signals["tip"]
+    assert (tip.axes, tip.values.shape) == (("x",), (8, 1))
+    assert found.compared == {"half": ("tip",)}
+    assert found.remarks == ("half: tip holds no value along z; the rest of it is compared",)
+
+
+def test_a_signal_of_no_known_noise_and_few_values_swings_with_nothing():
+    """It cannot be weighed, so that its record has no residuals."""
+    few = poses(6, seed=1)
+    unweighed = shown(few, few.signals["tip"].values, noise_std=None)
+    observed = Observed(crane(), {"one": poses(8), "unweighed": unweighed})
+    assert {rows.record for rows in observed.rows} == {"one"}
+    assert list(swings(Fitter.nominal(observed, unknowns(observed)).fit(()), observed)) == []
