@@ -17,7 +17,7 @@ from flexarm.configuration import version
 from flexarm.diagnosis.candidates.candidate_probes import SOFTER
 from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.candidates.coarse_encoders import CoarseEncoder, with_coarse_encoders
-from flexarm.diagnosis.checks.check import check, named_records
+from flexarm.diagnosis.checks.check import check, cleaned, named_records
 from flexarm.diagnosis.checks.checked import Checked
 from flexarm.diagnosis.choosing.acceptance import leaves_anything, leaves_gap
 from flexarm.diagnosis.choosing.choose import Choice, choose
@@ -67,8 +67,8 @@ def diagnose(
     records : dict of str to Record, or sequence of Record
         What to explain; all are fitted together.
     hold_out : Record, optional
-        Never used for fitting or choosing: the check of the repair. Without one, blocks of time are held
-        back.
+        Never used for fitting or choosing: the check of the repair, without its outliers. Without one, blocks
+        of time are held back.
     jobs : int, optional
         Number of simulations at once; default one a core.
     seed : int
@@ -97,12 +97,13 @@ def diagnose(
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     given = named_records(records)
+    held = _held_out(arm, hold_out, given)
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
     remarks = (*map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
-    parted = _parted(arm, checked, hold_out)
+    parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
     observed = Observed(
         arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
@@ -209,13 +210,22 @@ class _Parted:
     remarks: tuple[str, ...]
 
 
-def _parted(arm: Arm, checked: Checked, hold_out: Record | None) -> _Parted:
+def _held_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) -> dict[str, Record]:
+    """A record of its own to check the repair with, by name, if there is one; it must fit the model."""
+    if hold_out is None:
+        return {}
+    [record] = named_records({"hold_out": hold_out}).values()
+    record.check_against(arm)
+    return {_name(record, given): record}
+
+
+def _parted(arm: Arm, checked: Checked, held_out: Checked) -> _Parted:
     """Training and check: a record of its own, or else blocks of time of each."""
     named = checked.comparable()
-    if hold_out is not None:
-        held = {_name(hold_out, named): hold_out}
-        kind, why = hold_out_kind(arm, named, hold_out), hold_out_why(arm, named, hold_out)
-        return _Parted(named, held, kind, why, ())
+    remarks = (*map(str, held_out.outliers), *held_out.remarks)
+    for record in held_out.records.values():
+        kind, why = hold_out_kind(arm, named, record), hold_out_why(arm, named, record)
+        return _Parted(named, dict(held_out.records), kind, why, remarks)
     parts = {name: hold_back(record, checked.compared.get(name)) for name, record in named.items()}
     whole = [name for name, (_, back) in parts.items() if back is None]
     return _Parted(

@@ -8,7 +8,7 @@ from diagnoses import lean
 import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.checks.check import check
+from flexarm.diagnosis.checks.check import check, cleaned
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.outcome.sentences import hold_out_sentence
@@ -68,6 +68,8 @@ def test_a_record_without_a_value_is_left_out_and_told():
 def test_if_no_record_holds_a_value_that_is_an_error():
     with pytest.raises(InvalidParameter, match="records: hold nothing to compare with a simulation"):
         flexarm.diagnose(crane(), {"none": without_axes(poses(8), 0, 1)}, jobs=1)
+    with pytest.raises(InvalidParameter, match="other day: signals: holds nothing to compare"):
+        cleaned(crane(), {"other day": without_axes(poses(8), 0, 1)})
 
 
 def test_of_four_poses_none_is_held_back():

@@ -2,16 +2,20 @@
 
 from dataclasses import replace
 
+import diagnoses
 import numpy as np
 import pytest
 from arms import PAYLOAD, crane
 from planted import two_joints
 
+import flexarm
 from flexarm import Record, Signal
+from flexarm.diagnosis.checks.check import cleaned
 from flexarm.diagnosis.checks.checked import Checked
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
-from flexarm.diagnosis.workflow import _parted
+from flexarm.diagnosis.workflow import _held_out, _parted
 from flexarm.effects import PayloadMass
+from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload, Clock, DrawnLink
 
 TIME = np.arange(0.0, 20.0, 0.02)
@@ -224,8 +228,35 @@ def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
     path = tmp_path / "test_2/by_reference"
     record().save(path)
     held = Record.load(path)
-    one, two = Checked({"test_3/by_reference": record()}), Checked({"test_3": record()})
-    assert _parted(ARM, one, held).held_out.keys() == {"test_2/by_reference"}
-    assert _parted(ARM, two, held).held_out.keys() == {"by_reference"}
-    taken = Checked({"by_reference": record()})
-    assert _parted(ARM, taken, held).held_out.keys() == {"by_reference (held out)"}
+    assert _held_out(ARM, held, {"test_3/by_reference": record()}).keys() == {"test_2/by_reference"}
+    assert _held_out(ARM, held, {"test_3": record()}).keys() == {"by_reference"}
+    assert _held_out(ARM, held, {"by_reference": record()}).keys() == {"by_reference (held out)"}
+
+
+@pytest.mark.parametrize(
+    ("held_out", "what"),
+    [
+        (replace(record(), payloads={"crate": CarriedPayload(mass=5.0)}), "there is no payload 'crate'"),
+        ([record()], "must be a Record"),
+    ],
+)
+def test_a_record_held_out_that_does_not_fit_the_model_is_told_before_anything_is_simulated(held_out, what):
+    begun = []
+    with pytest.raises(InvalidParameter, match=what):
+        flexarm.diagnose(ARM, {"a": record()}, held_out, progress=lambda done, what: begun.append(what))
+    assert not begun
+
+
+def test_outliers_of_a_record_held_out_are_removed_and_told():
+    """As those of the training are, 0.5 m off at a gap of 7 mm."""
+    training, held_out = diagnoses.record(1), diagnoses.record(3, 0.2)
+    tip = held_out.signals["tip"]
+    values = tip.values.copy()
+    values[[30, 70]] += 0.5
+    odd = held_out.replace(signals={**held_out.signals, "tip": tip.replace(values=values)})
+    clean = cleaned(diagnoses.nominal(), {"other": odd}, step=0.01)
+    parted = _parted(diagnoses.nominal(), Checked({"swing": training}), clean)
+    seen = parted.held_out["other"].signals["tip"]
+    assert np.flatnonzero(~seen.valid).tolist() == [30, 70]
+    assert parted.training == {"swing": training}
+    assert parted.remarks == ("2 outliers of tip in other, 0.5 m off, removed",)

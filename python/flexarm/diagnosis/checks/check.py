@@ -99,6 +99,40 @@ def check(
     return Checked(named, faults, tuple(outliers), tuple(remarks), {**compared, **dict.fromkeys(empty, ())})
 
 
+def cleaned(arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alpha: float = -0.05) -> Checked:
+    """Records without their outliers, their sensors taken as they are: of those that no model is chosen by.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model.
+    records : dict of str to Record
+        What was measured.
+    step, alpha : float
+        Of the simulation [s], [-].
+
+    Raises
+    ------
+    InvalidParameter
+        If a record names what the model does not have, or holds nothing to compare.
+    NotConverged
+        If the model cannot be simulated along one.
+    """
+    named = dict(records)
+    outliers: list[Removed] = []
+    remarks: list[str] = []
+    for name, record in named.items():
+        record, removed, notes = _readable(arm, name, record)
+        try:
+            subject = beside(arm, record, align=False, step=step, alpha=alpha).subject
+        except InvalidParameter as error:
+            raise InvalidParameter(str(error), where=name) from None
+        named[name], more = clean_evidence(name, subject, placing(subject))
+        outliers += [*removed, *more]
+        remarks += notes
+    return Checked(named, (), tuple(outliers), tuple(remarks))
+
+
 def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
     """Records by name: the keys, or the names of their directories.
 
