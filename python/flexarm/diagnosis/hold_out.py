@@ -7,8 +7,8 @@ only evidence is taken from one part and left in the other. A row at the stamp s
     x = (s - d - first)/(last - first)                                                                 (1)
 
 of the record, d the offset that is stated for its clock, first and last the ends of all signals in that time.
-A clock of unknown offset has ends of its own: what it showed meanwhile is held back to within the difference
-of its span to that of the record.
+Of a clock whose offset is unknown they are those of its own signals: if these began and ended with the drive,
+the same blocks are held back of them.
 """
 
 from __future__ import annotations
