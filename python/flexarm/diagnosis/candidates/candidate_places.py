@@ -33,7 +33,7 @@ def places_of(name: str, observed: Observed, arm: Arm) -> list[str]:
         known = {
             load.name
             for load in arm.payloads
-            if name == "payload_mass" and all(_weighed(record, load.name) for record in records)
+            if name == "payload_mass" and all(weighed(record, load.name) for record in records)
         }
         return [load.name for load in arm.payloads if load.name not in known]
     if place == "link":
@@ -85,7 +85,7 @@ def _late(name: str, observed: Observed) -> list[str]:
     return found + (late_commands(observed) if name == "time_delay" else [])
 
 
-def _weighed(record: Record, payload: str) -> bool:
+def weighed(record: Record, payload: str) -> bool:
     """Whether a record says what a payload weighs: its mass in the model has no effect there."""
     carried = record.payloads.get(payload)
     return carried is not None and carried.mass is not None

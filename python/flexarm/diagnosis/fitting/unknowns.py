@@ -17,6 +17,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters, with_value
 from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.candidates.candidate_places import weighed
 from flexarm.diagnosis.residuals.corners import has_corners
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.residuals.starts import SIGMA
@@ -160,15 +161,14 @@ def unknowns(observed: Observed) -> Unknowns:
 
 
 def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
-    """Nominal values with an uncertainty; a payload that every record weighed is known."""
-    weighed = set.intersection(*(set(record.payloads) for record in records.values())) if records else set()
+    """Nominal values with an uncertainty; the mass of a payload that every record weighed is known."""
     found = []
     for key in arm.uncertainty:
         value, sigma = arm.sigma(key)
-        words = key.split(".")
-        if words[0] == "payloads" and words[1] in weighed and words[2].startswith("mass"):
+        bare = _bare(arm, key)
+        if _known(bare, records):
             continue
-        there = parameters(arm, [_bare(arm, key)])
+        there = parameters(arm, [bare])
         sigmas = np.broadcast_to(sigma, (len(there),)) if isinstance(value, tuple) else [sigma]
         found += [
             Unknown(p.key, p.value, float(s), p.unit, "nominal")
@@ -176,6 +176,13 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
             if s > 0
         ]
     return found
+
+
+def _known(key: str, records: Mapping[str, Record]) -> bool:
+    """Whether a value is the mass of a payload that every record weighed."""
+    table, name, *rest = key.split(".")
+    masses = table == "payloads" and rest == ["mass"] and bool(records)
+    return masses and all(weighed(record, name) for record in records.values())
 
 
 def _bare(arm: Arm, key: str) -> str:
