@@ -1,22 +1,34 @@
 """What is fitted along, and how well it is known beforehand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.fitting.unknowns import nominal
+from flexarm.diagnosis.fitting.unknowns import UNKNOWN_DELAY, UNKNOWN_POSE, nominal, unknowns
 from flexarm.record import Record, Signal
-from flexarm.record.table import CarriedPayload
+from flexarm.record.table import CarriedPayload, Clock, Frame
 
+KNOWN = {"clocks": {"controller": Clock(), "tracker": Clock(sigma=2e-3)},
+         "frames": {"tracker": Frame(translation=1e-3, rotation=5e-4)}}  # fmt: skip
+ROUGHLY = {"clocks": {"controller": Clock(), "tracker": Clock(sigma=1e-2)},
+           "frames": {"tracker": Frame(translation=5e-4, rotation=2e-3)}}  # fmt: skip
+UNKNOWN = {"clocks": {"controller": Clock(), "tracker": Clock(unknown=True)},
+           "frames": {"tracker": Frame(unknown=True)}}  # fmt: skip
 TIME = np.arange(0.0, 1.0, 0.1)
 
 
 def record(**stated):
     """A run of a crane, of which the tip is seen on a clock and in a frame of its own."""
-    hinge = Signal(name="q", quantity="joint_angle", joint="hinge", time=TIME, values=TIME, noise_std=1e-6)
-    tip = Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), time=TIME,
-                 values=np.zeros((len(TIME), 2)), noise_std=1e-4)  # fmt: skip
-    return Record(signals=[hinge, tip], drive=("q",), **stated)
+    stated = {**KNOWN, **stated}
+    encoder = {"quantity": "joint_angle", "joint": "hinge", "side": "motor", "clock": "controller"}
+    tracker = {"quantity": "position", "point": "tip", "clock": "tracker", "frame": "tracker"}
+    signals = [
+        Signal(name="q", time=TIME, values=TIME, noise_std=1e-6, **encoder),
+        Signal(name="tip", time=TIME, values=np.zeros((len(TIME), 3)), noise_std=1e-4, **tracker),
+    ]
+    return Record(signals=signals, drive=("q",), **stated)
 
 
 @pytest.mark.parametrize(
@@ -35,3 +47,27 @@ def test_a_mass_is_known_where_every_record_weighed_it(loads, uncertain, key):
     arm = crane(uncertainty={key: 0.05})
     records = {f"{k}": record(payloads={"load": CarriedPayload(**load)}) for k, load in enumerate(loads)}
     assert [each.key for each in nominal(arm, records)] == uncertain
+
+
+@pytest.mark.parametrize(
+    "stated, delay, translation, rotation",
+    [
+        ([KNOWN, ROUGHLY], 2e-3, 5e-4, 5e-4),
+        ([KNOWN, UNKNOWN], 2e-3, 1e-3, 5e-4),
+        ([UNKNOWN, UNKNOWN], UNKNOWN_DELAY, UNKNOWN_POSE["translation"], UNKNOWN_POSE["rotation"]),
+    ],
+    ids=["all", "one", "none"],
+)
+@pytest.mark.parametrize("turned", [False, True], ids=["in order", "turned round"])
+def test_a_clock_and_a_frame_are_known_as_well_as_one_record_knows_them(
+    stated, delay, translation, rotation, turned
+):
+    """Whichever record comes first: they are one clock and one frame."""
+    records = {f"{k}": record(**each) for k, each in enumerate(reversed(stated) if turned else stated)}
+    rows = [SimpleNamespace(record=name, signal="tip") for name in records]
+    found = unknowns(SimpleNamespace(arm=crane(), records=records, rows=rows, starts=()))
+    assert {each.key.split(".")[3]: each.sigma for each in found.each} == {
+        "delay": delay,
+        "translation": translation,
+        "rotation": rotation,
+    }

@@ -3,13 +3,15 @@ swings with where a record begins in motion.
 
 Each is a parameter of the model with a Gaussian prior. Clocks and frames get effects of their own in the
 model, `time_delay` and `frame_registration`, that start at zero: those of one name in several records are one
-clock and one frame. Nominal values are those of `[uncertainty]`.
+clock and one frame, as well known as the record says that knows them best. Nominal values are those of
+`[uncertainty]`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import hypot, inf, isinf
 from typing import Literal
 
 import numpy as np
@@ -194,7 +196,7 @@ def _bare(arm: Arm, key: str) -> str:
 
 
 def _clocks(observed: Observed) -> dict[str, float]:
-    """1 sigma of the offset of every clock of evidence but the drive's [s]."""
+    """1 sigma of the offset of every clock of evidence but the drive's [s]: the least that is stated."""
     found: dict[str, float] = {}
     for each in observed.rows:
         record = observed.records[each.record]
@@ -202,14 +204,14 @@ def _clocks(observed: Observed) -> dict[str, float]:
         own = drive_clock(record)
         if name == own or record.kind == "static":
             continue
-        clock = record.clocks[name]
-        sigma = float(np.hypot(clock.sigma, record.clocks[own].sigma))
-        found[name] = UNKNOWN_DELAY if clock.unknown or record.clocks[own].unknown else sigma
-    return {name: sigma for name, sigma in found.items() if sigma > 0}
+        clock, reference = record.clocks[name], record.clocks[own]
+        sigma = inf if clock.unknown or reference.unknown else hypot(clock.sigma, reference.sigma)
+        found[name] = min(sigma, found.get(name, inf))
+    return {name: UNKNOWN_DELAY if isinf(sigma) else sigma for name, sigma in found.items() if sigma > 0}
 
 
 def _frames(observed: Observed) -> dict[str, dict[str, float]]:
-    """1 sigma of the registration of every frame of evidence [m], [rad]."""
+    """1 sigma of the registration of every frame of evidence [m], [rad]: the least that is stated."""
     found: dict[str, dict[str, float]] = {}
     for each in observed.rows:
         record = observed.records[each.record]
@@ -217,7 +219,11 @@ def _frames(observed: Observed) -> dict[str, dict[str, float]]:
         frame = record.frames.get(signal.frame)
         if frame is None or signal.quantity not in ("position", "orientation"):
             continue
-        sigmas = UNKNOWN_POSE if frame.unknown else {k: getattr(frame, k) for k in UNKNOWN_POSE}
-        if any(sigma > 0 for sigma in sigmas.values()):
-            found[signal.frame] = dict(sigmas)
-    return found
+        least = found.setdefault(signal.frame, dict.fromkeys(UNKNOWN_POSE, inf))
+        for kind in UNKNOWN_POSE:
+            least[kind] = min(least[kind], inf if frame.unknown else getattr(frame, kind))
+    return {
+        name: {kind: UNKNOWN_POSE[kind] if isinf(sigma) else sigma for kind, sigma in least.items()}
+        for name, least in found.items()
+        if any(sigma > 0 for sigma in least.values())
+    }
