@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.parameter import parameters, with_value
+from flexarm.arm.parameter import Parameter, parameters, with_value
 from flexarm.comparison.unknowns import drive_clock
 from flexarm.diagnosis.candidates.candidate_places import weighed
 from flexarm.diagnosis.residuals.corners import has_corners
@@ -25,6 +25,7 @@ from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.residuals.starts import SIGMA
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
+from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 
 UNKNOWN_DELAY = 1.0
@@ -52,6 +53,8 @@ class Unknown:
         Of both.
     kind : {"clock", "frame", "nominal", "start"}
         What it is; a "start" is what the arm swings with where a record begins.
+    one_sign : bool
+        Whether the model refuses values on the other side of zero, as of a modulus.
     """
 
     key: str
@@ -59,6 +62,7 @@ class Unknown:
     sigma: float
     unit: str
     kind: Literal["clock", "frame", "nominal", "start"]
+    one_sign: bool = False
 
     @property
     def place(self) -> tuple[str, str]:
@@ -79,14 +83,15 @@ class Unknown:
     def kept(self, step: float) -> float:
         """A step from the centre, shortened where a nominal value would all but lose its sign.
 
-        Steps are linear, and far from the optimum they can be far too long: a stiffness that is known to less
-        than itself stays above a fifth of it. A start is in proportion about any model, and stays.
+        Steps are linear, and far from the optimum they can be far too long: a stiffness, however badly known,
+        and what is known to less than itself stay above a fifth of it. A start is in proportion about any
+        model, and stays.
         """
         if self.kind == "start":
             return 0.0
-        if self.kind != "nominal" or not self.sigma < abs(self.centre):
+        if self.kind != "nominal" or not (self.one_sign or self.sigma < abs(self.centre)):
             return step
-        return max(step, -KEPT * self.centre) if self.centre > 0 else min(step, -KEPT * self.centre)
+        return max(step, -KEPT * self.centre) if self.centre >= 0 else min(step, -KEPT * self.centre)
 
 
 @dataclass(frozen=True)
@@ -173,7 +178,7 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
         there = parameters(arm, [bare])
         sigmas = np.broadcast_to(sigma, (len(there),)) if isinstance(value, tuple) else [sigma]
         found += [
-            Unknown(p.key, p.value, float(s), p.unit, "nominal")
+            Unknown(p.key, p.value, float(s), p.unit, "nominal", _has_one_sign(arm, p, float(s)))
             for p, s in zip(there, sigmas, strict=True)
             if s > 0
         ]
@@ -185,6 +190,15 @@ def _known(key: str, records: Mapping[str, Record]) -> bool:
     table, name, *rest = key.split(".")
     masses = table == "payloads" and rest == ["mass"] and bool(records)
     return masses and all(weighed(record, name) for record in records.values())
+
+
+def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
+    """Whether the model refuses a value as far on the other side of zero; of zero, a sigma below it."""
+    try:
+        with_value(arm, nominal.key, -nominal.value or -sigma)
+    except InvalidParameter:
+        return True
+    return False
 
 
 def _bare(arm: Arm, key: str) -> str:
