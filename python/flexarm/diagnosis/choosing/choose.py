@@ -24,9 +24,8 @@ from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
 from flexarm.diagnosis.choosing.screen import Probed
 from flexarm.diagnosis.choosing.takeover import taken_over
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.errors import InvalidParameter, NotConverged
 
 MOST = 3
 """Effects in one diagnosis."""
@@ -214,7 +213,7 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
         try:
             fewer = fitter.fit(rest)
-        except (InvalidParameter, NotConverged, ValueError):
+        except FAILED:
             k += 1
             continue
         if accepted(best, fewer, null, observed):

@@ -12,11 +12,10 @@ from contextlib import suppress
 
 from flexarm.diagnosis.choosing.acceptance import STRAINED, strain
 from flexarm.diagnosis.choosing.evidence import above_noise
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.newton import evaluated, objective, stepped
 from flexarm.diagnosis.fitting.pattern import stepped_over
-from flexarm.errors import InvalidParameter, NotConverged
 
 ROUNDS = 6
 """Most steps of `settled`."""
@@ -24,8 +23,6 @@ IDLE, BETTER, QUIET = 2, 0.98, 0.4
 """Of `polished`: idle rounds, what counts as less, and what is left above the noise where it ends."""
 STILL, SETTLED = 1.0, 0.1
 """Least fall of C in a round of each, in squared sigmas: those of the noise or, above it, of what is left."""
-FAILED = (InvalidParameter, NotConverged, ValueError)
-"""Of models that cannot be simulated, and of least squares that have no solution."""
 ALIKE = 2
 """Rounds in which the model without effects is fitted about itself."""
 
@@ -96,7 +93,7 @@ def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
 
     Raises
     ------
-    NotConverged, InvalidParameter, ValueError
+    NotConverged, InvalidParameter, LinAlgError
         If nothing can be simulated beside the fit.
     """
     here, at = evaluated(fit, about)

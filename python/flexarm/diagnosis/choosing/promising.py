@@ -15,11 +15,10 @@ from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
 from flexarm.diagnosis.choosing.acceptance import DENT, explained, leaves_gap, quiet
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.diagnosis.choosing.slow import slow_part
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.scan import scanned
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.errors import InvalidParameter, NotConverged
 
 TRIED, PAIRS = 6, 3
 """Candidates that are fitted at each step, and sets of two or three where no smaller one explains all.
@@ -78,7 +77,7 @@ def larger_fits(
 def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
     """The best model with a backlash once more, from a gap that leaves less (`fitting.scan`)."""
     bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
-    with suppress(InvalidParameter, NotConverged, ValueError):
+    with suppress(*FAILED):
         if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
             return [again]
     return []
@@ -96,7 +95,7 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
         for place, candidate in springs.items():
             if spring.name not in SPRINGS or place in best.places:
                 continue
-            with suppress(InvalidParameter, NotConverged, ValueError):
+            with suppress(*FAILED):
                 found.append(fitter.fit((candidate.as_soft_as(spring), *others)))
     return found
 
@@ -118,7 +117,7 @@ def _fitted(
             break
         try:
             found.append(fitter.fit((*map(_relaxed, best.members), *share.members)))
-        except (InvalidParameter, NotConverged, ValueError):
+        except FAILED:
             continue
     return found
 
@@ -164,7 +163,7 @@ def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]
         if candidate.place in best.places or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
-        with suppress(InvalidParameter, ValueError):
+        with suppress(*FAILED):
             prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
             ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
             found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]

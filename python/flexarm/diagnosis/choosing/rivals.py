@@ -23,14 +23,13 @@ from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
-from flexarm.diagnosis.choosing.polish import FAILED, ROUNDS, further
+from flexarm.diagnosis.choosing.polish import ROUNDS, further
 from flexarm.diagnosis.choosing.promising import FAR, PAIRS, TRIED, one_variant
 from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.errors import InvalidParameter, NotConverged
 
 WITHIN_SIGHT = 8.0
 """How far behind in ln Z a rival is in sight of the chosen model, and taken further."""
@@ -106,7 +105,7 @@ def rivals_of(
             if (alike := _alike(candidate, best.members[k])) is not None:
                 fit = min(fit, fitter.fit((alike, *others)), key=lambda f: f.cost)
             fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
-        except (InvalidParameter, NotConverged, ValueError):
+        except FAILED:
             continue
         member = next(m for m in fit.members if m.place == candidate.place)
         told = not open_gap or not foretells_better(best, fit, observed)

@@ -26,10 +26,9 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import SPRINGS, WAVES, Candidate
 from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
 from flexarm.diagnosis.choosing.screen import LONGER, Probed, in_proportion, possible
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.errors import InvalidParameter, NotConverged
 
 ALIKE, SAME = 0.8, 0.98
 """Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
@@ -77,7 +76,7 @@ def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]
     """
     found = []
     for each in takeovers(fitter, probed, best):
-        with suppress(InvalidParameter, NotConverged, ValueError):
+        with suppress(*FAILED):
             members = (*best.members, _matched(fitter, each, best))
             fit = fitter.as_stated(each.values, members).fit(members)
             if fit.cost > best.cost:
@@ -163,7 +162,7 @@ def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
     wanted = observed.residual(fitter.moved_to(takeover.values).with_effects(best.members))
     sizes = {}
     for times in SIZES:
-        with suppress(InvalidParameter, NotConverged, ValueError):
+        with suppress(*FAILED):
             member = takeover.member(times)
             sizes[times] = observed.residual(there.with_effects((*best.members, member))) - wanted
     return takeover.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
@@ -198,7 +197,7 @@ def _small_moves(
     observed.prepare([there, *(arm for arms in nudged for arm in arms)])
     before = observed.residual(there)
     for candidate, arms in zip(others, nudged, strict=True):
-        with suppress(InvalidParameter, NotConverged):
+        with suppress(*FAILED):
             after = [observed.residual(arm) for arm in arms]
             moves = np.array([(r - before) / SMALL for r in after]).T
             if moves.any():
@@ -209,7 +208,7 @@ def _nudged(fitter: Fitter, candidate: Candidate, best: Fit) -> list[Arm]:
     """Models with a small part of each probe of an effect; none where one of them cannot be."""
     arms = []
     for k in range(len(candidate.probes)):
-        with suppress(InvalidParameter, ValueError):
+        with suppress(*FAILED):
             small = replace(candidate, effect=candidate.nudged(k, SMALL))
             arms.append(fitter.with_effects((*best.members, small)))
     return arms if len(arms) == len(candidate.probes) else []

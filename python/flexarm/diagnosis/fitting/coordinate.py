@@ -22,6 +22,7 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.residuals.corners import CORNERS
+from flexarm.errors import InvalidParameter
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
@@ -59,7 +60,15 @@ class Coordinate:
     smooth: bool = True
 
     def z(self, value: float) -> float:
-        """Sigmas from the mode."""
+        """Sigmas from the mode.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such logarithm.
+        """
+        if self.prior.scale == "log" and not value > 0:
+            raise InvalidParameter(f"{self.name} must be positive, got {value:g} {self.prior.unit}")
         mode, below, above = self._pieces()
         u = log(value) if self.prior.scale == "log" else value
         return (u - mode) / (below if u < mode else above)

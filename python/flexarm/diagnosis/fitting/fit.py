@@ -9,12 +9,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from numpy.linalg import LinAlgError
+
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.fitting.coordinate import Coordinate
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import Unknowns
+from flexarm.errors import InvalidParameter, NotConverged
+
+FAILED = (InvalidParameter, NotConverged, LinAlgError)
+"""Where there is no fit: of models that cannot be simulated, and of least squares without a solution."""
 
 
 @dataclass(frozen=True, eq=False)
