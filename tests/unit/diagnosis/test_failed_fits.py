@@ -1,13 +1,17 @@
 """One model that cannot be simulated ends no diagnosis; an error of the program does."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from numpy.linalg import LinAlgError
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.choosing import promising
+from flexarm.diagnosis.choosing import choose, polish, promising, ranking, rivals, takeover
 from flexarm.diagnosis.fitting.coordinate import Coordinate
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import Unknown, Unknowns
 from flexarm.errors import InvalidParameter, NotConverged
 
 FAILURES = [
@@ -16,6 +20,10 @@ FAILURES = [
     LinAlgError("singular"),
 ]
 NOTHING = SimpleNamespace(members=())
+
+
+def raises(*_):
+    raise NotConverged("no equilibrium")
 
 
 def failing(error, at):
@@ -51,3 +59,83 @@ def test_a_value_that_has_no_logarithm_is_refused_by_name():
     mass = Coordinate(0, "mass", Prior(1.0, 4.0, 2.0, "log", "kg", "a test"))
     with pytest.raises(InvalidParameter, match="mass must be positive, got 0 kg"):
         mass.z(0.0)
+
+
+@dataclass(eq=False)
+class Made:
+    """As much of a fit as the steps of a search ask for; its effects are letters."""
+
+    name: str
+    cost: float = 1.0
+
+    @property
+    def places(self):
+        return tuple((each, "hinge") for each in self.name)
+
+    @property
+    def members(self):
+        return tuple(SimpleNamespace(place=place) for place in self.places)
+
+
+def test_values_stay_where_they_are_stated_if_no_other_model_can_be_simulated():
+    modulus = Unknown("links.rod.material.youngs_modulus", 2e11, 2e9, "Pa", "nominal")
+    lower = SimpleNamespace(best=lambda residual: np.array([-1e9]))
+    fit = SimpleNamespace(cost=9.0, residual=None, members=(), projection=lower)
+    fitter = SimpleNamespace(unknowns=Unknowns(None, (modulus,)), fit=lambda members: fit, _moved=raises)
+    assert Fitter.centred(fitter) is fitter
+
+
+def test_the_model_without_effects_stays_where_no_derivatives_can_be_taken():
+    start, fitter = Made(""), SimpleNamespace(about=raises)
+    assert polish.without_effects(start, fitter) == (start, fitter)
+
+
+@pytest.mark.parametrize("failing", ["a", "b"])
+def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monkeypatch):
+    """ "a" comes first and "b" close; about itself each leaves a tenth of what it left before."""
+    monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda fit: fit.cost))
+    monkeypatch.setattr(ranking, "leaves_gap", lambda *_: False)
+    monkeypatch.setattr(ranking, "_close", lambda *_: True)
+    monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
+
+    def about(fit):
+        return (
+            raises() if fit.name == failing else SimpleNamespace(fit=lambda _: Made(fit.name, fit.cost / 10))
+        )
+
+    fitter = SimpleNamespace(about=about, observed=None)
+    best, there = ranking.best_of(fitter, [Made("a", 1.0), Made("b", 2.0)], None, None)
+    assert (best.name, best.cost) == {"a": ("b", 0.2), "b": ("a", 0.1)}[failing]
+    alone, there = ranking.best_of(fitter, [Made(failing, 1.0)], None, None)
+    assert (alone.cost, there) == (1.0, fitter)
+
+
+def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without_it(monkeypatch):
+    monkeypatch.setattr(choose, "accepted", lambda *_: False)
+    fitter = SimpleNamespace(fit=lambda members: Made("b"), about=raises, observed=None)
+    best, there = choose._backward(fitter, Made("ab"), None)
+    assert (best.name, there) == ("b", fitter)
+
+
+def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_same(monkeypatch):
+    """They need no simulation; what else could take over is asked of the fit in longer steps."""
+    monkeypatch.setattr(takeover, "in_proportion", lambda candidate, *_: None if candidate.at == "rod" else 1)
+    monkeypatch.setattr(takeover, "_unlike", lambda *_: False)
+    probed = [SimpleNamespace(candidate=SimpleNamespace(place=at, at=at)) for at in ("rod", "tracker")]
+    unknowns = SimpleNamespace(keys=[], each=[SimpleNamespace(kind="nominal", key="modulus")])
+    projection = SimpleNamespace(slopes=None)
+    best = SimpleNamespace(members=(), places=(), unknowns=unknowns, projection=projection)
+    observed = SimpleNamespace(step=1e-3, with_step=lambda step: SimpleNamespace(slopes=raises))
+    steps = SimpleNamespace(steps=lambda arm: {})
+    fitter = SimpleNamespace(observed=observed, unknowns=steps, with_effects=lambda members: None)
+    found = takeover._moves(fitter, probed, best, {"modulus": (np.ones(3), 1.0)})
+    assert [candidate.at for candidate, *_ in found] == ["tracker"]
+
+
+def test_rivals_are_looked_for_beside_a_model_that_was_tried_where_none_can_be_fitted():
+    """The others without the chosen effect; None if these were never tried by themselves."""
+    fitter = SimpleNamespace(fit=raises)
+    tried = [Made(""), Made("a"), Made("ab")]
+    assert rivals._without((), fitter, tried) is tried[0]
+    assert rivals._without(Made("a").members, fitter, tried) is tried[1]
+    assert rivals._without(Made("b").members, fitter, tried) is None

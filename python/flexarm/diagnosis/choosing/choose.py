@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, quiet, worth_a_name
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
-from flexarm.diagnosis.choosing.polish import settled, without_effects
+from flexarm.diagnosis.choosing.polish import about_or_here, settled, without_effects
 from flexarm.diagnosis.choosing.promising import larger_fits, other_springs
 from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
@@ -192,7 +192,7 @@ class _Search:
             if set(ahead.fit.places) in chosen:
                 break
             self.tried.append(choice.best)  # which is the other's rival now
-            fewer = _backward(choice.fitter.about(ahead.fit), ahead.fit, self.null)
+            fewer = _backward(about_or_here(ahead.fit, choice.fitter), ahead.fit, self.null)
             choice = self._with_rivals(*settled(*fewer))
         return choice
 
@@ -219,5 +219,5 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
         if accepted(best, fewer, null, observed):
             k += 1
         else:
-            best, fitter, k = fewer, fitter.about(fewer), 0
+            best, fitter, k = fewer, about_or_here(fewer, fitter), 0
     return best, fitter

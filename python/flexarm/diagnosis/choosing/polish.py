@@ -36,12 +36,28 @@ def without_effects(start: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     """
     best, there = start, fitter
     for _ in range(ALIKE):
-        at = there.about(best)
-        fit = at.fit(())
+        fit, at = about_itself(best, there)
         before, (best, there) = best, (fit, at) if fit.cost < best.cost else (best, there)
         if fit.cost > BETTER * before.cost:
             break
     return best, there
+
+
+def about_itself(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+    """A fit once more with derivatives of its own, and where; as it is if they cannot be taken."""
+    try:
+        about = fitter.about(fit)
+        return about.fit(fit.members), about
+    except FAILED:
+        return fit, fitter
+
+
+def about_or_here(fit: Fit, fitter: Fitter) -> Fitter:
+    """The fitter about a fit, or as it is if no derivatives can be taken there."""
+    try:
+        return fitter.about(fit)
+    except FAILED:
+        return fitter
 
 
 def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:

@@ -17,7 +17,7 @@ import numpy as np
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap, worth_a_name
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor, worth
 from flexarm.diagnosis.choosing.left_out import missed, odds_lost
-from flexarm.diagnosis.choosing.polish import polished
+from flexarm.diagnosis.choosing.polish import about_itself, polished
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.residuals.observed import Observed
@@ -34,10 +34,7 @@ def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[F
         close = sorted(others, key=lambda f: missed(f, observed))[:2]
     else:
         close = [f for f in others[:2] if _close(f, first, observed)]
-    there = {}
-    for fit in (first, *close):
-        about = fitter.about(fit)
-        there[about.fit(fit.members)] = about
+    there = dict(about_itself(fit, fitter) for fit in (first, *close))
     best = _ranked(list(there), old, null, observed)[0]
     return polished(best, there[best])
 

@@ -88,7 +88,9 @@ def rivals_of(
     others = tuple(m for i, m in enumerate(best.members) if i != k)
     known = _known(best, {m.place for m in others}, tried)
     peer = _peer(best, tried)
-    without = fitter.fit(others)
+    without = _without(others, fitter, (null, *tried))
+    if without is None:
+        return []
     shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
     found = []
     most = PAIRS if open_gap else TRIED
@@ -113,6 +115,15 @@ def rivals_of(
             behind = max(behind, 0.0)
         found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told))
     return sorted(found, key=lambda rival: rival.behind)
+
+
+def _without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:
+    """The model without the chosen effect; one that was tried, if any, where it cannot be fitted."""
+    try:
+        return fitter.fit(others)
+    except FAILED:
+        places = {member.place for member in others}
+        return next((f for f in reversed(tried) if set(f.places) == places), None)
 
 
 def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dict[tuple[str, str], Fit]:

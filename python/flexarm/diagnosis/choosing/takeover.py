@@ -129,7 +129,8 @@ def _moves(
             others.append(candidate)
     kinds = {unknown.kind for unknown in best.unknowns.each if unknown.key in strained}
     if kinds != {"clock"}:
-        yield from _small_moves(fitter, others, best, strained)
+        with suppress(*FAILED):  # of the fit itself, in longer steps
+            yield from _small_moves(fitter, others, best, strained)
 
 
 def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:

@@ -21,7 +21,7 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.fitting.coordinate import coordinates_of
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.least_squares import LeastSquares
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import Unknowns
@@ -126,7 +126,8 @@ class Fitter:
     def centred(self) -> Fitter:
         """The same about nominal values that fit better, for those that act otherwise than in proportion.
 
-        Clocks and frames stay: effects may take their places. So do values where they are hardly likely.
+        Clocks and frames stay: effects may take their places. So do values where they are hardly likely, or
+        where there is no such model.
         """
         there, fit = self, self.fit(())
         nominal = np.array([unknown.kind == "nominal" for unknown in self.unknowns.each])
@@ -134,8 +135,11 @@ class Fitter:
         for _ in range(CENTRED):
             best = np.clip(fit.projection.best(fit.residual), -reach, reach)
             kept = [u.kept(float(x)) for u, x in zip(self.unknowns.each, best, strict=True)]
-            about = there._moved(np.where(nominal, kept, 0.0), fit.members)
-            better = about.fit(())
+            try:
+                about = there._moved(np.where(nominal, kept, 0.0), fit.members)
+                better = about.fit(())
+            except FAILED:
+                break
             if better.cost > LESS * fit.cost:
                 break
             there, fit = about, better
