@@ -36,7 +36,7 @@ def fitted(noise, slope):
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
     unknowns = SimpleNamespace(each=(), keys=[])
     return Fit(
-        (member,), (Coordinate(0, "mass", PRIOR),), z, None, residual, residual, column, unknowns, projection
+        (member,), (Coordinate(0, "mass", PRIOR),), z, residual, residual, column, unknowns, projection
     )
 
 

@@ -47,9 +47,9 @@ def strain_of_the_modulus(fit):
 
 def test_derivatives_by_both_are_one(first):
     """By dE/E as by ds/s: what differs could tell them apart. 3e-4 sigma leave 0.6 %, 0.01 left 4 %."""
-    fit, _ = evaluated(*first)
+    fit, about = evaluated(*first)
     k = fit.unknowns.keys.index(MODULUS)
-    modulus = fit.arm.link("rod").material.youngs_modulus
+    modulus = about.start.link("rod").material.youngs_modulus
     by_modulus = modulus * fit.projection.slopes[:, k]
     [coordinate], [z] = fit.coordinates, fit.z
     by_scale = coordinate.value(z) / coordinate.slope(z) * fit.slopes[:, 0]

@@ -186,7 +186,7 @@ class _Search:
         choice, chosen = self._with_rivals(best, about), []
         for _ in range(OVERTAKEN):
             ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
-            if ahead is None or ahead.behind >= 0 or not ahead.foretells:
+            if ahead is None or ahead.behind >= 0:
                 break
             chosen.append(set(choice.best.places))
             if set(ahead.fit.places) in chosen:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from numpy.linalg import LinAlgError
 
-from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.fitting.coordinate import Coordinate
@@ -33,8 +32,6 @@ class Fit:
         The effects, each at its optimum.
     coordinates, z : tuple of Coordinate and ndarray, shape (k,)
         What was fitted, in sigmas of the priors.
-    arm : Arm
-        With the effects, unknowns at their centres.
     residual : ndarray, shape (n,)
         Of that model, eq. (1) of `observed`.
     rest : ndarray, shape (n + m,)
@@ -48,7 +45,6 @@ class Fit:
     members: tuple[Candidate, ...]
     coordinates: tuple[Coordinate, ...]
     z: Floats
-    arm: Arm
     residual: Floats
     rest: Floats
     slopes: Floats

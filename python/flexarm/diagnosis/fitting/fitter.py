@@ -205,16 +205,14 @@ class Fitter:
         """The fit at z, which `members` have."""
         residual, slopes, projection = problem.raw(z), problem.differences(z), problem.projection
         rest, left = projection.rest(residual), self.eliminated(members)[0]
-        arm = self.with_effects(members)
-        return Fit(members, problem.coordinates, z, arm, residual, rest, slopes, left, projection)
+        return Fit(members, problem.coordinates, z, residual, rest, slopes, left, projection)
 
     def _as_it_is(self, members: tuple[Candidate, ...]) -> Fit:
         """A model in which nothing is free but what is eliminated."""
         left, projection = self.eliminated(members)
         residual = self.residual(members)
         rest, nothing = projection.rest(residual), np.empty((len(residual), 0))
-        arm = self.with_effects(members)
-        return Fit(members, (), np.array([]), arm, residual, rest, nothing, left, projection)
+        return Fit(members, (), np.array([]), residual, rest, nothing, left, projection)
 
     def with_effects(self, members: Sequence[Candidate]) -> Arm:
         """The nominal model with effects, and with what they need."""
