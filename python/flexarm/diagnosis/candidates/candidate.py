@@ -19,6 +19,7 @@ from math import atan2, hypot, isinf
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
+from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
 WAVES = ("transmission_error", "encoder_eccentricity", "external_vibration")
 SPRINGS = ("joint_compliance", "base_compliance")
@@ -127,7 +128,7 @@ class Candidate:
         nominal = 0.0 if isinf(there) else 1.0 / there
         flexibility = max(nominal + alpha * (soft - nominal), least * soft)
         stiffness = 1.0 / flexibility
-        return self._at({"stiffness": stiffness, "damping": 2e-3 * stiffness})
+        return self._at({"stiffness": stiffness, "damping": TYPICAL_DAMPING * stiffness})
 
     def as_soft_as(self, other: Candidate) -> Candidate:
         """This spring, giving way and losing as much more than the nominal one as another spring does.
@@ -143,7 +144,7 @@ class Candidate:
         if soft <= 0:
             return self
         stiffness = 1.0 / soft
-        damping = loss * stiffness**2 if loss > 0 else 2e-3 * stiffness
+        damping = loss * stiffness**2 if loss > 0 else TYPICAL_DAMPING * stiffness
         return replace(self, effect=self._at({"stiffness": stiffness, "damping": damping}))
 
     def as_stiff_as(self, spring: Candidate) -> Candidate | None:

@@ -13,7 +13,7 @@ from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, WAVES, value_of
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.effects.joint_compliance import TYPICAL_STIFFNESS
+from flexarm.effects.joint_compliance import TYPICAL_DAMPING, TYPICAL_STIFFNESS
 from flexarm.effects.link_bow import LinkBow
 
 MULTIPLES = (1.0, 2.0, 3.0, 4.0)
@@ -62,7 +62,8 @@ def probes(
     if name in SPRINGS:
         stiffness = value_of(without, "stiffness") if without is not None else float("inf")
         there = value_of(effect, "stiffness") if isinf(stiffness) else stiffness / 1.2
-        damping = 2e-3 * there if isinf(stiffness) or without is None else value_of(without, "damping")
+        rigid = isinf(stiffness) or without is None
+        damping = TYPICAL_DAMPING * there if rigid else value_of(without, "damping")
         yield effect.with_parameters({"stiffness": there, "damping": damping})
     elif name in WAVES:
         for phase in (0.0, pi / 2):

@@ -21,7 +21,7 @@ from flexarm.diagnosis.candidates.candidate_probes import (
     variants,
 )
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.effects.joint_compliance import TYPICAL_STIFFNESS, JointCompliance
+from flexarm.effects.joint_compliance import TYPICAL_DAMPING, TYPICAL_STIFFNESS, JointCompliance
 from flexarm.errors import InvalidParameter
 
 FAULTS = ("saturation", "sign_error", "unit_error", "dead_channel", "outliers")
@@ -99,7 +99,8 @@ def _at_place(
     if name in ON_SPRING:
         spring = arm.effect("joint_compliance", at)
         if spring is None or isinf(value_of(spring, "stiffness")):
-            needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=2e-3 * TYPICAL_STIFFNESS)
+            damping = TYPICAL_DAMPING * TYPICAL_STIFFNESS
+            needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=damping)
     there = arm if needs is None else arm.with_effect(needs)
     typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
     for fixed in variants(name, typical, arm, rhythm, softer if without is None else ()):

@@ -19,6 +19,7 @@ from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.scan import scanned
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
 TRIED, PAIRS = 6, 3
 """Candidates that are fitted at each step, and sets of two or three where no smaller one explains all.
@@ -187,5 +188,5 @@ def _relaxed(member: Candidate) -> Candidate:
     """A spring with a typical damping: what it had may have stood in for the effect that is added."""
     if member.name not in SPRINGS or "damping" not in member.free:
         return member
-    damping = 2e-3 * value_of(member.effect, "stiffness")
+    damping = TYPICAL_DAMPING * value_of(member.effect, "stiffness")
     return replace(member, effect=member.effect.with_parameters({"damping": damping}))
