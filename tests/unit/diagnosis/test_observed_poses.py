@@ -6,6 +6,7 @@ from tests.helpers.arms import TUBE, beam, hinge, point
 
 from flexarm import Arm, Record, Signal
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.errors import InvalidParameter
 from flexarm.record import Frame
 
 KEYS = [
@@ -17,9 +18,9 @@ KEYS = [
 ]
 
 
-def observed(quantity: str = "position") -> tuple[Arm, Observed]:
-    """Three poses of a rod on a soft hinge, seen in a frame that is not the base's."""
-    arm = Arm.from_dict(
+def soft_rod() -> Arm:
+    """A rod on a soft hinge."""
+    return Arm.from_dict(
         {
             "joints": [hinge("hinge", "rod")],
             "links": [beam("rod", [0, 0, 3.0], TUBE)],
@@ -32,6 +33,11 @@ def observed(quantity: str = "position") -> tuple[Arm, Observed]:
             ],
         }
     )
+
+
+def observed(quantity: str = "position") -> tuple[Arm, Observed]:
+    """Three poses of it, seen in a frame that is not the base's."""
+    arm = soft_rod()
     rows = np.array(["a", "b", "c"])
     angles = np.array([[-0.4], [0.3], [0.9]])
     size = {"position": 3, "orientation": 4}[quantity]
@@ -60,3 +66,34 @@ def test_orientations_are_left_to_differences():
     """Their residual is a rotation vector, no difference of readings."""
     arm, poses = observed("orientation")
     assert poses.pose_slopes(arm, KEYS[:1]) is None
+
+
+def without_noise_std(repeats: int, noise: float, turned: bool = False) -> Observed:
+    """Eight poses between -1 and 1.2 rad, some of them measured again, far from what the model says."""
+    rng = np.random.default_rng(5)
+    number = np.concatenate([np.arange(8), np.arange(repeats) % 8])
+    number = rng.permutation(number) if turned else np.sort(number)
+    rows = np.array([f"p{k}" for k in number])
+    angles = np.linspace(-1.0, 1.2, 8)[number, None]
+    seen = 0.7 + noise * rng.standard_normal((len(rows), 2))
+    signals = [
+        Signal(name="q", quantity="joint_angle", joint="hinge", values=angles, pose=rows),
+        Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), values=seen, pose=rows),
+    ]
+    return Observed(soft_rod(), {"r": Record(kind="static", drive=("q",), signals=signals)})
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["swept", "in any order"])
+def test_noise_of_poses_is_what_their_repeats_show(turned):
+    """80 freedoms know it to 8 %; from pose to pose the gap changes by decimetres."""
+    found = without_noise_std(40, 5e-5, turned)
+    assert [each.sigma for each in found.rows] == [pytest.approx(5e-5, rel=0.25)] * 2
+
+
+@pytest.mark.parametrize(
+    "repeats, noise", [(0, 5e-5), (5, 5e-5), (16, 0.0)], ids=["no repeats", "few", "all alike"]
+)
+def test_poses_that_do_not_show_their_noise_need_it_stated(repeats, noise):
+    """Second differences of poses are no noise: any order of them says something else."""
+    with pytest.raises(InvalidParameter, match=rf"records\.r\.signals\.tip: state noise_std.*got {repeats}"):
+        without_noise_std(repeats, noise)

@@ -3,11 +3,14 @@
     r_i = (y_i - f_i)/sigma                                                                            (1)
 
 A channel of a signal gives a row for every value y that is finite while all drives are known: what is
-measured later says nothing about the model. sigma is the stated noise or, where none is stated, what second
-differences show of it, robustly, which a smooth motion hardly has: the variance of r_(i-1) - 2 r_i + r_(i+1)
-is six times that of white r,
+measured later says nothing about the model. sigma is the stated noise or, where none is stated, of a motion
+what second differences show of it, robustly, which a smooth motion hardly has: the variance of
+r_(i-1) - 2 r_i + r_(i+1) is six times that of white r,
 
     sigma = median |r_(i-1) - 2 r_i + r_(i+1)| / (0.6745 sqrt 6).                                      (2)
+
+Poses have no order in which they were smooth: their noise is the scatter of rows of one pose (`noise`), and
+without such rows it has to be stated.
 """
 
 from __future__ import annotations
@@ -20,7 +23,14 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
+from flexarm.diagnosis.residuals.noise import repeated_noise
+from flexarm.errors import InvalidParameter
 from flexarm.record import Record, Signal
+
+REPEATS = 6
+"""Least rows beyond one a pose that show the noise: of two channels to a fifth."""
+ALIKE = 1e-12
+"""Scatter over the greatest reading that is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +63,13 @@ class Rows:
 
 
 def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
-    """Rows of all channels of a record, beside any simulation; the first one is `start` of the residual."""
+    """Rows of all channels of a record, beside any simulation; the first one is `start` of the residual.
+
+    Raises
+    ------
+    InvalidParameter
+        If the noise of poses is neither stated nor shown.
+    """
     for signal in pair.evidence.values():
         for each in _channels(name, pair, placement, signal, start):
             yield each
@@ -63,6 +79,8 @@ def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) ->
 def _channels(name: str, pair: Subject, placement: Placement, signal: Signal, start: int) -> Iterator[Rows]:
     residual = pair.residual(signal, placement, hold=True)
     noise = pair.noise(signal)
+    if pair.record.kind == "static" and not noise.all():
+        noise = np.where(noise > 0, noise, noise_of_poses(name, signal, residual))
     stamps = pair.stamps[signal.name]
     driven = pair.instants(signal, placement) <= _last_drive(pair.record) + 1e-9
     for channel in range(residual.shape[1]):
@@ -81,6 +99,27 @@ def _last_drive(record: Record) -> float:
     if record.kind == "static" or not record.drive:
         return float(np.inf)
     return min(float(record.signals[drive].time[-1]) for drive in record.drive)
+
+
+def noise_of_poses(name: str, signal: Signal, residual: Floats) -> float:
+    """1 sigma of each channel of a signal of a record, from rows of one pose.
+
+    Raises
+    ------
+    InvalidParameter
+        If these are too few, or all alike.
+    """
+    known = np.isfinite(residual).all(axis=1)
+    pose = np.asarray(signal.pose)[known]
+    repeats = len(pose) - len(np.unique(pose))
+    sigma = repeated_noise(pose, residual[known]) if repeats >= REPEATS else None
+    if sigma is None or sigma < ALIKE * np.nanmax(np.abs(signal.values)):
+        raise InvalidParameter(
+            f"state noise_std above zero; of poses only rows that repeat one would show it, needed are "
+            f"{REPEATS} that are not all alike, got {repeats}",
+            where=f"records.{name}.signals.{signal.name}",
+        )
+    return sigma
 
 
 def shown_noise(residual: Floats) -> float:
