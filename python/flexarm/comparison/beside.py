@@ -13,7 +13,7 @@ from flexarm.comparison.align import align as align_to
 from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
 from flexarm.comparison.start import first_guess
 from flexarm.comparison.subject import Subject, subject
-from flexarm.comparison.unknowns import drive_clock, stated
+from flexarm.comparison.unknowns import drive_clock, is_open, stated
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
@@ -138,7 +138,7 @@ def last_needed(record: Record, arm: Arm, start: float) -> float:
     ends = []
     for signal in record.signals.values():
         clock = record.clocks[signal.clock]
-        if len(signal.time) and (not clock.unknown or signal.name in record.drive):
+        if len(signal.time) and (signal.name in record.drive or not is_open(record, signal.clock)):
             late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
             ends.append(float(true_time(signal, arm, start, late)[-1]))
     return max(ends, default=record.duration) + 1e-9

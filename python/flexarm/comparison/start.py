@@ -4,24 +4,29 @@ A clock: the delay at which measured and simulated speeds correlate best,
 
     delay = argmax corr(|y(t_{i+1}) - y(t_i)|, |x(t_{i+1} - delay) - x(t_i - delay)|)                 (1)
 
-over all delays for which a quarter of the samples falls into the run. Speeds do not depend on where a frame
-is. A frame: the rigid motion that brings the measured points closest to the simulated ones [Kabsch1976],
+over all delays for which a quarter of the samples falls into the run, refined by the parabola through the
+best and its neighbours. Speeds do not depend on where a frame is. A frame: the rigid motion that brings the
+measured points closest to the simulated ones [Kabsch1976],
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
 
-with centred y and p. Effects of the model on sensors, clocks and frames are taken back from what was measured
-or put on what was simulated, so that guesses count from them.
+with centred y and p. A clock or a frame of several records is one: (1) is then the sum over them, and (2) is
+over the points of all. Effects of the model on sensors, clocks and frames are taken back from what was
+measured or put on what was simulated, so that guesses count from them.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.unknowns import is_open
+from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
@@ -39,18 +44,46 @@ FINEST = 0.05
 
 def first_guess(subject: Subject, start: Placement) -> Placement:
     """`start` with unknown clocks (1) and frames (2) replaced by guesses from the data."""
-    record = subject.record
-    clocks, frames = dict(start.clocks), dict(start.frames)
-    for name, clock in record.clocks.items():
-        signals = [s for s in subject.evidence.values() if s.clock == name and _usable(subject, s)]
-        if clock.unknown and signals:
-            clocks[name] = ClockError(delay=_delay(subject, max(signals, key=_liveliness)))
-    placement = replace(start, clocks=clocks)
-    for name, frame in record.frames.items():
-        seen = [s for s in subject.evidence.values() if s.frame == name and s.quantity == "position"]
-        if frame.unknown and seen:
-            frames[name] = _pose(subject, placement, seen)
-    return Placement(clocks, frames)
+    return first_guesses([subject], [start])[0]
+
+
+def first_guesses(subjects: Sequence[Subject], starts: Sequence[Placement]) -> list[Placement]:
+    """The same of several records: what bears one name is one clock and one frame.
+
+    What one of them knows is where it starts in all.
+
+    Raises
+    ------
+    InvalidParameter
+        If a clock cannot have one offset in all records that it is in.
+    """
+    found = list(starts)
+    for name in dict.fromkeys(name for subject in subjects for name in subject.record.clocks):
+        there = [k for k, s in enumerate(subjects) if name in s.record.clocks and s.record.kind == "motion"]
+        open_ = [k for k in there if is_open(subjects[k].record, name)]
+        known = [starts[k].clocks[name] for k in there if k not in open_]
+        seen = [_liveliest(subjects[k], name) for k in open_]
+        moving = [(subjects[k], signal) for k, signal in zip(open_, seen, strict=True) if signal is not None]
+        if known or moving:
+            clock = known[0] if known else ClockError(delay=_delay(name, moving))
+            for k in open_:
+                found[k] = replace(found[k], clocks={**found[k].clocks, name: clock})
+    return _with_frames(subjects, found)
+
+
+def _with_frames(subjects: Sequence[Subject], starts: Sequence[Placement]) -> list[Placement]:
+    """Unknown frames by (2), with clocks as they are."""
+    found = list(starts)
+    for name in dict.fromkeys(name for subject in subjects for name in subject.record.frames):
+        there = [k for k, subject in enumerate(subjects) if name in subject.record.frames]
+        open_ = [k for k in there if subjects[k].record.frames[name].unknown]
+        known = [starts[k].frames[name] for k in there if k not in open_]
+        points = [_points(subjects[k], starts[k], name) for k in open_]
+        if known or any(len(base) for _, base in points):
+            frame = known[0] if known else kabsch(*map(np.concatenate, zip(*points, strict=True)))
+            for k in open_:
+                found[k] = replace(found[k], frames={**found[k].frames, name: frame})
+    return found
 
 
 def _usable(subject: Subject, signal: Signal) -> bool:
@@ -65,18 +98,60 @@ def _liveliness(signal: Signal) -> float:
     return spread / (signal.noise_std or 1e-3 * spread or 1.0)
 
 
-def _delay(subject: Subject, signal: Signal) -> float:
-    """Delay of (1)."""
-    values = subject.effects(signal).true(signal.values)
-    keep = np.isfinite(values).all(axis=1)
-    stamps, values = subject.instants(signal, Placement())[keep], values[keep]
-    time = np.asarray(subject.simulation.time)
-    simulated = read(subject.simulation, signal, time)
-    speed = np.linalg.norm(np.diff(values, axis=0), axis=1)
-    step = min(float(np.median(np.diff(stamps))), FINEST)
-    delays = np.arange(stamps[0] - time[-1], stamps[-1] - time[0] + step, step)
-    scores = [_correlation(speed, stamps - delay, time, simulated) for delay in delays]
-    return float(delays[int(np.argmax(scores))])
+def _liveliest(subject: Subject, clock: str) -> Signal | None:
+    """Of the signals of a clock the one whose motion shows best."""
+    signals = [s for s in subject.evidence.values() if s.clock == clock and _usable(subject, s)]
+    return max(signals, key=_liveliness, default=None)
+
+
+@dataclass(frozen=True)
+class _Track:
+    """How fast a signal was, between its stamps, beside its simulation."""
+
+    stamps: Floats
+    speed: Floats
+    time: Floats
+    simulated: Floats
+
+    @classmethod
+    def of(cls, subject: Subject, signal: Signal) -> _Track:
+        values = subject.effects(signal).true(signal.values)
+        keep = np.isfinite(values).all(axis=1)
+        stamps, values = subject.instants(signal, Placement())[keep], values[keep]
+        time = np.asarray(subject.simulation.time)
+        speed = np.linalg.norm(np.diff(values, axis=0), axis=1)
+        return cls(stamps, speed, time, read(subject.simulation, signal, time))
+
+    def correlation(self, delay: float) -> float:
+        """Correlation of (1) at one delay; -1 where too few samples fall into the run."""
+        return _correlation(self.speed, self.stamps - delay, self.time, self.simulated)
+
+
+def _delay(clock: str, moving: Sequence[tuple[Subject, Signal]]) -> float:
+    """Delay of (1), of all records."""
+    tracks = [_Track.of(subject, signal) for subject, signal in moving]
+    step = min(FINEST, *(float(np.median(np.diff(track.stamps))) for track in tracks))
+    least = max(track.stamps[0] - track.time[-1] for track in tracks)
+    most = min(track.stamps[-1] - track.time[0] for track in tracks)
+    if most < least:
+        raise InvalidParameter(
+            f"cannot have one offset in all {len(tracks)} records: each would need another one. "
+            "Clocks that were set anew need names of their own",
+            where=f"clocks.{clock}",
+        )
+    delays = np.arange(least, most + step, step)
+    scores = np.array([sum(track.correlation(delay) for track in tracks) for delay in delays])
+    best = int(np.argmax(scores))
+    return float(delays[best] + step * _peak(scores[max(best - 1, 0) : best + 2]))
+
+
+def _peak(scores: Floats) -> float:
+    """Where a parabola through three values is highest, from the middle one, in steps; 0 at an end."""
+    if len(scores) < 3 or scores.min() <= -1.0:
+        return 0.0
+    below, here, above = scores
+    bend = below - 2 * here + above
+    return float((below - above) / (2 * bend)) if bend < 0 else 0.0
 
 
 def _correlation(speed: Floats, instants: Floats, time: Floats, simulated: Floats) -> float:
@@ -92,10 +167,12 @@ def _correlation(speed: Floats, instants: Floats, time: Floats, simulated: Float
     return float(one @ other) / size if size > 0 else -1.0
 
 
-def _pose(subject: Subject, placement: Placement, signals: list[Signal]) -> Registration:
-    """Pose of a frame in the base by (2); axes that were not measured count as zero."""
-    measured, simulated = [], []
-    for signal in signals:
+def _points(subject: Subject, placement: Placement, frame: str) -> tuple[Floats, Floats]:
+    """Points as measured in a frame and as simulated in the base, (n, 3) each; axes not measured are zero."""
+    measured, simulated = [np.empty((0, 3))], [np.empty((0, 3))]
+    for signal in subject.evidence.values():
+        if signal.frame != frame or signal.quantity != "position":
+            continue
         instants = subject.instants(signal, placement)
         known = base_position(subject.simulation, signal, instants)
         seen = subject.effects(signal)
@@ -105,8 +182,7 @@ def _pose(subject: Subject, placement: Placement, signals: list[Signal]) -> Regi
         keep = np.isfinite(full).all(axis=1) & np.isfinite(known).all(axis=1)
         measured.append(full[keep])
         simulated.append(known[keep])
-    y, p = np.concatenate(measured), np.concatenate(simulated)
-    return kabsch(y, p)
+    return np.concatenate(measured), np.concatenate(simulated)
 
 
 def kabsch(measured: Floats, base: Floats) -> Registration:

@@ -60,6 +60,12 @@ def drive_clock(record: Record) -> str:
     return next((record.signals[name].clock for name in record.drive), record.reference_clock)
 
 
+def is_open(record: Record, clock: str) -> bool:
+    """Whether nothing is stated of a clock against that of the drive."""
+    own = drive_clock(record)
+    return clock != own and (record.clocks[clock].unknown or record.clocks[own].unknown)
+
+
 def stated(record: Record) -> Placement:
     """Clocks and frames as the record states them."""
     own = record.clocks[drive_clock(record)].offset
@@ -77,7 +83,7 @@ def unknowns(subject: Subject, start: Placement) -> list[Unknown]:
         own = drive_clock(record)
         for name in dict.fromkeys(signal.clock for signal in signals):
             sigma = np.hypot(record.clocks[name].sigma, record.clocks[own].sigma)
-            sigma = np.inf if record.clocks[name].unknown or record.clocks[own].unknown else float(sigma)
+            sigma = np.inf if is_open(record, name) else float(sigma)
             if name != own and sigma > 0:
                 found.append(Unknown(name, "delay", "", start.clocks[name].delay, sigma, 1e-4))
     framed = [signal for signal in signals if signal.quantity in ("position", "orientation")]

@@ -94,10 +94,8 @@ def test_an_axis_without_a_value_leaves_the_other_one():
     assert found.remarks == ("half: tip holds no value along z; the rest of it is compared",)
 
 
-def test_a_signal_of_no_known_noise_and_few_values_swings_with_nothing():
-    """It cannot be weighed, so that its record has no residuals."""
-    few = poses(6, seed=1)
-    unweighed = shown(few, few.signals["tip"].values, noise_std=None)
-    observed = Observed(crane(), {"one": poses(8), "unweighed": unweighed})
-    assert {rows.record for rows in observed.rows} == {"one"}
+def test_a_record_of_which_no_row_is_evidence_swings_with_nothing():
+    """As where its noise is not known; what is left of it is a record without residuals."""
+    observed = Observed(crane(), {"one": poses(8), "other": poses(6, seed=1)})
+    observed.rows = tuple(rows for rows in observed.rows if rows.record == "one")
     assert list(swings(Fitter.nominal(observed, unknowns(observed)).fit(()), observed)) == []

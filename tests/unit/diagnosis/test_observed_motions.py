@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arms import TUBE, beam, hinge, point, rigid, tracker
 from planted import run_of
 
 import flexarm
+from flexarm.arm.parameter import with_value
+from flexarm.arm.sensor import Sensor
 from flexarm.comparison.subject import Subject
 from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.choosing.screen import probe
@@ -16,6 +19,7 @@ from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.residuals.runs import Runs
 from flexarm.effects import Backlash, SensorOffset
 from flexarm.measurement.slopes import predict_slopes
+from flexarm.record import Clock, Frame
 
 MODULUS = "links.rod.material.youngs_modulus"
 
@@ -80,6 +84,31 @@ def test_steps_are_halved_again_beside_laws_with_corners(run, monkeypatch):
     monkeypatch.setattr(there, "with_step", lambda step: steps.append(step) or replace(there, step=step))
     there.correction(run.simulation.arm.with_effect(Backlash(at="hinge", gap=1e-3)))
     assert min(steps) == pytest.approx(1e-3)
+
+
+def test_a_gear_of_another_ratio_is_another_run():
+    """A coupling of joints is a part of the mechanics, and its ratio may be uncertain."""
+    tables = {"format": "flexarm-arm/1", "gravity": [0, 0, -9.81]}
+    tables["joints"] = [hinge("shaft", "rotor"), hinge("hinge", "rod")]
+    tables["gears"] = [{"name": "reducer", "input": "shaft", "output": "hinge", "ratio": 120.0}]
+    tables["links"] = [rigid("rotor", 1.0, inertia=[1e-3] * 3), beam("rod", [0, 0, 3.0], TUBE)]
+    tables["points"] = [point("tip", "rod", [0, 0, 3.0])]
+    arm = flexarm.Arm.from_dict(tables)
+    t = np.arange(0, 2, 0.01)
+    drive = flexarm.Drive.from_samples(t, {"shaft": 120 * 0.3 * np.sin(t) ** 2})
+    encoder = {"quantity": "joint_angle", "joint": "shaft", "rate_hz": 100, "noise_std": 1e-5}
+    record = flexarm.measure(
+        flexarm.simulate(arm, drive, step=0.01),
+        [Sensor(name="shaft", clock="plc", **encoder), tracker("tip")],
+        np.random.default_rng(1),
+        drive=["shaft"],
+        clocks={"plc": Clock(), "tracker": Clock()},
+        frames={"tracker": Frame()},
+    )
+    there = Observed(arm, {"run": record}, step=0.01)
+    other = with_value(arm, "gears.reducer.ratio", 121.0)
+    change = there.residual(other) - there.residual(arm)
+    assert np.abs(change).max() > 10
 
 
 def test_a_reflector_elsewhere_is_probed_without_a_simulation(run):

@@ -24,7 +24,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.comparison.start import first_guess
+from flexarm.comparison.start import first_guesses
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import stated
 from flexarm.diagnosis.at_once import at_once
@@ -86,9 +86,10 @@ class Observed:
     def __post_init__(self) -> None:
         self.runs = Runs(self.records, self.step, self.alpha)
         rows: list[Rows] = []
-        for name, record in self.records.items():
-            pair = self.runs.beside(name, self.arm)
-            self.placement[name] = first_guess(pair, stated(record))
+        pairs = [self.runs.beside(name, self.arm) for name in self.records]
+        guesses = first_guesses(pairs, [stated(record) for record in self.records.values()])
+        self.placement = dict(zip(self.records, guesses, strict=True))
+        for name, pair in zip(self.records, pairs, strict=True):
             self.skipped |= {f"{name}: {signal}": why for signal, why in pair.skipped.items()}
             rows.extend(evidence_rows(name, pair, self.placement[name], rows[-1].where.stop if rows else 0))
         self.rows = tuple(rows)
@@ -142,7 +143,8 @@ class Observed:
         return self._residual(arm, self.jobs)
 
     def _residual(self, arm: Arm, jobs: int) -> Floats:
-        key = (arm.joints, arm.links, arm.payloads, arm.points, arm.effects, arm.motors, arm.controllers)
+        parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points, arm.motors, arm.controllers)
+        key = (*parts, arm.effects)
         if key not in self._residuals:
             found = np.empty(len(self))
             beside = partial(self.runs.beside, arm=arm)

@@ -50,7 +50,7 @@ class Rows:
     sigma : float
         1 sigma of the noise [SI].
     time : ndarray
-        Stamps of the kept rows [s], or numbers of poses.
+        Instants of the kept rows by the drive's clock [s], or numbers of poses.
     """
 
     record: str
@@ -81,8 +81,8 @@ def _channels(name: str, pair: Subject, placement: Placement, signal: Signal, st
     noise = pair.noise(signal)
     if pair.record.kind == "static" and not noise.all():
         noise = np.where(noise > 0, noise, noise_of_poses(name, signal, residual))
-    stamps = pair.stamps[signal.name]
-    driven = pair.instants(signal, placement) <= _last_drive(pair.record) + 1e-9
+    instants = pair.instants(signal, placement)
+    driven = instants <= _last_drive(pair.record) + 1e-9
     for channel in range(residual.shape[1]):
         kept = np.isfinite(residual[:, channel]) & driven
         count = int(kept.sum())
@@ -90,7 +90,7 @@ def _channels(name: str, pair: Subject, placement: Placement, signal: Signal, st
             continue
         sigma = float(noise[channel]) or shown_noise(residual[kept, channel])
         if sigma > 0:
-            yield Rows(name, signal.name, channel, slice(start, start + count), kept, sigma, stamps[kept])
+            yield Rows(name, signal.name, channel, slice(start, start + count), kept, sigma, instants[kept])
             start += count
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.residuals.starts import Start
 
 KEPT_RUNS = 8
-"""Number of runs that are remembered."""
+"""Least number of runs that are remembered; two of every record, if that is more."""
 
 
 class Runs:
@@ -58,7 +58,7 @@ class Runs:
         if run is None:
             self.made += 1
             run = self._runs[key] = self._made(name, carried)
-            while len(self._runs) > KEPT_RUNS:
+            while len(self._runs) > max(KEPT_RUNS, 2 * len(self.records)):
                 self._runs.popitem(last=False)
         return replace(run, arm=carried)
 
@@ -108,7 +108,8 @@ def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
     """What a run depends on: everything but effects on sensors that do not drive."""
     moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
     loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
-    return (arm.joints, arm.links, arm.payloads, arm.points, moving, _driving(record, arm), loop)
+    parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points)
+    return (*parts, moving, _driving(record, arm), loop)
 
 
 def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:
