@@ -56,7 +56,9 @@ def _named(left, coarse=False):
     fit = null_of(left[0], left[1])
     member = SimpleNamespace(name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",))
     fit.members, fit.coordinates, fit.z, fit.rest = (member,), (), (), fit.residual
-    choice = SimpleNamespace(best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, value={})
+    choice = SimpleNamespace(
+        best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[50.0], value={}
+    )
     choice.null.rest = choice.null.residual
     [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, None, coarse)
     return found

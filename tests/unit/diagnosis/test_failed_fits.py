@@ -74,12 +74,12 @@ class Made:
 
     @property
     def members(self):
-        return tuple(SimpleNamespace(place=place) for place in self.places)
+        return tuple(SimpleNamespace(place=place, stands_on=None) for place in self.places)
 
 
 def test_values_stay_where_they_are_stated_if_no_other_model_can_be_simulated():
     modulus = Unknown("links.rod.material.youngs_modulus", 2e11, 2e9, "Pa", "nominal")
-    lower = SimpleNamespace(best=lambda residual: np.array([-1e9]))
+    lower = SimpleNamespace(best_within=lambda residual, reach: np.array([-1e9]))
     fit = SimpleNamespace(cost=9.0, residual=None, members=(), projection=lower)
     fitter = SimpleNamespace(unknowns=Unknowns(None, (modulus,)), fit=lambda members: fit, _moved=raises)
     assert Fitter.centred(fitter) is fitter
@@ -136,6 +136,6 @@ def test_rivals_are_looked_for_beside_a_model_that_was_tried_where_none_can_be_f
     """The others without the chosen effect; None if these were never tried by themselves."""
     fitter = SimpleNamespace(fit=raises)
     tried = [Made(""), Made("a"), Made("ab")]
-    assert rivals._without((), fitter, tried) is tried[0]
-    assert rivals._without(Made("a").members, fitter, tried) is tried[1]
-    assert rivals._without(Made("b").members, fitter, tried) is None
+    assert rivals.without((), fitter, tried) is tried[0]
+    assert rivals.without(Made("a").members, fitter, tried) is tried[1]
+    assert rivals.without(Made("b").members, fitter, tried) is None

@@ -9,6 +9,7 @@ import flexarm.diagnosis.fitting.least_squares as problem
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance, PayloadMass
@@ -25,6 +26,9 @@ def run():
 
 def observed(arm, record, step=8e-3):
     return Observed(arm, {"run": record}, step=step)
+
+
+STIFF = "effects.joint_compliance.hinge.stiffness"
 
 
 def seen(run, arm, step=1e-3):
@@ -138,3 +142,30 @@ def test_a_value_that_an_effect_overrules_stays_where_it_was(run):
     about = fitter.about(fit)
     assert about.start.payload(load.name).mass == load.mass
     assert about.fit(()).cost > 100 * about.fit(fit.members).cost
+
+
+def test_a_stiffer_joint_is_no_gap_though_only_an_absurd_modulus_seems_to_explain_it(run):
+    """Linear steps would go to a modulus 26 sigmas off; held to two, the joint's spring goes where it is."""
+    nominal = run.simulation.arm.replace(uncertainty={STIFF: 0.3, "links.rod.material.youngs_modulus": 0.02})
+    stiffness = nominal.effect("joint_compliance", "hinge").stiffness
+    there = observed(nominal, seen(run, with_value(nominal, STIFF, 1.25 * stiffness)))
+    fitter = Fitter.nominal(there, unknowns(there))
+    far = fitter.fit(())
+    strained = np.abs(far.projection.best(far.residual)) / far.unknowns.sigma
+    assert strained[far.unknowns.keys.index("links.rod.material.youngs_modulus")] > 5
+    fit = fitter.centred().fit(())
+    assert fit.cost < 1e-3 * far.cost
+    where = fit.unknowns.keys.index(STIFF)  # 2 % of the modulus bend the arm as 5 % of the spring do
+    assert fit.projection.best(fit.residual)[where] == pytest.approx(0.25 * stiffness, rel=0.2)
+
+
+def test_best_within_bounds_is_that_of_bounded_least_squares():
+    rng = np.random.default_rng(4)
+    slopes, sigma = rng.normal(size=(40, 3)), np.array([0.5, 2.0, 1.0])
+    residual = -slopes @ [3.0, -1.0, 0.5]
+    projection = Projection(slopes, sigma)
+    assert projection.best_within(residual, np.full(3, np.inf)) == pytest.approx(projection.best(residual))
+    found = projection.best_within(residual, np.array([1.0, np.inf, np.inf]))
+    assert found[0] == pytest.approx(1.0)
+    free = Projection(slopes[:, 1:], sigma[1:])
+    assert found[1:] == pytest.approx(free.best(residual + slopes[:, 0]), rel=1e-6)

@@ -109,6 +109,7 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     monkeypatch.setitem(COST, "ad", 25)
     monkeypatch.setitem(COST, "bd", 19)
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
+    monkeypatch.setattr(module, "carries", lambda members, spring: False)
     about = SimpleNamespace(fit=lambda members: made("".join(members)), observed=None)
     about.about = lambda best: about
     ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=made("bd"))

@@ -24,7 +24,7 @@ def path(monkeypatch):
     def evaluated(one, about):
         return (one, about) if about is HONEST else (fit(one.objective + 0.5), HONEST)
 
-    def stepped(one, about, anew):
+    def stepped(one, about, anew, part):
         if not objectives:
             raise NotConverged("no equilibrium")
         return fit(objectives.pop(0)), HONEST
@@ -33,6 +33,7 @@ def path(monkeypatch):
     monkeypatch.setattr(polish, "stepped", stepped)
     monkeypatch.setattr(polish, "stepped_over", lambda one, about: one.members)
     monkeypatch.setattr(polish, "objective", lambda one: one.objective)
+    monkeypatch.setattr(polish, "foretold", lambda one: 0.0)
     monkeypatch.setattr(polish, "sigma_squared", lambda one: 1.0)
     monkeypatch.setattr(polish, "_quiet", lambda one, about: False)
     return objectives
@@ -85,3 +86,20 @@ def test_what_cannot_be_simulated_further_stays_as_it_is(path, monkeypatch):
 def test_polishing_ends_after_two_rounds_that_bring_less_than_a_fiftieth(path):
     path += [60.0, 58.9, 57.8, 1.0]
     assert polish.polished(fit(90.0), ABOUT)[0].objective == 57.8
+
+
+def test_a_step_that_overshoots_is_shortened(path, monkeypatch):
+    """Where a step should lead far down and leads up, as arms swing out of step, a part of it may not."""
+    monkeypatch.setattr(polish, "evaluated", lambda one, about: (fit(100.0), HONEST))
+    monkeypatch.setattr(polish, "foretold", lambda one: 90.0)
+    path += [385.0, 120.0, 40.0]
+    assert polish.further(fit(100.0), ABOUT)[0].objective == 40.0
+    assert path == []
+
+
+def test_a_step_that_would_lead_nowhere_is_not_shortened(path, monkeypatch):
+    monkeypatch.setattr(polish, "evaluated", lambda one, about: (fit(100.0), HONEST))
+    monkeypatch.setattr(polish, "foretold", lambda one: 0.5)
+    path += [100.1, 99.0]
+    assert polish.further(fit(100.0), ABOUT)[0].objective == 100.0
+    assert path == [99.0]

@@ -47,7 +47,7 @@ def test_the_right_law_foretells_every_part():
     """Noise 1 is left; of 10 sin t the frame, aligned anew in each fifth, leaves 4.5 rms: 1 - 1/4.5."""
     law = np.sin(TIMES)
     gap = 10 * law + np.random.default_rng(2).standard_normal(N)
-    found = carried(fit_of(gap, law[:, None]), fit_of(gap, None), OneRecord())
+    found = carried(fit_of(gap, law[:, None]), fit_of(gap, None), gap, OneRecord())
     assert found == pytest.approx(0.78, abs=0.04)
 
 
@@ -57,4 +57,4 @@ def test_what_only_imitates_fails_where_the_data_end():
     powers = 1e6 * np.stack([(TIMES / 10) ** k for k in range(1, 9)], axis=1)  # sizes within their priors
     imitation = fit_of(gap, powers)
     assert imitation.residual.std() < 0.5 * gap.std()
-    assert carried(imitation, fit_of(gap, None), OneRecord()) <= 0.0
+    assert carried(imitation, fit_of(gap, None), gap, OneRecord()) <= 0.0

@@ -76,6 +76,11 @@ class Candidate:
         """Name and place: candidates of one place are variants of one effect."""
         return self.name, self.at
 
+    @property
+    def stands_on(self) -> tuple[str, str] | None:
+        """Name and place of what it needs: a law on a spring that is not there comes only with that."""
+        return None if self.needs is None else (self.needs.name, self.needs.at)
+
     def priors_in(self, arm: Arm) -> dict[str, Prior]:
         """Of all parameters in a model."""
         return {**self.effect.priors(arm), **self.priors}
@@ -168,6 +173,11 @@ def _given_way(spring: Effect | None) -> tuple[float, float]:
     if spring is None or isinf(stiffness := value_of(spring, "stiffness")):
         return 0.0, 0.0
     return 1.0 / stiffness, value_of(spring, "damping") / stiffness**2
+
+
+def carries(members: Sequence[Candidate], spring: Candidate) -> bool:
+    """Whether other effects stand on a spring."""
+    return any(member.stands_on == spring.place for member in members)
 
 
 def value_of(effect: Effect | None, key: str) -> float:

@@ -15,13 +15,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from flexarm.diagnosis.candidates.candidate import carries
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, quiet, worth_a_name
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.choosing.polish import about_or_here, settled, without_effects
 from flexarm.diagnosis.choosing.promising import larger_fits, other_springs
 from flexarm.diagnosis.choosing.ranking import best_of
-from flexarm.diagnosis.choosing.rivals import Rival, rivals_of
+from flexarm.diagnosis.choosing.rivals import Rival, rivals_of, without
 from flexarm.diagnosis.choosing.screen import Probed
 from flexarm.diagnosis.choosing.takeover import taken_over
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
@@ -51,6 +52,8 @@ class Choice:
         Worth of the samples, T of `evidence`, after the chosen model.
     rivals : list of (list of Rival)
         For each effect of `best`, the best first.
+    needed : list of float
+        ln Z of the chosen model over itself without each of its effects.
     tried : list of (Fit, float)
         Every fit and its gain of ln Z over the nominal model.
     """
@@ -60,6 +63,7 @@ class Choice:
     fitter: Fitter
     value: Mapping[Channel, float]
     rivals: list[list[Rival]] = field(default_factory=list)
+    needed: list[float] = field(default_factory=list)
     tried: list[tuple[Fit, float]] = field(default_factory=list)
 
     @property
@@ -202,7 +206,15 @@ class _Search:
             rivals_of(k, best, self.null, about, self.probed, self.tried, value)
             for k in range(len(best.members))
         ]
-        return Choice(self.null, best, about, value, rivals)
+        needed = [self._needed(k, best, about, value) for k in range(len(best.members))]
+        return Choice(self.null, best, about, value, rivals, needed)
+
+    def _needed(self, k: int, best: Fit, about: Fitter, value: Mapping[Channel, float]) -> float:
+        """ln Z of a model over itself without effect k; over that without all, if others stand on it."""
+        others = tuple(m for i, m in enumerate(best.members) if i != k)
+        alone = not others or carries(others, best.members[k])
+        fewer = None if alone else without(others, about, self.tried)
+        return log_bayes_factor(best, fewer or self.null, self.observed, value)
 
 
 def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
@@ -211,6 +223,9 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
     k = 0
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
+        if carries(rest, best.members[k]):
+            k += 1
+            continue
         try:
             fewer = fitter.fit(rest)
         except FAILED:

@@ -14,7 +14,7 @@ from flexarm.diagnosis.choosing.acceptance import STRAINED, strain
 from flexarm.diagnosis.choosing.evidence import above_noise
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.newton import evaluated, objective, stepped
+from flexarm.diagnosis.fitting.newton import evaluated, foretold, objective, stepped
 from flexarm.diagnosis.fitting.pattern import stepped_over
 
 ROUNDS = 6
@@ -23,6 +23,8 @@ IDLE, BETTER, QUIET = 2, 0.98, 0.4
 """Of `polished`: idle rounds, what counts as less, and what is left above the noise where it ends."""
 STILL, SETTLED = 1.0, 0.1
 """Least fall of C in a round of each, in squared sigmas: those of the noise or, above it, of what is left."""
+SHORTER = (1.0, 0.3, 0.1)
+"""Parts of a step that are tried, of which the whole would lead far down to first order, and leads up."""
 ALIKE = 2
 """Rounds in which the model without effects is fitted about itself."""
 
@@ -102,7 +104,7 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
 
 
 def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
-    """A step of Newton from a fit; where that leads up, as with laws that bend, a fit about what it found.
+    """A step of Newton from a fit, or a part of it; where all lead up, as over ripples, what a search finds.
 
     Never one of which the objective is higher than that of the fit, all derivatives taken about it. Those by
     unknowns are taken `anew` after the step, or where they did not foretell it.
@@ -113,10 +115,12 @@ def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
         If nothing can be simulated beside the fit.
     """
     here, at = evaluated(fit, about)
-    with suppress(*FAILED):
-        ahead, there = stepped(here, at, anew)
-        if objective(ahead) < objective(here):
-            return ahead, there
+    far = foretold(here) > sigma_squared(here)
+    for part in SHORTER if far else SHORTER[:1]:
+        with suppress(*FAILED):
+            ahead, there = stepped(here, at, anew, part)
+            if objective(ahead) < objective(here):
+                return ahead, there
     again = at.fit(stepped_over(here, at))
     return (again, at) if objective(again) < objective(here) else (here, at)
 

@@ -1,7 +1,8 @@
 """Rivals: what could stand in the place of a chosen effect, with the rest of the model refitted.
 
-A rival lies ln B_j behind the chosen model in evidence, the model without effects ln B_n, which says that
-there is nothing but unlikely nominal values. Beside the chosen effect, ln B_0 = 0, its probability is
+A rival lies ln B_j behind the chosen model in evidence, the model without that effect ln B_n, which says that
+there is nothing in its place but unlikely nominal values. Beside the chosen effect, ln B_0 = 0, its
+probability is
 
     P_j = exp(-ln B_j) / (exp(-ln B_n) + sum_i exp(-ln B_i)).                                          (1)
 
@@ -19,7 +20,7 @@ from math import exp
 
 import numpy as np
 
-from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
+from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, carries
 from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
@@ -80,26 +81,29 @@ def rivals_of(
     """What could stand in the place of effect k of the chosen model, the best first.
 
     Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and fitted once.
-    Beside a model that explains everything none is fitted that promises far less than the first.
+    Beside a model that explains everything none is fitted that promises far less than the first. A spring
+    that another effect stands on has none.
     """
     observed = fitter.observed
     open_gap = leaves_gap(best, null, observed)
     mine = best.members[k].place
     others = tuple(m for i, m in enumerate(best.members) if i != k)
+    if carries(others, best.members[k]):
+        return []
     known = _known(best, {m.place for m in others}, tried)
     peer = _peer(best, tried)
-    without = _without(others, fitter, (null, *tried))
-    if without is None:
+    fewer = without(others, fitter, (null, *tried))
+    if fewer is None:
         return []
-    shares = [s for s in screen(fitter, probed, without) if s.members[0].place != mine]
+    shares = [s for s in screen(fitter, probed, fewer) if s.members[0].place != mine]
     found = []
     most = PAIRS if open_gap else TRIED
-    sharp = sharpened(fitter, one_variant(shares, 2 * most), without)[:most]
+    sharp = sharpened(fitter, one_variant(shares, 2 * most), fewer)[:most]
     wanted = [s.members[0] for s in sharp if open_gap or s.share >= FAR * sharp[0].share]
     if not open_gap:
         wanted += _near(known, wanted, best, observed, value)
         wanted += _sticking(best.members[k], wanted, probed)
-        before = min((f.cost for f in (null, *tried) if set(f.places) == set(without.places)), default=np.inf)
+        before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _soft_elsewhere(known, wanted, best, before, probed)
     for candidate in wanted:
         try:
@@ -117,7 +121,7 @@ def rivals_of(
     return sorted(found, key=lambda rival: rival.behind)
 
 
-def _without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:
+def without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:
     """The model without the chosen effect; one that was tried, if any, where it cannot be fitted."""
     try:
         return fitter.fit(others)

@@ -30,13 +30,15 @@ PARTS = 5
 """Of a single record."""
 
 
-def carried(fit: Fit, null: Fit, observed: Observed) -> float:
-    """Eq. (2) over all parts; 0 or less where one part is predicted worse than without the effects.
+def carried(fit: Fit, null: Fit, stated: Floats, observed: Observed) -> float:
+    """Eq. (2) over all parts; 0 or less where one part is predicted worse than by the model as stated.
 
     Parameters
     ----------
     fit, null : Fit
-        With effects, and the nominal model, whose nominal values stay where they are.
+        With effects and without.
+    stated : ndarray, shape (n,)
+        Residual of the model without effects, nominal values where they are stated.
     observed : Observed
         The training.
     """
@@ -52,7 +54,7 @@ def carried(fit: Fit, null: Fit, observed: Observed) -> float:
         model = ~_placed(fit)
         there = fit.residual[rows] + slopes[np.ix_(rows, np.flatnonzero(model))] @ moved[model]
         after.append(_aligned(there, fit, rows))
-        before.append(_aligned(null.residual[rows], null, rows))
+        before.append(_aligned(stated[rows], null, rows))
     if any(a >= b for a, b in zip(after, before, strict=True)):
         return min(0.0, 1.0 - float(np.sqrt(sum(after) / sum(before))))
     return 1.0 - float(np.sqrt(sum(after) / sum(before)))  # eq. (2)

@@ -35,8 +35,8 @@ def evaluated(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     return fitter.evaluated(fit.members), fitter
 
 
-def stepped(fit: Fit, fitter: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
-    """The fit after a step of (1) from an evaluated one, and the fitter that made it.
+def stepped(fit: Fit, fitter: Fitter, anew: bool = True, part: float = 1.0) -> tuple[Fit, Fitter]:
+    """The fit after a step of (1), or a part of it, from an evaluated one, and the fitter that made it.
 
     Its derivatives by unknowns are taken `anew`, or kept where they foretell the step.
 
@@ -45,11 +45,19 @@ def stepped(fit: Fit, fitter: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
     NotConverged, InvalidParameter
         If there is no such model.
     """
-    dz = _least(fit)
+    dz = part * _least(fit)
     members = members_at(fit.members, fit.coordinates, fit.z + dz)
     ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)
-    about = fitter.about(ahead) if anew else fitter.towards(ahead)
+    about = fitter.about(ahead, part) if anew else fitter.towards(ahead, part)
     return about.fit(members), about
+
+
+def foretold(fit: Fit) -> float:
+    """By how much the objective of an evaluated fit falls in a step, to first order."""
+    dz = _least(fit)
+    rest = fit.projection.rest(fit.residual + fit.slopes @ dz)
+    ahead = float(rest @ rest) + float(np.sum(prior_rows(fit.coordinates, fit.z + dz)[0] ** 2))
+    return objective(fit) - ahead
 
 
 def objective(fit: Fit) -> float:

@@ -51,6 +51,14 @@ class Projection:
         found: Floats = -self.scale * np.linalg.lstsq(self.r, self.q.T @ b, rcond=None)[0]
         return found
 
+    def best_within(self, residual: Floats, reach: Floats) -> Floats:
+        """x of (1) with |x| <= reach, shape (k,); infinite reach is no bound."""
+        from scipy.optimize import lsq_linear
+
+        b = np.concatenate([residual, np.zeros(self.added)])
+        bound = reach / self.scale
+        return np.asarray(self.scale * lsq_linear(self.r, -self.q.T @ b, (-bound, bound)).x)
+
     def covariance(self) -> Floats:
         """Of x, shape (k, k), if the residuals are white noise of size one."""
         inverse = np.linalg.pinv(self.r)

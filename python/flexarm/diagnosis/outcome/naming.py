@@ -49,7 +49,7 @@ def named_effects(
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
-        odds = [min(p, CAP) for p in probabilities(near, choice.gain)]
+        odds = [min(p, CAP) for p in probabilities(near, choice.needed[k])]
         moving = [drift for drift in drifts if _moves(drift, member)]
         first = min(odds[0], CONFIDENT) if moving or doubtful else odds[0]
         alternatives = tuple(

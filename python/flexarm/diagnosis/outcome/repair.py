@@ -78,7 +78,9 @@ def worth_keeping(choice: Choice, observed: Observed) -> bool:
     if not choice.best.members:
         return False
     best, null = choice.best, choice.null
-    return _closes(best, null, observed) or carried(best, null, observed) > CARRIED
+    if _closes(best, null, observed):
+        return True
+    return carried(best, null, choice.fitter.as_they_are(), observed) > CARRIED
 
 
 def _closes(best: Fit, null: Fit, observed: Observed) -> bool:
