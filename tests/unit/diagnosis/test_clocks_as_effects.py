@@ -1,5 +1,6 @@
 """A clock or a frame as an effect: probed as it is eliminated, so that it takes over all that it does."""
 
+import numpy as np
 import pytest
 from diagnoses import record, with_spring
 
@@ -8,6 +9,7 @@ from flexarm.diagnosis.choosing.screen import Linear, probe
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects import FrameRegistration
 
 
 @pytest.fixture(scope="module")
@@ -37,3 +39,16 @@ def test_no_run_is_needed(problem):
     made = fitter.observed.runs.made
     probe(fitter, [each.candidate for each in probed])
     assert fitter.observed.runs.made == made
+
+
+def test_a_frame_that_the_model_has_already_is_probed_by_what_changes():
+    """Such as one of an earlier diagnosis: a probe is its whole size, and moves by the difference."""
+    arm = with_spring().with_effect(FrameRegistration(at="tracker", translation=(5e-3, 0.0, 0.0)))
+    observed = Observed(arm, {"run": record(1)}, step=0.01)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    [frame] = [c for c in candidates(observed, fitter.unknowns.arm) if c.name == "frame_registration"]
+    [probed] = probe(fitter, [frame])
+    before = observed.residual(fitter.start)
+    for k, effect in enumerate(probed.candidate.probes):
+        moved = observed.residual(fitter.start.with_effect(effect)) - before
+        assert probed.moves[:, k] == pytest.approx(moved, rel=0.02, abs=0.02 * np.abs(moved).max())

@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from flexarm.diagnosis.choosing import left_out, ranking, rivals
+from flexarm.diagnosis.choosing.acceptance import implausibility
 
 
 @dataclass(eq=False)
@@ -17,6 +19,7 @@ class Made:
     missed: float
     evidence: float = 0.0
     gap: bool = True
+    odd: float = 0.0
     rest: None = None
 
     @property
@@ -37,6 +40,7 @@ def made_up(monkeypatch):
     monkeypatch.setattr(ranking, "worth", lambda rest, observed: {})
     monkeypatch.setattr(left_out, "missed", lambda fit, observed: fit.missed)
     monkeypatch.setattr(left_out, "groups", lambda observed: range(24))
+    monkeypatch.setattr(ranking, "implausibility", lambda fit: fit.odd)
     monkeypatch.setattr(ranking, "leaves_gap", lambda fit, null, observed: fit.gap)
     monkeypatch.setattr(ranking, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
 
@@ -60,6 +64,27 @@ def test_what_foretells_as_well_is_told_by_evidence():
     gap = Made("backlash", cost=50.0, missed=6.0, evidence=3.0)
     tilt = Made("base_tilt", cost=51.0, missed=6.1, evidence=9.0)
     assert ranked(gap, tilt) == ["base_tilt", "backlash"]
+
+
+def test_absurd_values_must_foretell_far_better():
+    """Thirty times a mass is 19 in ln p; 8.0 and 7.0 in 24 groups are odds of e^3.2, 8.0 and 3.0 of e^24."""
+    springs = Made("joint_compliance", cost=60.0, missed=8.0, evidence=1.0)
+    heavy = Made("link_mass", cost=50.0, missed=7.0, evidence=9.0, odd=19.0)
+    assert ranked(heavy, springs) == ["joint_compliance", "link_mass"]
+    right = Made("link_mass", cost=50.0, missed=3.0, odd=19.0)
+    assert ranked(right, springs) == ["link_mass", "joint_compliance"]
+
+
+def test_plausibility_counts_effects_and_unknowns_in_their_sigmas():
+    prior, unknown = SimpleNamespace(scale="log"), SimpleNamespace(scale="uniform")
+    fit = SimpleNamespace(
+        z=[3.0, 5.0],
+        coordinates=[SimpleNamespace(prior=prior), SimpleNamespace(prior=unknown)],
+        projection=SimpleNamespace(best=lambda residual: np.array([0.0, 20.0])),
+        residual=None,
+        unknowns=SimpleNamespace(sigma=np.array([1.0, 2.0])),
+    )
+    assert implausibility(fit) == pytest.approx(2 * np.log(1 + 9 / 3) + 2 * np.log(1 + 100 / 3))
 
 
 def test_what_leaves_all_but_two_percent_stands_back():

@@ -25,7 +25,11 @@ the same, it must also take a part of the whole one, C of `fitting.fit`, that is
     C_new < (1 - DENT) C_old, or S_new < S_old - STRAINED,                                            (5)
 
 and foretell data that are left out better than the smaller model does. What foretells them clearly better
-needs no other evidence, which rests on the size and correlation of a remainder that nobody knows.
+needs no other evidence, which rests on the size and correlation of a remainder that nobody knows. Nor does
+what foretells them about as well and is far more plausible: by priors with the tails of Student's t of all
+values that a model needs, z of effects and of unknowns in their sigmas,
+
+    U = 2 sum ln(1 + z^2/3).                                                                           (6)
 """
 
 from __future__ import annotations
@@ -35,7 +39,7 @@ from math import log
 import numpy as np
 
 from flexarm.diagnosis.choosing.evidence import above_noise, log_bayes_factor, worth
-from flexarm.diagnosis.choosing.left_out import foretells_better, missed
+from flexarm.diagnosis.choosing.left_out import foretells_better, missed, odds_lost
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.residuals.observed import Observed
 
@@ -74,7 +78,14 @@ def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
         return False
     if strong:
         return missed(new, observed) < missed(old, observed)
-    return foretells_better(new, old, observed)
+    return foretells_better(new, old, observed) or far_more_plausible(new, old, observed)
+
+
+def far_more_plausible(new: Fit, old: Fit, observed: Observed) -> bool:
+    """Whether odds are strong by (6) alone, and still are with what is foretold of data left out."""
+    gained = implausibility(old) - implausibility(new)
+    lost, least = odds_lost([new, old], observed)
+    return gained > STRONG and gained + least - lost > STRONG
 
 
 def as_stated(new: Fit, old: Fit) -> bool:
@@ -112,6 +123,13 @@ def worth_a_name(new: Fit, old: Fit) -> bool:
 def spares(new: Fit, old: Fit) -> bool:
     """Whether a larger model spares clocks, frames and nominal values a strain."""
     return strain(old) - strain(new) > STRAINED
+
+
+def implausibility(fit: Fit) -> float:
+    """U: ln of how much likelier values are where they are most so."""
+    known = [float(z) for c, z in zip(fit.coordinates, fit.z, strict=True) if c.prior.scale != "uniform"]
+    unknown = fit.projection.best(fit.residual) / fit.unknowns.sigma
+    return float(2.0 * np.sum(np.log1p(np.square([*known, *unknown]) / 3.0)))  # eq. (6)
 
 
 def strain(fit: Fit) -> float:

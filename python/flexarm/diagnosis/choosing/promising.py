@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
-from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
+from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, carries, value_of
 from flexarm.diagnosis.choosing.acceptance import DENT, explained, leaves_gap, quiet
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.diagnosis.choosing.slow import slow_part
@@ -94,7 +94,7 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         for place, candidate in springs.items():
-            if spring.name not in SPRINGS or place in best.places:
+            if spring.name not in SPRINGS or place in best.places or carries(others, spring):
                 continue
             with suppress(*FAILED):
                 found.append(fitter.fit((candidate.as_soft_as(spring), *others)))
@@ -161,7 +161,7 @@ def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]
     """
     found = []
     for candidate in (p.candidate for p in probed):
-        if candidate.place in best.places or len(candidate.free) > 1:
+        if candidate.place in best.places or candidate.stands_on or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
         with suppress(*FAILED):

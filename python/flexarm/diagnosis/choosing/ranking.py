@@ -3,8 +3,10 @@
 Beside the smaller model all of them differ by the whole gap, and the simulation's error would hide what they
 differ by; so they are compared with one another. Where all leave gaps, evidence rests on the size and the
 correlation of a remainder that nobody knows; it decides only among those that foretell what is left out about
-as well as the best one, by eq. (2) of `left_out`. What leaves a gap of which it takes too little to be worth
-a name, as a rate that is read late while an arm goes elsewhere, stands back for what takes more.
+as well as the best one, by eq. (2) of `left_out`, and are as plausible, by eq. (6) of `acceptance`: a forearm
+of thirty times its mass leaves as little as two soft joints beside a friction that neither knows. What leaves
+a gap of which it takes too little to be worth a name, as a rate that is read late while an arm goes
+elsewhere, stands back for what takes more.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from functools import cmp_to_key
 
 import numpy as np
 
-from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap, worth_a_name
+from flexarm.diagnosis.choosing.acceptance import REACH, implausibility, leaves_gap, worth_a_name
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor, worth
 from flexarm.diagnosis.choosing.left_out import missed, odds_lost
 from flexarm.diagnosis.choosing.polish import about_itself, polished
@@ -49,7 +51,9 @@ def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> lis
 
     if not all(leaves_gap(f, null, observed) for f in fits):
         return sorted(fits, key=cmp_to_key(behind))
-    lost = dict(zip(fits, odds_lost(fits, observed), strict=True))
+    odd = [implausibility(f) for f in fits]
+    less = [lost + u - min(odd) for lost, u in zip(odds_lost(fits, observed), odd, strict=True)]
+    lost = dict(zip(fits, (each - min(less) for each in less), strict=True))
     near = [f for f in fits if lost[f] < REACH]
     others = [f for f in fits if lost[f] >= REACH]
     return sorted(near, key=cmp_to_key(behind)) + sorted(others, key=lambda f: lost[f])

@@ -23,7 +23,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, Candidate, value_of
-from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged
@@ -110,7 +110,10 @@ def in_proportion(candidate: Candidate, keys: Sequence[str], slopes: Floats) -> 
         own = [f"points.{candidate.at}.{name.replace('offset', 'position')}" for name in candidate.free]
     if not set(own) <= set(keys):
         return None
-    steps = [[value_of(probe, name) for probe in candidate.probes] for name in candidate.free]
+    steps = [
+        [value_of(probe, name) - candidate.null[name] for probe in candidate.probes]
+        for name in candidate.free
+    ]
     moves: Floats = slopes[:, [keys.index(key) for key in own]] @ np.array(steps)
     return moves
 
@@ -258,9 +261,18 @@ class Linear:
                     yield i, j
 
     def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
-        """Share and members of those that explain something without a negative law, the best first."""
-        found = [(self._solved(each)[0], each) for each in sets]
+        """Share and members of those that explain something without a negative law, the best first.
+
+        A law on a spring that neither the model nor the fit has is looked at beside that spring only, which
+        would else be of a size that nobody fitted.
+        """
+        found = [(self._solved(each)[0], each) for each in sets if self._stands(each)]
         return sorted((pair for pair in found if pair[0] > 0), key=lambda pair: -pair[0])
+
+    def _stands(self, chosen: tuple[int, ...]) -> bool:
+        members = [self.probed[k].candidate for k in chosen]
+        there = {None, *self.fit.places, *(member.place for member in members)}
+        return all(member.stands_on in there for member in members)
 
     def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
         """The first of them at the sizes of eq. (2)."""
@@ -272,7 +284,7 @@ class Linear:
                 for index, mine in zip(chosen, alphas, strict=True):
                     candidate = self.probed[index].candidate
                     members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
-            except (InvalidParameter, ValueError):
+            except FAILED:
                 continue
             found.append(Share(tuple(members), share))
         return found

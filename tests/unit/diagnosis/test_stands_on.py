@@ -1,0 +1,69 @@
+"""A law on a spring that the model lacks comes with that spring, which is fitted and named too."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnoses import nominal, record, with_spring
+
+from flexarm.diagnosis.candidates.candidate import carries
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.choosing import choose
+from flexarm.diagnosis.choosing.rivals import rivals_of
+from flexarm.diagnosis.choosing.screen import probe, screen, together
+from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.unknowns import unknowns
+from flexarm.diagnosis.residuals.observed import Observed
+
+SPRING = ("joint_compliance", "hinge")
+LAWS = ("backlash", "joint_hysteresis", "joint_stiffening")
+
+
+def problem(arm):
+    observed = Observed(arm, {"run": record(1)}, step=0.01)
+    fitter = Fitter.nominal(observed, unknowns(observed))
+    wanted = {SPRING, ("coulomb_friction", "hinge"), *((law, "hinge") for law in LAWS)}
+    found = [c for c in candidates(observed, fitter.unknowns.arm) if c.place in wanted]
+    return fitter, probe(fitter, found)
+
+
+@pytest.fixture(scope="module")
+def rigid():
+    """A model whose hinge is rigid, beside a machine with a spring."""
+    return problem(nominal())
+
+
+def test_no_law_is_looked_at_without_its_spring(rigid):
+    """It would bring a spring that nobody fitted, softer than the machine's or stiffer."""
+    fitter, probed = rigid
+    start = fitter.fit(())
+    assert not {share.places[0][0] for share in screen(fitter, probed, start)} & set(LAWS)
+    pairs = [share.places for share in together(fitter, probed, start, 2)]
+    with_law = [places for places in pairs if {name for name, _ in places} & set(LAWS)]
+    assert with_law
+    assert all(SPRING in places for places in with_law)
+
+
+def test_beside_its_spring_it_is_one_effect_more(rigid):
+    fitter, probed = rigid
+    spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
+    fit = fitter.fit((spring,))
+    assert {share.places[0][0] for share in screen(fitter, probed, fit)} & set(LAWS)
+
+
+def test_a_model_with_the_spring_takes_the_law_alone():
+    fitter, probed = problem(with_spring(1.2e5))
+    assert {share.places[0][0] for share in screen(fitter, probed, fitter.fit(()))} & set(LAWS)
+
+
+def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, monkeypatch):
+    fitter, probed = rigid
+    spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
+    law = next(p.candidate for p in probed if p.candidate.name == "backlash")
+    assert carries((law,), spring) and not carries((spring,), law)
+    best = fitter.evaluated((spring, law))
+    assert rivals_of(0, best, fitter.fit(()), fitter, probed, (), {}) == []
+    asked = []
+    monkeypatch.setattr(choose, "accepted", lambda new, old, *_: asked.append(old.places) or True)
+    choose._backward(fitter, best, SimpleNamespace(rest=np.zeros(len(best.rest))))
+    assert asked == [(SPRING,)]
