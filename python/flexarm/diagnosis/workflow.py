@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flexarm.arm import Arm
 from flexarm.configuration import version
 from flexarm.diagnosis.candidates.candidate_probes import SOFTER
@@ -36,7 +38,9 @@ from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
 from flexarm.diagnosis.outcome.swings import swings
 from flexarm.diagnosis.outcome.verified import Bench, verified
+from flexarm.diagnosis.residuals.drive_noise import with_drive_noise
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -108,6 +112,7 @@ def diagnose(
     observed = Observed(
         arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
     )
+    observed, shaken = with_drive_noise(observed, seed)
     observed, coarse = with_coarse_encoders(observed, seed)
     choice = _chosen(observed, tell)
     tell(0.8, "intervals")
@@ -141,7 +146,7 @@ def diagnose(
         stages=seen.stages,
         constancy=found.drifts,
         remainder=seen.remainder,
-        remarks=(*remarks, *parted.remarks, *swings(choice.best, observed), *seen.remarks),
+        remarks=(*remarks, *parted.remarks, *shaken, *swings(choice.best, observed), *seen.remarks),
         next_experiment=further.sentence,
         provenance=_provenance(seed, begun),
         located=seen.located,
@@ -216,7 +221,21 @@ def _held_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) ->
         return {}
     [record] = named_records({"hold_out": hold_out}).values()
     record.check_against(arm)
+    for name, training in given.items():
+        if _same_values(record, training):
+            raise InvalidParameter(
+                f"holds the same values as {name!r}, which is fitted: nothing would be held out",
+                where="hold_out",
+            )
     return {_name(record, given): record}
+
+
+def _same_values(one: Record, other: Record) -> bool:
+    """Whether two records show the same, under whatever names and places they are kept."""
+    return set(one.signals) == set(other.signals) and all(
+        np.array_equal(signal.values, other.signals[name].values, equal_nan=True)
+        for name, signal in one.signals.items()
+    )
 
 
 def _parted(arm: Arm, checked: Checked, held_out: Checked) -> _Parted:

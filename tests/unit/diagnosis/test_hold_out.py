@@ -228,9 +228,9 @@ def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
     path = tmp_path / "test_2/by_reference"
     record().save(path)
     held = Record.load(path)
-    assert _held_out(ARM, held, {"test_3/by_reference": record()}).keys() == {"test_2/by_reference"}
-    assert _held_out(ARM, held, {"test_3": record()}).keys() == {"by_reference"}
-    assert _held_out(ARM, held, {"by_reference": record()}).keys() == {"by_reference (held out)"}
+    assert _held_out(ARM, held, {"test_3/by_reference": record(0.9)}).keys() == {"test_2/by_reference"}
+    assert _held_out(ARM, held, {"test_3": record(0.9)}).keys() == {"by_reference"}
+    assert _held_out(ARM, held, {"by_reference": record(0.9)}).keys() == {"by_reference (held out)"}
 
 
 @pytest.mark.parametrize(
@@ -259,4 +259,13 @@ def test_outliers_of_a_record_held_out_are_removed_and_told():
     seen = parted.held_out["other"].signals["tip"]
     assert np.flatnonzero(~seen.valid).tolist() == [30, 70]
     assert parted.training == {"swing": training}
-    assert parted.remarks == ("2 outliers of tip in other, 0.5 m off, removed",)
+    assert parted.remarks == ("2 outliers of tip in other, rows 30, 70, 0.707 m off, removed",)
+
+
+def test_a_record_that_is_fitted_is_not_held_out_under_another_name():
+    training = diagnoses.record(1)
+    copy = training.replace(description="the same day, copied")
+    with pytest.raises(
+        InvalidParameter, match=r"hold_out: holds the same values as 'swing', which is fitted"
+    ):
+        flexarm.diagnose(diagnoses.nominal(), {"swing": training}, hold_out=copy)
