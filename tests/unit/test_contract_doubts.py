@@ -9,6 +9,8 @@ from arms import paper_arm
 
 import flexarm
 from flexarm import InvalidFile, InvalidParameter
+from flexarm.record import Frame
+from flexarm.record.doubts import doubts
 
 MODEL = "examples/one_link.toml"
 
@@ -46,3 +48,24 @@ def test_a_run_knows_the_hash_of_its_drive():
     hashes = [flexarm.simulate(arm, drive).solver["drive_sha256"] for drive in drives]
     assert hashes[0] != hashes[1]
     assert hashes[0] == drives[0].sha256()
+
+
+def test_a_frame_turned_by_degrees_is_doubted():
+    t = np.linspace(0.0, 1.0, 11)
+    signals = [
+        flexarm.Signal(name="hinge", quantity="joint_angle", values=t, time=t, joint="hinge", noise_std=1e-6),
+        flexarm.Signal(
+            name="tip",
+            quantity="position",
+            values=t,
+            time=t,
+            point="tip",
+            axes=("x",),
+            frame="tracker",
+            noise_std=1e-4,
+        ),
+    ]
+    turned = Frame(rpy=(0.0, 0.0, 74.5))
+    record = flexarm.Record(signals=signals, drive=("hinge",), frames={"tracker": turned})
+    [found] = [problem for problem in doubts(record) if problem.where == "frames.tracker.rpy"]
+    assert found.what == "is [0.0, 0.0, 74.5] rad; write degrees as radians"

@@ -66,6 +66,15 @@ def with_unit(value: float | None, unit: str, digits: int = 3) -> str:
     return f"{number(None if value is None else factor * value, digits)} {shown}".rstrip()
 
 
+def instant(time: float) -> str:
+    """A stamp in seconds, to a tenth however far from zero clocks count.
+
+    >>> instant(12.53), instant(4242.1234)
+    ('12.5', '4242.1')
+    """
+    return f"{time:.3g}" if abs(time) < 100 else f"{time:.1f}"
+
+
 def interval(estimate: Estimate) -> tuple[str, str, str, str]:
     """Value, lower and upper end of the 90 % interval with the digits it leaves, and their unit."""
     factor, unit = scale([estimate.value, estimate.low90, estimate.high90], estimate.unit)

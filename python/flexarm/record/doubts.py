@@ -27,6 +27,9 @@ def doubts(record: Record) -> Iterable[Problem]:
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
+    for name, frame in record.frames.items():
+        if max(map(abs, frame.rpy)) > 2 * pi:
+            yield Problem(f"frames.{name}.rpy", f"is {list(frame.rpy)} rad; write degrees as radians")
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():

@@ -186,7 +186,8 @@ def test_spikes_are_removed_and_said(nominal, faultless):
     found = check(nominal, {"run": changed(faultless, "tip", thrown)})
     assert found.usable
     assert [(each.record, each.signal, each.rows) for each in found.outliers] == [("run", "tip", tuple(rows))]
-    assert found.outliers[0].size == pytest.approx(0.05, rel=0.05)
+    assert found.outliers[0].size == pytest.approx(0.05 * np.sqrt(2), rel=0.05)  # along both axes
+    assert f"of tip in run, rows {rows[0]}, " in str(found.outliers[0])
     assert not found.records["run"].signals["tip"].valid[rows].any()
 
 

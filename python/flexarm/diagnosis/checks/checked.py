@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from flexarm.diagnosis.named import NamedEffect
+from flexarm.diagnosis.wording import with_unit
 
 if TYPE_CHECKING:
     from flexarm.arm.effect import Effect
@@ -38,6 +39,10 @@ class Fault(NamedEffect):
         return read_effect({**table, **{each.name: each.value for each in self.parameters}})
 
 
+SHOWN = 5
+"""Rows of outliers that are told one by one."""
+
+
 @dataclass(frozen=True)
 class Removed:
     """Outliers that were taken out of a signal.
@@ -62,7 +67,10 @@ class Removed:
 
     def __str__(self) -> str:
         count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
-        return f"{count} of {self.signal} in {self.record}, {self.size:.3g} {self.unit} off, removed"
+        rows = ", ".join(map(str, self.rows[:SHOWN])) + ", ..." * (len(self.rows) > SHOWN)
+        where = f"row{'s' * (len(self.rows) > 1)} {rows}"
+        size = with_unit(self.size, self.unit)
+        return f"{count} of {self.signal} in {self.record}, {where}, {size} off, removed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

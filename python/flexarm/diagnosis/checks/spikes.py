@@ -173,10 +173,10 @@ def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> Removed:
-    """With the root mean square distance of `values` from the line between their neighbours."""
+    """With the root mean square distance of `values`, all axes together, from the line between neighbours."""
     good = ~rows & np.isfinite(values).all(axis=1)
     off = [y[rows] - np.interp(signal.time[rows], signal.time[good], y[good]) for y in values.T]
-    size = float(np.sqrt(np.nanmean(np.square(off))))
+    size = float(np.sqrt(np.nanmean(np.sum(np.square(off), axis=0))))
     return Removed(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)
 
 

@@ -27,7 +27,7 @@ from flexarm.diagnosis.gap.gap_parts import PER_TURN, Part
 from flexarm.diagnosis.gap.gap_rows import GapRows
 from flexarm.diagnosis.gap.locate import Located
 from flexarm.diagnosis.gap.periodogram import periodogram
-from flexarm.diagnosis.wording import number, with_unit
+from flexarm.diagnosis.wording import instant, number, with_unit
 
 DOMINANT = 0.25
 """Share of the squares that a band or a state must hold to be named."""
@@ -100,9 +100,9 @@ class Remainder:
         return self.sentence
 
     def _size(self) -> str:
-        at = f"at {self.time:.3g} s" if self.in_time else f"in pose number {self.time + 1:.0f}"
+        at = f"at {instant(self.time)} s" if self.in_time else f"in pose number {self.time + 1:.0f}"
         where = f"{at} of {self.record}" if self.record else at
-        burst = f", half of it from {self.burst[0]:.3g} to {self.burst[1]:.3g} s" if self.burst else ""
+        burst = ", half of it from {} to {} s".format(*map(instant, self.burst)) if self.burst else ""
         return (
             f"{with_unit(self.rms, self.unit)} rms are left at {self.signal}, {number(self.ratio)} times the "
             f"noise, mostly {self.direction}, at most {with_unit(self.max, self.unit)} {where}{burst}"

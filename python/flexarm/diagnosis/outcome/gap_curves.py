@@ -24,6 +24,8 @@ LOOKS: dict[str, dict[str, Any]] = {
     "updated model": {"color": AFTER, "marker": "s"},
 }
 """Okabe and Ito's colours, told apart by everyone; markers differ too."""
+FAR_AWAY = 1e3
+"""Stamps from which an axis of time begins anew [s]."""
 MANY = 400
 """Samples beyond which lines stand without markers."""
 
@@ -86,7 +88,15 @@ def label(gap: SignalGap, direction: str) -> str:
 
 def along(gap: SignalGap) -> str:
     """The axis that a gap is drawn along; records of poses have no bands of frequency."""
-    return "time [s]" if gap.bands else "pose"
+    if not gap.bands:
+        return "pose"
+    return f"time after {zero:.0f} s [s]" if (zero := zero_of(gap.time)) else "time [s]"
+
+
+def zero_of(time: Floats) -> float:
+    """Where an axis of time begins: 0, or the whole second before stamps that count from far away."""
+    first = float(np.floor(time[0])) if len(time) else 0.0
+    return first if abs(first) > FAR_AWAY else 0.0
 
 
 def noise_of(gap: SignalGap) -> float | None:
@@ -122,7 +132,7 @@ def draw(
     for name, gap in gaps.items():
         part = gap.parts.get(direction)
         if part is not None:
-            where = gap.time if over is None else over[name]
+            where = gap.time - (zero_of(gap.time) if gap.bands else 0.0) if over is None else over[name]
             _line(ax, where, factor * part, over is not None or not gap.bands, name)
 
 

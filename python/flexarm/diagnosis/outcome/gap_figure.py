@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from flexarm.diagnosis.outcome.gap_curves import AFTER, BEFORE, NOISE
+from flexarm.diagnosis.outcome.gap_curves import AFTER, BEFORE, NOISE, zero_of
 from flexarm.diagnosis.wording import scale
 from flexarm.errors import InvalidParameter
 
@@ -105,8 +105,11 @@ class _Sheet:
         for gap, colour, label in self.drawn:
             inside = gap.record == gap.labels.index(record)
             values = self._scale[0] * gap.directions[self.direction][inside]
-            ax.plot(gap.time[inside], values, lw=0.8, color=colour, label=label)
-        self._dress(ax, f"time of {record} [s]" if len(self.rows.labels) > 1 else "time [s]")
+            time = gap.time[inside]
+            zero = zero_of(time)
+            ax.plot(time - zero, values, lw=0.8, color=colour, label=label)
+        after = f" after {zero:.0f} s" if zero else ""
+        self._dress(ax, f"time of {record}{after} [s]" if len(self.rows.labels) > 1 else f"time{after} [s]")
 
     @cached_property
     def _scale(self) -> tuple[float, str]:

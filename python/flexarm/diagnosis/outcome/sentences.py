@@ -77,6 +77,8 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
     fitted = listed([f"{name!r}" for name in diagnosis.training])
     if diagnosis.held_out:
         held_out = listed([f"{name!r}" for name in diagnosis.held_out])
+        if diagnosis.hold_out_kind == "blocks":
+            return f"Fitted on {fitted} without {held_out}, which were never used to fit or to choose."
         return (
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
             f"{_article(diagnosis.hold_out_kind)} of the training"
