@@ -29,7 +29,7 @@ def null_of(delay: float, modulus: float = 0.0):
 
 def test_a_clock_that_would_be_far_beyond_its_sigma_is_said():
     said = list(_strained(null_of(7.0), 3.0))
-    assert said == ["the delay of clock tracker would be off by 7 times its stated sigma"]
+    assert said == ["the delay of clock tracker would be off by 7.0 times its stated sigma"]
 
 
 def test_unknowns_have_words_of_their_own():

@@ -13,7 +13,7 @@ from flexarm.diagnosis.choosing.evidence import above_noise
 from flexarm.diagnosis.choosing.left_out import missed
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.wording import place_words, with_unit
+from flexarm.diagnosis.wording import number, place_words, with_unit
 
 SHRUNK = 0.95
 """Part of a gap that may be left where it is said to fall."""
@@ -31,11 +31,13 @@ def evidence_sentence(
     rivals = choice.rivals[k]
     what = place_words(member.name, member.at)
     shrinks = (
-        f"falls from {before:.2g} to {after:.2g}" if after < SHRUNK * before else f"stays at {after:.2g}"
+        f"falls from {number(before, 2)} to {number(after, 2)}"
+        if after < SHRUNK * before
+        else f"stays at {number(after, 2)}"
     )
     text = (
         f"with {what} the largest gap above the noise {shrinks} times the noise (ln Bayes factor "
-        f"{choice.gain:.0f} over the nominal model)"
+        f"{choice.needed[k]:.0f} over the model without it)"
     )
     text += "".join(f"; without it {said}" for said in _strained(choice.null, UNUSUAL))
     if rivals:
@@ -43,10 +45,8 @@ def evidence_sentence(
         who = place_words(*rival.candidate.place)
         text += f"; next is {who}, behind by a ln Bayes factor of {rival.behind:.1f}"
     if open_gap:
-        text += (
-            f"; what was left out of the fit is missed by {missed(best, observed):.2g} times the noise, by "
-            f"{missed(choice.null, observed):.2g} without"
-        )
+        with_it, without = (number(missed(fit, observed), 2) for fit in (best, choice.null))
+        text += f"; what was left out of the fit is missed by {with_it} times the noise, by {without} without"
     if strain(best) > STRAINED:
         worst = "".join(_strained(best, FORBIDDEN))
         text += f"; even with it {worst}, so that something else may be missing"
@@ -66,7 +66,7 @@ def _strained(fit: Fit, beyond: float) -> Iterator[str]:
     worst = int(np.argmax(pulls))
     unknown = fit.unknowns.each[worst]
     if pulls[worst] > beyond:
-        yield f"the {unknown.words} would be off by {pulls[worst]:.2g} times its stated sigma"
+        yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:
