@@ -96,6 +96,7 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
     monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda fit: fit.cost))
     monkeypatch.setattr(ranking, "leaves_gap", lambda *_: False)
     monkeypatch.setattr(ranking, "_close", lambda *_: True)
+    monkeypatch.setattr(ranking, "_unsettled", lambda *_: [])
     monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
 
     def about(fit):

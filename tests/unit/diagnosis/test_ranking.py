@@ -100,6 +100,29 @@ def test_where_one_explains_all_evidence_ranks():
     assert ranked(other, right) == ["backlash", "cable_torque"]
 
 
+def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
+    """Derivatives about a mass 40 sigmas off left a load's inertia a third behind an eccentricity."""
+    costs = {"payload_inertia": [12.0, 11.0, 10.9], "encoder_eccentricity": [11.5]}
+    strained = {"payload_inertia": 19.0, "link_mass": 30.0}
+
+    def about_itself(fit, fitter):
+        left = costs[fit.name]
+        return Made(fit.name, left.pop(0) if left else fit.cost, 1.0, 50.0 - fit.cost, gap=False), fitter
+
+    monkeypatch.setattr(ranking, "about_itself", about_itself)
+    monkeypatch.setattr(ranking, "strain", lambda fit: strained.get(fit.name, 0.0))
+    monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
+    monkeypatch.setattr(ranking, "_close", lambda *_: False)
+    fits = [
+        Made("encoder_eccentricity", 12.0, 1.0, gap=False),
+        Made("payload_inertia", 18.0, 1.0, gap=False),
+        Made("link_mass", 90.0, 1.0, gap=False),  # does less than half: not asked
+    ]
+    best, _ = ranking.best_of(SimpleNamespace(observed=None), fits, NULL, NULL)
+    assert (best.name, best.cost) == ("payload_inertia", 10.9)
+
+
 def test_what_came_close_on_the_way_is_a_rival():
     """Though screening sees little in it; what is thirty behind is none."""
     best = Made("joint_compliance", cost=1.0, missed=1.0, evidence=100.0)

@@ -16,14 +16,23 @@ from functools import cmp_to_key
 
 import numpy as np
 
-from flexarm.diagnosis.choosing.acceptance import REACH, implausibility, leaves_gap, worth_a_name
+from flexarm.diagnosis.choosing.acceptance import (
+    REACH,
+    STRAINED,
+    implausibility,
+    leaves_gap,
+    strain,
+    worth_a_name,
+)
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor, worth
 from flexarm.diagnosis.choosing.left_out import missed, odds_lost
-from flexarm.diagnosis.choosing.polish import about_itself, polished
+from flexarm.diagnosis.choosing.polish import BETTER, about_itself, polished
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.residuals.observed import Observed
 
+UNSETTLED, STEPS = 4, 3
+"""Most fits that are taken anew since they strain values, and how often."""
 CLOSE = 30.0
 """How far behind in ln Z a model is fitted with derivatives of its own."""
 
@@ -37,6 +46,8 @@ def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[F
     else:
         close = [f for f in others[:2] if _close(f, first, observed)]
     there = dict(about_itself(fit, fitter) for fit in (first, *close))
+    if not leaves_gap(first, null, observed):
+        there |= dict(_in_steps(fit, fitter) for fit in _unsettled(others, first, null))
     best = _ranked(list(there), old, null, observed)[0]
     return polished(best, there[best])
 
@@ -57,6 +68,25 @@ def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> lis
     near = [f for f in fits if lost[f] < REACH]
     others = [f for f in fits if lost[f] >= REACH]
     return sorted(near, key=cmp_to_key(behind)) + sorted(others, key=lambda f: lost[f])
+
+
+def _unsettled(others: Sequence[Fit], first: Fit, null: Fit) -> list[Fit]:
+    """Fits that do half of what the first one does and strain values: derivatives about those are others.
+
+    A load's inertia left a third more than an eccentricity where its mass was thought to be 40 sigmas off.
+    """
+    half = (null.cost + first.cost) / 2
+    found = [f for f in others if f.cost < half and strain(f) > STRAINED]
+    return sorted(found, key=lambda f: f.cost)[:UNSETTLED]
+
+
+def _in_steps(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+    """A fit about itself, and about what that finds while it leaves clearly less."""
+    for _ in range(STEPS):
+        before, (fit, fitter) = fit, about_itself(fit, fitter)
+        if fit.cost > BETTER * before.cost:
+            break
+    return fit, fitter
 
 
 def _close(fit: Fit, first: Fit, observed: Observed) -> bool:
