@@ -38,7 +38,7 @@ from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
 from flexarm.diagnosis.outcome.swings import swings
 from flexarm.diagnosis.outcome.verified import Bench, verified
-from flexarm.diagnosis.residuals.drive_noise import with_drive_noise
+from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.errors import InvalidParameter
 
@@ -112,7 +112,7 @@ def diagnose(
     observed = Observed(
         arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
     )
-    observed, shaken = with_drive_noise(observed, seed)
+    allow_for_drives(observed, observed.arm)
     observed, coarse = with_coarse_encoders(observed, seed)
     choice = _chosen(observed, tell)
     tell(0.8, "intervals")
@@ -146,7 +146,13 @@ def diagnose(
         stages=seen.stages,
         constancy=found.drifts,
         remainder=seen.remainder,
-        remarks=(*remarks, *parted.remarks, *shaken, *swings(choice.best, observed), *seen.remarks),
+        remarks=(
+            *remarks,
+            *parted.remarks,
+            *shaken_signals(observed),
+            *swings(choice.best, observed),
+            *seen.remarks,
+        ),
         next_experiment=further.sentence,
         provenance=_provenance(seed, begun),
         located=seen.located,

@@ -6,7 +6,8 @@ from arms import crane, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.residuals.drive_noise import with_drive_noise
+from flexarm.diagnosis.choosing.evidence import above_noise
+from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Frame
@@ -37,26 +38,51 @@ def observed(arm, noise):
     return Observed(arm, {"run": record}, step=4e-3)
 
 
-def rms(rows, residual):
-    return np.array([np.sqrt(np.mean(residual[row.where] ** 2)) for row in rows])
+def left(there, residual):
+    """Above the noise, in each channel."""
+    return np.array(list(above_noise(residual, there).values()))
 
 
-def test_the_right_model_leaves_the_noise_that_is_foretold(arm):
+def test_the_right_model_leaves_no_gap_but_the_noise_that_is_foretold(arm):
     """A tenth of a milliradian: what is left of it moves the tip by more than the tracker sees."""
     there = observed(arm, 1e-4)
-    found, said = with_drive_noise(there, seed=0)
-    before, after = (rms(each.rows, each.residual(arm)) for each in (there, found))
-    assert before.max() > 1.5
-    assert after == pytest.approx(1.0, rel=0.35)  # a mode is shaken by a few independent values
-    assert len(said) == 1 and said[0].startswith("noise of hinge, as stated, moves tip by up to ")
+    residual = there.residual(arm)
+    assert left(there, residual).max() > 1.0
+    allow_for_drives(there, arm)
+    assert left(there, residual).max() < 1.0  # a mode is shaken by a few independent values
+    [said] = shaken_signals(there)
+    assert said.startswith("noise of hinge, as stated, moves tip by up to ")
+
+
+def test_a_gap_stays_a_gap(arm):
+    """A softer spring moves the tip by more than the drive's noise does."""
+    there = observed(arm, 1e-4)
+    softer = arm.with_effect(JointCompliance(at="hinge", stiffness=1.2e5, damping=180.0))
+    allow_for_drives(there, arm)
+    assert left(there, there.residual(softer)).max() > 2.0
 
 
 def test_a_good_encoder_changes_nothing(arm):
     there = observed(arm, 1e-7)
-    assert with_drive_noise(there, seed=0) == (there, ())
+    rows = there.rows
+    allow_for_drives(there, arm)
+    assert there.rows is rows
+    assert shaken_signals(there) == []
 
 
-def test_the_same_seed_gives_the_same_noise(arm):
+def test_the_same_model_is_allowed_the_same_and_never_less(arm):
+    one, other = (observed(arm, 1e-4) for _ in range(2))
+    for there in (one, other):
+        allow_for_drives(there, arm)
+    first = [row.shaken for row in one.rows]
+    assert first == [row.shaken for row in other.rows]
+    rigid = arm.without_effect("joint_compliance", "hinge")  # follows its drive, and rings far less
+    allow_for_drives(one, rigid)
+    assert all(row.shaken >= before for row, before in zip(one.rows, first, strict=True))
+
+
+def test_noise_that_is_larger_is_shaken_by_less_of_it(arm):
     there = observed(arm, 1e-4)
-    one, other = (with_drive_noise(there, seed=3)[0] for _ in range(2))
-    assert [row.sigma for row in one.rows] == [row.sigma for row in other.rows]
+    allow_for_drives(there, arm)
+    noisier = there.with_noise(np.full(len(there.rows), 2.0))
+    assert [row.shaken for row in noisier.rows] == pytest.approx([row.shaken / 4 for row in there.rows])

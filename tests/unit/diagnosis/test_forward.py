@@ -61,8 +61,10 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
-    found.observed = found.probed = None
+    found.observed, found.probed = (), None
     found.start = found.null = fit("")
+    monkeypatch.setattr(found, "_beside", lambda best, about: None)
+    monkeypatch.setattr(found, "_beside_a_twin", lambda best, about: [])
     found.about_null = None
     found.fitter, found.places, found.tried, found.complete = SimpleNamespace(), {}, [], None
     return found, went_on
@@ -271,3 +273,23 @@ def test_no_sets_are_tried_where_only_an_unknown_is_strained(search, monkeypatch
     best, _ = forward(search)
     assert best.name == "ab"
     assert [each.name for each in search[0].tried].count("cd") == 0
+
+
+def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little(search, monkeypatch):
+    """Friction of a shoulder beside the soft shoulder, where a base that gives way came first."""
+    base, shoulder, elbow = (("base_compliance", "base"), ("joint_compliance", "shoulder"), ("x", "elbow"))
+    best, twin, far = (
+        SimpleNamespace(places=places, cost=cost)
+        for places, cost in (((base, elbow), 20.0), ((shoulder, elbow), 21.0), ((shoulder, base), 90.0))
+    )
+    rubs = SimpleNamespace(candidate=SimpleNamespace(name="coulomb_friction", at="shoulder"))
+    other = SimpleNamespace(candidate=SimpleNamespace(name="coulomb_friction", at="elbow"))
+    found, beside_a_twin = search[0], module._Search._beside_a_twin
+    found.tried = [far, twin]
+    monkeypatch.setattr(module, "leaves_gap", lambda *_: True)
+    monkeypatch.setattr(module, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name})
+    monkeypatch.setattr(found, "_beside", lambda fit, about: [rubs, other])
+    asked = []
+    monkeypatch.setattr(module, "larger_fits", lambda about, laws, fit, null: asked.append((laws, fit)) or [])
+    assert beside_a_twin(found, best, None) == []
+    assert asked == [([rubs], twin)]

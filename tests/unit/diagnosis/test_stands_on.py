@@ -9,6 +9,7 @@ from diagnoses import nominal, record, with_spring
 from flexarm.diagnosis.candidates.candidate import carries
 from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.choosing import choose
+from flexarm.diagnosis.choosing.awake import THROUGH_SPRINGS, awakened, new_springs
 from flexarm.diagnosis.choosing.rivals import rivals_of
 from flexarm.diagnosis.choosing.screen import probe, screen, together
 from flexarm.diagnosis.fitting.fitter import Fitter
@@ -67,3 +68,26 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     monkeypatch.setattr(choose, "accepted", lambda new, old, *_: asked.append(old.places) or True)
     choose._backward(fitter, best, SimpleNamespace(rest=np.zeros(len(best.rest))))
     assert asked == [(SPRING,)]
+
+
+def test_friction_shows_beside_a_spring_and_not_in_a_rigid_joint(rigid):
+    """A motor turns a rigid hinge whatever rubs there."""
+    fitter, probed = rigid
+    [k] = [k for k, p in enumerate(probed) if p.candidate.name == "coulomb_friction"]
+    spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
+    assert np.abs(probed[k].moves).max() < 1e-3
+    beside = fitter.evaluated((spring,))
+    assert new_springs(beside) == {"hinge"}
+    awake = awakened(fitter, probed, beside)
+    assert np.abs(awake[k].moves).max() > 1.0
+    others = [i for i, p in enumerate(probed) if p.candidate.name not in THROUGH_SPRINGS]
+    assert all(awake[i] is probed[i] for i in others)
+
+
+def test_nothing_is_probed_anew_where_the_model_has_the_spring():
+    fitter, probed = problem(with_spring(1.2e5))
+    spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
+    beside = fitter.evaluated((spring,))
+    made = fitter.observed.runs.made
+    assert awakened(fitter, probed, beside) == list(probed)
+    assert fitter.observed.runs.made == made

@@ -15,9 +15,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from flexarm.diagnosis.candidates.candidate import carries
+from flexarm.diagnosis.candidates.candidate import SPRINGS, carries
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, quiet, worth_a_name
+from flexarm.diagnosis.choosing.awake import THROUGH_SPRINGS, awakened, new_springs
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.choosing.polish import about_or_here, settled, without_effects
 from flexarm.diagnosis.choosing.promising import larger_fits, other_springs
@@ -27,11 +28,16 @@ from flexarm.diagnosis.choosing.screen import Probed
 from flexarm.diagnosis.choosing.takeover import taken_over
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.residuals.drive_noise import allow_for_drives
 
 MOST = 3
 """Effects in one diagnosis."""
 AGAIN = 2
 """Times that the search goes forward and back."""
+NEAR = 4.0
+"""Mean square, over the noise, below which what noise of the drives does beside a model may be all of it."""
+TWIN = 1.1
+"""Most that a model with a spring elsewhere may leave, over the best one, to be gone on from too."""
 OVERTAKEN = 3
 """Times that a rival may take the place of what was chosen."""
 
@@ -99,6 +105,7 @@ class _Search:
         self.places = cardan_joints(arm, driven_joints(arm, records))
         self.tried: list[Fit] = []
         self.complete: Fit | None = None  # nothing beside it was accepted
+        self._awake: dict[frozenset[str], Sequence[Probed]] = {frozenset(): probed}
 
     def through(self, tell: Note) -> tuple[Fit, Fitter]:
         """Forward and backward; forward once more where what is left after that is not all."""
@@ -151,12 +158,35 @@ class _Search:
         Only the former, if there is such, where nothing but that strain is left.
         """
         here, at = (best, about) if best.members else (self.null, self.about_null)
-        found = taken_over(at, self.probed, here)
+        probed = self._beside(best, about)
+        found = taken_over(at, probed, here)
         if not (found and quiet(here, self.null, self.observed)):
             here = best if best.members else self.start
-            found += larger_fits(about, self.probed, here, self.null, places=self.places, found=found)
+            found += larger_fits(about, probed, here, self.null, places=self.places, found=found)
+            found += self._beside_a_twin(best, about)
         self.tried += found
         return found
+
+    def _beside(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
+        """Candidates, those awake that act through springs which a fit has and the nominal model has not."""
+        joints = new_springs(fit)
+        if joints not in self._awake:
+            self._awake[joints] = awakened(about, self.probed, fit)
+        return self._awake[joints]
+
+    def _beside_a_twin(self, best: Fit, about: Fitter) -> list[Fit]:
+        """An effect more in the joint of a spring that elsewhere leaves as little as in the best model.
+
+        A base that gives way does what a soft shoulder does; friction there shows beside the latter.
+        """
+        twins = [f for f in self.tried if f.cost < TWIN * best.cost and _one_spring_apart(f, best)]
+        if not twins or not leaves_gap(best, self.null, self.observed):
+            return []
+        twin = min(twins, key=lambda f: f.cost)
+        joints = new_springs(twin) - new_springs(best)
+        laws = [p for p in self._beside(twin, about) if p.candidate.at in joints]
+        laws = [p for p in laws if p.candidate.name in THROUGH_SPRINGS]
+        return larger_fits(about, laws, twin, self.null) if laws else []
 
     def _sets(self, about: Fitter, size: int, beside: Fit) -> list[Fit]:
         """Models of two or three effects, unless what a smaller one leaves is a strained unknown alone."""
@@ -169,6 +199,8 @@ class _Search:
     def _best_of(self, fitter: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
         """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
         best, about = best_of(fitter, fits, old, self.null)
+        if leaves_gap(best, self.null, self.observed) and best.cost < NEAR * len(self.observed):
+            allow_for_drives(self.observed, about.with_effects(best.members))
         if not leaves_gap(best, self.null, self.observed):
             return best, about
         found = other_springs(best, about, self.probed)
@@ -203,7 +235,7 @@ class _Search:
     def _with_rivals(self, best: Fit, about: Fitter) -> Choice:
         value = worth(best.rest, self.observed)
         rivals = [
-            rivals_of(k, best, self.null, about, self.probed, self.tried, value)
+            rivals_of(k, best, self.null, about, self._beside(best, about), self.tried, value)
             for k in range(len(best.members))
         ]
         needed = [self._needed(k, best, about, value) for k in range(len(best.members))]
@@ -215,6 +247,12 @@ class _Search:
         alone = not others or carries(others, best.members[k])
         fewer = None if alone else without(others, about, self.tried)
         return log_bayes_factor(best, fewer or self.null, self.observed, value)
+
+
+def _one_spring_apart(one: Fit, other: Fit) -> bool:
+    """Whether two models differ by where one spring is."""
+    mine, theirs = (set(a.places) - set(b.places) for a, b in ((one, other), (other, one)))
+    return len(mine) == len(theirs) == 1 and all(name in SPRINGS for name, _ in mine | theirs)
 
 
 def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:

@@ -15,12 +15,13 @@ remainder of the best model, times its integrated correlation time,
 
 What is left *above the noise* in a channel, over the noise, is
 
-.. math:: s_c^2 = \min(\gamma_0 - 1, \max_{1 \le l \le L} |\gamma_l|), \quad \text{at least } 0      (3)
+.. math:: s_c^2 = \min(\gamma_0 - 1 - d_c, \max_{1 \le l \le L} |\gamma_l|)/(1 + d_c), \quad
+          \text{at least } 0                                                                         (3)
 
-the smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no
-order in time, but those of one record share what the model lacks there. With gamma_0 and gamma_w the mean
-square and the mean product of two different poses of a record, over all static records of a signal, n_c poses
-are worth [Moulton1986]
+with what noise of the drives moves there, d (`residuals.drive_noise`): the smaller one of what noise cannot
+be because it is too large, and because it is correlated. Poses have no order in time, but those of one record
+share what the model lacks there. With gamma_0 and gamma_w the mean square and the mean product of two
+different poses of a record, over all static records of a signal, n_c poses are worth [Moulton1986]
 
 .. math:: T_c = \max(1, \gamma_0 + (n_c - 1) \max(\gamma_w, 0))                                     (2a)
 
@@ -119,10 +120,10 @@ def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
     for each, where in observed.channels():
         values = rest[where]
         gamma = autocovariance(values, min(LAGS, len(values) - 1))
-        square = gamma[0] - 1.0
+        square = gamma[0] - 1.0 - each.shaken
         if _in_time(each, observed):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
-        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0)))
+        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + each.shaken)))
     return found
 
 

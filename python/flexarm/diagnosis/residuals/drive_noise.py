@@ -7,16 +7,22 @@ smoothed drive,
     y'_i = f(t_i) + n_i,    n_i white, as large as the record states,                                  (1)
 
 smoothed anew, is as far from f as f is from the truth. The difference of the simulations along both is an
-error of each channel: its mean square over `DRAWS` of n is added to the variance of the noise. Without it a
-machine whose encoder shakes the model by more than a tracker sees would seem to lack something.
+error of each channel. Its mean square over `DRAWS` of n, for the models that a search comes by, is no gap
+(`choosing.evidence.above_noise`): a machine whose encoder shakes a model by more than a tracker sees would
+else seem to lack something.
 """
 
 from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.diagnosis.fitting.fit import FAILED
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.smoothing import smooth
@@ -25,34 +31,45 @@ from flexarm.record import Record
 DRAWS = 4
 """Of n in (1): a mode is shaken by little more than its own bandwidth, which is few values."""
 COUNTS = 0.3
-"""Least error of some channel, over its noise, that is added: a smaller one is 4 % of it."""
+"""Least error of some channel, over its noise, that counts: a smaller one is 4 % of it."""
 SAID = 0.5
 """The same of one that is said."""
+SEED = 0
+"""Of n: the same for all models, so that they are judged alike."""
 
 
-def with_drive_noise(observed: Observed, seed: int) -> tuple[Observed, tuple[str, ...]]:
-    """The same with noise that holds the errors of (1), and sentences on channels where these matter.
-
-    Raises
-    ------
-    InvalidParameter, NotConverged
-        If the model cannot be simulated along its own drives once more.
-    """
-    rng = np.random.default_rng(seed)
-    errors = [_squared_error(observed, rng)]
-    if errors[0].max(initial=0.0) < COUNTS**2:
-        return observed, ()
-    errors += [_squared_error(observed, rng) for _ in range(DRAWS - 1)]
-    square = np.mean(errors, axis=0)
-    return observed.with_noise(np.sqrt(1.0 + square)), tuple(_sentences(observed, np.sqrt(square)))
+def allow_for_drives(observed: Observed, arm: Arm) -> None:
+    """Counts what (1) does to each of `rows` beside a model, where that is more than was known."""
+    rng = np.random.default_rng(SEED)
+    with suppress(*FAILED):
+        errors = [_squared_error(observed, arm, rng)]
+        if errors[0].max(initial=0.0) < COUNTS**2:
+            return
+        errors += [_squared_error(observed, arm, rng) for _ in range(DRAWS - 1)]
+        square = np.mean(errors, axis=0).tolist()
+        rows = zip(observed.rows, square, strict=True)
+        observed.rows = tuple(replace(each, shaken=max(each.shaken, s)) for each, s in rows)
 
 
-def _squared_error(observed: Observed, rng: np.random.Generator) -> Floats:
+def shaken_signals(observed: Observed) -> list[str]:
+    """Sentences on signals that noise of the drives moves by more than `SAID` times their own."""
+    most: dict[str, float] = {}
+    for each in observed.rows:
+        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.shaken))
+    drives = " and ".join(dict.fromkeys(n for r in observed.records.values() for n in r.drive))
+    return [
+        f"noise of {drives}, as stated, moves {signal} by up to {size:.2g} times its own, which is no gap"
+        for signal, size in most.items()
+        if size > SAID
+    ]
+
+
+def _squared_error(observed: Observed, arm: Arm, rng: np.random.Generator) -> Floats:
     """What (1) does to each of `rows`, mean square over its variance."""
-    again = {name: _noisy_again(record, observed.arm, rng) for name, record in observed.records.items()}
+    again = {name: _noisy_again(record, arm, rng) for name, record in observed.records.items()}
     if all(again[name] is record for name, record in observed.records.items()):
         return np.zeros(len(observed.rows))
-    moved = observed.with_drives(again).residual(observed.arm) - observed.residual(observed.arm)
+    moved = observed.with_drives(again).residual(arm) - observed.residual(arm)
     return np.array([float(np.mean(moved[each.where] ** 2)) for each in observed.rows])
 
 
@@ -78,17 +95,3 @@ def _reading(record: Record, name: str, arm: Arm, rng: np.random.Generator) -> F
     values = PPoly(coefficients, breaks)(signal.time) + noise * rng.standard_normal(len(signal))  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     return np.asarray(values[:, None])
-
-
-def _sentences(observed: Observed, error: Floats) -> list[str]:
-    """Of each signal that is disturbed, the most in any of its channels and records."""
-    most: dict[str, float] = {}
-    for each, size in zip(observed.rows, error.tolist(), strict=True):
-        most[each.signal] = max(most.get(each.signal, 0.0), size)
-    drives = " and ".join(dict.fromkeys(n for r in observed.records.values() for n in r.drive))
-    return [
-        f"noise of {drives}, as stated, moves {signal} by up to {size:.2g} times its own noise, which "
-        "counts as noise"
-        for signal, size in most.items()
-        if size > SAID
-    ]

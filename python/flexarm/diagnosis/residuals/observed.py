@@ -134,7 +134,8 @@ class Observed:
         """The same rows with more noise, times as much in each of `rows`."""
         found = self.with_step(self.step)
         found.rows = tuple(
-            replace(each, sigma=each.sigma * float(t)) for each, t in zip(self.rows, times, strict=True)
+            replace(each, sigma=each.sigma * float(t), shaken=each.shaken / float(t) ** 2)
+            for each, t in zip(self.rows, times, strict=True)
         )
         return found
 

@@ -51,6 +51,8 @@ class Rows:
         1 sigma of the noise [SI].
     time : ndarray
         Instants of the kept rows by the drive's clock [s], or numbers of poses.
+    shaken : float
+        Mean square, over sigma^2, of what noise of the drives moves there (`drive_noise`).
     """
 
     record: str
@@ -60,6 +62,7 @@ class Rows:
     kept: NDArray[np.bool_]
     sigma: float
     time: Floats
+    shaken: float = 0.0
 
 
 def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
