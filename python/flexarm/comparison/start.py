@@ -10,9 +10,9 @@ measured points closest to the simulated ones [Kabsch1976],
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
 
-with centred y and p. A clock or a frame of several records is one: (1) is then the sum over them, and (2) is
-over the points of all. Effects of the model on sensors, clocks and frames are taken back from what was
-measured or put on what was simulated, so that guesses count from them.
+with centred y and p. A clock or a frame of several records is one: (1) is then the correlation of all their
+steps, over the noise, and (2) is over the points of all. Effects of the model on sensors, clocks and frames
+are taken back from what was measured or put on what was simulated, so that guesses count from them.
 """
 
 from __future__ import annotations
@@ -106,25 +106,33 @@ def _liveliest(subject: Subject, clock: str) -> Signal | None:
 
 @dataclass(frozen=True)
 class _Track:
-    """How fast a signal was, between its stamps, beside its simulation."""
+    """How far a signal went between its stamps, beside its simulation, over its noise."""
 
     stamps: Floats
-    speed: Floats
+    steps: Floats
     time: Floats
     simulated: Floats
 
     @classmethod
     def of(cls, subject: Subject, signal: Signal) -> _Track:
-        values = subject.effects(signal).true(signal.values)
+        noise = signal.noise_std or 1.0
+        values = subject.effects(signal).true(signal.values) / noise
         keep = np.isfinite(values).all(axis=1)
         stamps, values = subject.instants(signal, Placement())[keep], values[keep]
         time = np.asarray(subject.simulation.time)
-        speed = np.linalg.norm(np.diff(values, axis=0), axis=1)
-        return cls(stamps, speed, time, read(subject.simulation, signal, time))
+        steps = np.linalg.norm(np.diff(values, axis=0), axis=1)
+        return cls(stamps, steps, time, read(subject.simulation, signal, time) / noise)
 
-    def correlation(self, delay: float) -> float:
-        """Correlation of (1) at one delay; -1 where too few samples fall into the run."""
-        return _correlation(self.speed, self.stamps - delay, self.time, self.simulated)
+    def pairs(self, delay: float) -> tuple[Floats, Floats] | None:
+        """Measured and simulated steps of (1) at one delay, less their means; None of too few in the run."""
+        instants = self.stamps - delay
+        inside = (instants >= self.time[0]) & (instants <= self.time[-1])
+        both = inside[1:] & inside[:-1]
+        if both.sum() < max(3, OVERLAP * len(both)):
+            return None
+        there = np.stack([np.interp(instants, self.time, channel) for channel in self.simulated.T], axis=1)
+        one, other = self.steps[both], np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
+        return one - one.mean(), other - other.mean()
 
 
 def _delay(clock: str, moving: Sequence[tuple[Subject, Signal]]) -> float:
@@ -140,9 +148,19 @@ def _delay(clock: str, moving: Sequence[tuple[Subject, Signal]]) -> float:
             where=f"clocks.{clock}",
         )
     delays = np.arange(least, most + step, step)
-    scores = np.array([sum(track.correlation(delay) for track in tracks) for delay in delays])
+    scores = np.array([_correlation(tracks, delay) for delay in delays])
     best = int(np.argmax(scores))
     return float(delays[best] + step * _peak(scores[max(best - 1, 0) : best + 2]))
+
+
+def _correlation(tracks: Sequence[_Track], delay: float) -> float:
+    """Correlation of (1) over all records at one delay; -1 where too few samples fall into a run."""
+    pairs = [pair for track in tracks if (pair := track.pairs(delay)) is not None]
+    if len(pairs) < len(tracks):
+        return -1.0
+    one, other = (np.concatenate(each) for each in zip(*pairs, strict=True))
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(one @ other) / size if size > 0 else -1.0
 
 
 def _peak(scores: Floats) -> float:
@@ -152,19 +170,6 @@ def _peak(scores: Floats) -> float:
     below, here, above = scores
     bend = below - 2 * here + above
     return float((below - above) / (2 * bend)) if bend < 0 else 0.0
-
-
-def _correlation(speed: Floats, instants: Floats, time: Floats, simulated: Floats) -> float:
-    """Correlation of (1) at one delay; -1 where too few samples fall into the run."""
-    inside = (instants >= time[0]) & (instants <= time[-1])
-    both = inside[1:] & inside[:-1]
-    if both.sum() < max(3, OVERLAP * len(both)):
-        return -1.0
-    there = np.stack([np.interp(instants, time, channel) for channel in simulated.T], axis=1)
-    other = np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
-    one, other = speed[both] - speed[both].mean(), other - other.mean()
-    size = float(np.linalg.norm(one) * np.linalg.norm(other))
-    return float(one @ other) / size if size > 0 else -1.0
 
 
 def _points(subject: Subject, placement: Placement, frame: str) -> tuple[Floats, Floats]:

@@ -62,3 +62,14 @@ def test_a_clock_within_what_is_stated_of_it_is_no_effect(delay, stated):
     old = SimpleNamespace(unknowns=SimpleNamespace(each=(clock,)), places=())
     assert acceptance.as_stated(SimpleNamespace(members=(late,)), old) is stated
     assert not acceptance.as_stated(SimpleNamespace(members=()), old)
+
+
+@pytest.mark.parametrize(
+    ("plausible", "least", "taken"), [(7.7, 0.4, True), (27.0, 0.4, False), (7.7, 20.0, False)]
+)
+def test_far_more_plausible_is_what_also_foretells_about_as_well(monkeypatch, plausible, least, taken):
+    """Two springs, 7.7, beside thirty times a mass, 31.8, which foretells hardly better: odds of e^0.4."""
+    new, old = SimpleNamespace(odd=plausible), SimpleNamespace(odd=31.8)
+    monkeypatch.setattr(acceptance, "implausibility", lambda fit: fit.odd)
+    monkeypatch.setattr(acceptance, "odds_lost", lambda fits, observed: [least, 0.0])
+    assert acceptance.far_more_plausible(new, old, None) is taken

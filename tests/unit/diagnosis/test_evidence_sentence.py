@@ -52,12 +52,12 @@ def named(monkeypatch):
     return _named
 
 
-def _named(left, coarse=False):
+def _named(left, coarse=False, needed=50.0):
     fit = null_of(left[0], left[1])
     member = SimpleNamespace(name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",))
     fit.members, fit.coordinates, fit.z, fit.rest = (member,), (), (), fit.residual
     choice = SimpleNamespace(
-        best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[50.0], value={}
+        best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], value={}
     )
     choice.null.rest = choice.null.residual
     [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, None, coarse)
@@ -77,3 +77,8 @@ def test_a_name_beside_a_coarse_encoder_is_doubted_and_the_reader_is_told_why(na
     found = named((0.0, 0.0), coarse=True)
     assert found.probability == 0.5
     assert found.evidence.endswith("so that it is at most as likely as not.")
+
+
+def test_a_name_is_as_sure_as_the_model_with_it_is_ahead_of_the_one_without(named):
+    """e^1.6 to one, however much all effects together explain."""
+    assert named((0.0, 0.0), needed=1.6).probability == pytest.approx(1 / (1 + np.exp(-1.6)))

@@ -169,3 +169,14 @@ def test_best_within_bounds_is_that_of_bounded_least_squares():
     assert found[0] == pytest.approx(1.0)
     free = Projection(slopes[:, 1:], sigma[1:])
     assert found[1:] == pytest.approx(free.best(residual + slopes[:, 0]), rel=1e-6)
+
+
+def test_the_model_as_stated_is_that_wherever_its_values_were_centred(run):
+    nominal = run.simulation.arm.replace(uncertainty={STIFF: 0.3})
+    stiffness = nominal.effect("joint_compliance", "hinge").stiffness
+    there = observed(nominal, seen(run, with_value(nominal, STIFF, 1.25 * stiffness)))
+    fitter = Fitter.nominal(there, unknowns(there))
+    centred = fitter.centred()
+    assert centred.at.any()
+    raw = there.residual(fitter.unknowns.arm)
+    assert centred.as_they_are() - centred.correction == pytest.approx(raw, abs=1e-9)

@@ -293,3 +293,28 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     monkeypatch.setattr(module, "larger_fits", lambda about, laws, fit, null: asked.append((laws, fit)) or [])
     assert beside_a_twin(found, best, None) == []
     assert asked == [([rubs], twin)]
+
+
+def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
+    """And a spring that another one stands on against that without effects."""
+    found = search[0]
+    monkeypatch.setattr(module, "without", lambda others, *_: SimpleNamespace(gain=sum(map(len, others))))
+    monkeypatch.setattr(module, "carries", lambda others, member: member == "spring")
+    monkeypatch.setattr(
+        module, "log_bayes_factor", lambda best, fewer, *_: "null" if fewer is found.null else fewer.gain
+    )
+    best = SimpleNamespace(members=("spring", "law", "tilt"))
+    assert [found._needed(k, best, None, {}) for k in range(3)] == ["null", 10, 9]
+    alone = SimpleNamespace(members=("tilt",))
+    assert found._needed(0, alone, None, {}) == "null"
+
+
+def test_noise_of_the_drives_is_allowed_for_where_it_may_be_all_that_is_left(search, monkeypatch):
+    found, asked = search[0], []
+    found.observed = range(10)
+    monkeypatch.setattr(module, "allow_for_drives", lambda observed, arm: asked.append(arm))
+    about = SimpleNamespace(with_effects=lambda members: "".join(members))
+    for cost in (35.0, 400.0):  # 3.5 and 40 times the noise
+        one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a")
+        found._best_of(about, [one], found.null)
+    assert asked == ["a"]

@@ -1,8 +1,11 @@
 """A link's stiffness beside its modulus: what acts alike is found together, with an interval of both."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from planted import run_of
+from scipy.optimize import minimize
 
 import flexarm
 from flexarm.arm.prior import Prior
@@ -10,7 +13,8 @@ from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.choosing.polish import settled
 from flexarm.diagnosis.fitting.coordinate import ACROSS, STEP, Coordinate
 from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.newton import evaluated
+from flexarm.diagnosis.fitting.newton import evaluated, foretold, objective, stepped
+from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.outcome.estimates import estimates
 from flexarm.diagnosis.residuals.observed import Observed
@@ -97,3 +101,35 @@ def test_a_mass_that_was_written_down_wrong_is_within_reach():
     tight = Coordinate(0, "scale", Prior(0.85, 1.4, 1.0, "log", "-", "a test"))
     assert tight.value(-tight.bound) < 1 / 29 and tight.value(tight.bound) > 29
     assert Coordinate(0, "gap", Prior(3e-5, 5e-3, 4e-4, "log", "rad", "a test")).bound == 8.0
+
+
+def test_what_a_step_brings_is_foretold():
+    """Of a linear problem it is what the objective falls to its least, found by another method."""
+    rng = np.random.default_rng(8)
+    residual, slopes, others = rng.normal(size=30) + 5.0, rng.normal(size=(30, 2)), rng.normal(size=(30, 1))
+    projection = Projection(others, np.array([0.3]))
+    coordinates = [Coordinate(0, name, Prior(-1.96, 1.96, 0.0, "linear", "m", "a test")) for name in "ab"]
+
+    def at(z):
+        left = residual + slopes @ z
+        rest = projection.rest(left)
+        cost = float(rest @ rest)
+        return SimpleNamespace(
+            z=z, coordinates=coordinates, residual=left, slopes=slopes, projection=projection, cost=cost
+        )
+
+    start = at(np.array([2.0, -1.0]))
+    least = minimize(lambda z: objective(at(z)), start.z, tol=1e-12).fun
+    assert foretold(start) == pytest.approx(objective(start) - least, rel=0.02)  # priors bend a little
+
+
+def test_a_part_of_a_step_moves_all_that_part_of_the_way(first):
+    fit, about = evaluated(*first)
+    k = about.unknowns.keys.index(MODULUS)
+    [coordinate] = fit.coordinates
+    whole, part = (stepped(fit, about, part=each)[1] for each in (1.0, 0.3))
+    moduli = [there.at[k] - about.at[k] for there in (whole, part)]
+    scales = [coordinate.z(there.members[0].effect.scale) - fit.z[0] for there in (whole, part)]
+    assert abs(moduli[0]) > 0.1 * about.unknowns.sigma[k]
+    assert moduli[1] == pytest.approx(0.3 * moduli[0], rel=1e-6)
+    assert scales[1] == pytest.approx(0.3 * scales[0], rel=1e-6)

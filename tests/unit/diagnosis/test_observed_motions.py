@@ -127,3 +127,12 @@ def test_a_reflector_elsewhere_is_probed_without_a_simulation(run):
     for k, effect in enumerate(probed.candidate.probes):
         moved = there.residual(fitter.start.with_effect(effect)) - there.residual(fitter.start)
         assert probed.moves[:, k] == pytest.approx(moved, abs=1e-5 * np.abs(moved).max())
+
+
+def test_runs_of_many_records_are_remembered(run):
+    """An effect on a sensor costs no run however many records there are."""
+    records = {f"day {k}": run.record for k in range(9)}
+    there = Observed(run.simulation.arm, records, step=0.04)
+    made = there.runs.made
+    there.residual(run.simulation.arm.with_effect(SensorOffset(at="tip", offset=(1e-3, 0.0, 0.0))))
+    assert there.runs.made == made

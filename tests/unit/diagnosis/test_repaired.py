@@ -6,6 +6,7 @@ import diagnoses
 
 import flexarm
 from flexarm.diagnosis.named import Estimate, Refined
+from flexarm.diagnosis.outcome import repair
 from flexarm.diagnosis.outcome.estimates import Estimates
 from flexarm.diagnosis.outcome.repair import repaired
 from flexarm.effects.link_damping import LinkDamping
@@ -40,3 +41,14 @@ def test_a_nominal_value_of_which_little_is_known_is_not_rounded_to_nothing():
     arm = repaired_with(0.01, 1e-3, modulus)
     assert arm.link("rod").material.youngs_modulus == 1.0e8
     assert ratio_in(arm) == 0.01
+
+
+def test_a_repair_is_held_against_the_model_as_it_is_stated(monkeypatch):
+    """And not against one whose modulus makes up for what is missing."""
+    stated, asked = object(), []
+    null, best = SimpleNamespace(residual=object()), SimpleNamespace(members=("spring",))
+    choice = SimpleNamespace(best=best, null=null, fitter=SimpleNamespace(as_they_are=lambda: stated))
+    monkeypatch.setattr(repair, "_closes", lambda *_: False)
+    monkeypatch.setattr(repair, "carried", lambda best, null, residual, _: asked.append(residual) or 1.0)
+    assert repair.worth_keeping(choice, None)
+    assert asked == [stated]

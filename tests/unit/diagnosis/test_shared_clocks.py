@@ -35,10 +35,10 @@ def machine():
 def record(machine):
     """Swings of 8 s seen by a tracker whose clock and frame nobody knows."""
 
-    def made(rate, seed, late=LATE, known=OPEN):
+    def made(rate, seed, late=LATE, known=OPEN, swing=0.5):
         t = np.arange(0, 8, 0.01)
-        swing = 0.5 * np.sin(2 * np.pi * rate * t) * smooth_step(t / 3)
-        run = flexarm.simulate(machine, flexarm.Drive.from_samples(t, {"hinge": swing}), step=4e-3)
+        angle = swing * np.sin(2 * np.pi * rate * t) * smooth_step(t / 3)
+        run = flexarm.simulate(machine, flexarm.Drive.from_samples(t, {"hinge": angle}), step=4e-3)
         return flexarm.measure(
             run,
             SENSORS,
@@ -88,3 +88,9 @@ def test_blocks_of_time_hold_all_signals_whatever_their_clocks_say(machine, reco
     signal_of = np.concatenate([np.full(len(row.time), row.signal) for row in observed.rows])
     for block in found:
         assert set(signal_of[block]) == {"tip", "torque"}
+
+
+def test_a_record_that_hardly_moves_is_dated_by_the_others(machine, record):
+    """By itself the noise of a tracker that sees nothing move would put it anywhere."""
+    observed = Observed(machine, {"still": record(0.15, 1, swing=1e-6), "b": record(0.23, 2)}, step=4e-3)
+    assert observed.placement["still"].clocks["tracker"].delay == pytest.approx(LATE, abs=5e-3)

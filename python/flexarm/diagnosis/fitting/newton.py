@@ -45,9 +45,9 @@ def stepped(fit: Fit, fitter: Fitter, anew: bool = True, part: float = 1.0) -> t
     NotConverged, InvalidParameter
         If there is no such model.
     """
-    dz = part * _least(fit)
-    members = members_at(fit.members, fit.coordinates, fit.z + dz)
-    ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)
+    dz = _least(fit)
+    members = members_at(fit.members, fit.coordinates, fit.z + part * dz)
+    ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)  # where x is after dz
     about = fitter.about(ahead, part) if anew else fitter.towards(ahead, part)
     return about.fit(members), about
 
