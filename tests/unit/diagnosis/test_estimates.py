@@ -10,7 +10,7 @@ from flexarm.diagnosis.choosing.left_out import blocks
 from flexarm.diagnosis.fitting.coordinate import Coordinate
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.diagnosis.outcome.estimates import draws, estimates, surrogates
+from flexarm.diagnosis.outcome.estimates import draws, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
 
 RNG = np.random.default_rng(11)
@@ -115,3 +115,8 @@ def test_static_records_that_are_off_as_a_whole_count_once_each():
         noise = np.repeat(RNG.normal(size=records), each)
         variance.append(draws(fitted(noise, np.ones(N)), given, RNG, 0.0)[:, 0].var())
     assert np.mean(variance) == pytest.approx(1 / (records - 1), rel=0.25)
+
+
+@pytest.mark.parametrize(("phase", "shown"), [(3.1, 3.1), (3.2, 3.2 - 2 * np.pi), (-9.5, -9.5 + 4 * np.pi)])
+def test_phases_are_told_within_half_a_turn_of_zero(phase, shown):
+    assert phase - whole_turns(phase) == pytest.approx(shown)

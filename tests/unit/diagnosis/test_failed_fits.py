@@ -1,5 +1,6 @@
 """One model that cannot be simulated ends no diagnosis; an error of the program does."""
 
+import dataclasses
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -8,7 +9,7 @@ import pytest
 from numpy.linalg import LinAlgError
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.choosing import choose, polish, promising, ranking, rivals, takeover
+from flexarm.diagnosis.choosing import choose, polish, promising, ranking, rivals, screen, takeover
 from flexarm.diagnosis.fitting.coordinate import Coordinate
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import Unknown, Unknowns
@@ -140,3 +141,20 @@ def test_rivals_are_looked_for_beside_a_model_that_was_tried_where_none_can_be_f
     assert rivals.without((), fitter, tried) is tried[0]
     assert rivals.without(Made("a").members, fitter, tried) is tried[1]
     assert rivals.without(Made("b").members, fitter, tried) is None
+
+
+def test_what_cannot_follow_longer_steps_is_looked_at_in_those_of_fits(monkeypatch):
+    """As hysteresis that sticks within a tenth of a milliradian: shares are taken anew all the same."""
+    fitter = SimpleNamespace(
+        observed=SimpleNamespace(step=4e-3, with_step=lambda step: None),
+        with_effects=lambda members: None,
+        eliminated=lambda members: (None, SimpleNamespace(rest=lambda columns: columns)),
+        residual=lambda members: np.array([0.0, 1.0 - 0.5 * len(members)]),
+    )
+    coarse = SimpleNamespace(observed=SimpleNamespace(prepare=lambda arms: None), residual=raises)
+    monkeypatch.setattr(
+        screen, "replace", lambda one, **new: coarse if "observed" in new else dataclasses.replace(one, **new)
+    )
+    fit = SimpleNamespace(members=(), residual=np.array([0.0, 1.0]), cost=1.0)
+    [found] = screen.sharpened(fitter, [screen.Share(("bow",), 0.5)], fit)
+    assert found.share == pytest.approx(1.0)  # twice the size takes all

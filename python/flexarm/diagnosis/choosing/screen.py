@@ -200,7 +200,10 @@ def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
     coarse.observed.prepare(arm for _, _, arm in models)
     if not models:
         return []
-    before = coarse.residual(fit.members)
+    try:
+        before = coarse.residual(fit.members)
+    except FAILED:  # laws with corners may not follow longer steps
+        coarse, before = fitter, fitter.residual(fit.members)
     found = []
     for share, members, _ in models:
         try:

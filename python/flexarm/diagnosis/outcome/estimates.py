@@ -26,6 +26,7 @@ Intervals are quantiles of p_b, mapped to the parameters' own scales.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 
 import numpy as np
 
@@ -109,8 +110,15 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
         values = np.array([coordinate.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
         low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
         own = coordinate.prior.unit if unit == "SI" else unit  # that of the signal
-        found.append(Estimate(name, value, float(values.std()), min(low, value), max(high, value), own))
+        turns = whole_turns(value) if name == "phase" else 0.0
+        ends = (min(low, value) - turns, max(high, value) - turns)
+        found.append(Estimate(name, value - turns, float(values.std()), *ends, own))
     return tuple(found)
+
+
+def whole_turns(phase: float) -> float:
+    """What a phase is beyond half a turn either way [rad], in whole turns."""
+    return 2 * pi * round(phase / (2 * pi))
 
 
 def _of_unknowns(fit: Fit, moved: Floats) -> tuple[tuple[Nuisance, ...], tuple[Refined, ...]]:
