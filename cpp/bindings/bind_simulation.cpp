@@ -6,6 +6,7 @@
 #include "bindings.hpp"
 #include "flexarm/simulation/cubic_spline.hpp"
 #include "flexarm/simulation/differentiated_run.hpp"
+#include "flexarm/simulation/differentiated_sampled_run.hpp"
 #include "flexarm/simulation/modal.hpp"
 #include "flexarm/simulation/modal_derivative.hpp"
 #include "flexarm/simulation/reactions.hpp"
@@ -253,6 +254,26 @@ void bind_transient(py::module_& m) {
       .def("point_velocity", &SampledRun::point_velocity, py::arg("point"))
       .def_property_readonly("statistics", &SampledRun::statistics)
       .def("result", &SampledRun::result, "What was recorded so far.");
+  using Differentiated = DifferentiatedSampledRun;
+  py::class_<Differentiated>(m, "DifferentiatedSampledRun",
+                             "A run under a sampled controller, with derivatives.")
+      .def(py::init([](const System& system, const Equilibrium& equilibrium,
+                       const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+                       const std::vector<Varied>& varied, const StateDerivative& initial) {
+             return std::make_unique<Differentiated>(system, equilibrium, drives, options,
+                                                     variations(equilibrium.state, varied, drives), initial);
+           }),
+           py::arg("system"), py::arg("equilibrium"), py::arg("drives"), py::arg("options"),
+           py::arg("varied"), py::arg("initial"), py::keep_alive<1, 2>(), py::keep_alive<1, 6>())
+      .def("advance", &Differentiated::advance, "Steps with motor torques and their derivatives held.",
+           py::arg("motor_torque"), py::arg("torque_slopes"), py::arg("n_steps"))
+      .def_property_readonly("run", &Differentiated::run, "The run itself, to look at.")
+      .def_property_readonly("drive_angle_slopes", &Differentiated::drive_angle_slopes)
+      .def_property_readonly("drive_rate_slopes", &Differentiated::drive_rate_slopes)
+      .def_property_readonly("joint_angle_slopes", &Differentiated::joint_angle_slopes)
+      .def_property_readonly("joint_rate_slopes", &Differentiated::joint_rate_slopes)
+      .def("point_position_slopes", &Differentiated::point_position_slopes, py::arg("point"))
+      .def("result", &Differentiated::result, "What was recorded so far.");
 }
 
 }  // namespace

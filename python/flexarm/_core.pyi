@@ -23,6 +23,7 @@ __all__: list[str] = [
     "CholeskyReport",
     "DahlFriction",
     "DifferentiatedRun",
+    "DifferentiatedSampledRun",
     "Dimension",
     "DriveKind",
     "DriveTrain",
@@ -763,6 +764,49 @@ class SampledRun:
     def statistics(self) -> HhtStatistics: ...
     @property
     def time(self) -> float: ...
+
+class DifferentiatedSampledRun:
+    """
+    A run under a sampled controller, with derivatives.
+    """
+    def __init__(
+        self,
+        system: System,
+        equilibrium: Equilibrium,
+        drives: collections.abc.Sequence[PiecewisePolynomial],
+        options: TransientOptions,
+        varied: collections.abc.Sequence[Varied],
+        initial: StateDerivative,
+    ) -> None: ...
+    def advance(
+        self,
+        motor_torque: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+        torque_slopes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+        n_steps: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        Steps with motor torques and their derivatives held.
+        """
+    def point_position_slopes(
+        self, point: typing.SupportsInt | typing.SupportsIndex
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    def result(self) -> DifferentiatedRun:
+        """
+        What was recorded so far.
+        """
+    @property
+    def drive_angle_slopes(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def drive_rate_slopes(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def joint_angle_slopes(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def joint_rate_slopes(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    @property
+    def run(self) -> SampledRun:
+        """
+        The run itself, to look at.
+        """
 
 class Linearisation:
     """

@@ -54,6 +54,12 @@ SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
   recorder_.record(0, state_, equilibrium.loads);
 }
 
+void SampledRun::accompany(CompanionIn<3> companion) {
+  companion_ = std::move(companion);
+  stepper_.follow_with(companion_.step);
+  companion_.record(k_, state_, stepper_.loads());
+}
+
 void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
   if (motor_torque.size() != static_cast<Eigen::Index>(system_.joints().size())) {
     throw InvalidParameter("one motor torque for each of the " + std::to_string(system_.joints().size()) +
@@ -76,6 +82,7 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
     stepper_.advance(state_, options_.step, hold);
     state_.t = options_.start + static_cast<double>(++k_) * options_.step;  // no drift from adding up
     recorder_.record(k_, state_, stepper_.loads());
+    if (companion_.record) companion_.record(k_, state_, stepper_.loads());
   }
 }
 

@@ -105,6 +105,7 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
   laws_.evaluate(state_, true);
   const double scale = system_.mass() / (system_.n_nodes() * coefficients_.beta * h * h);
   partial_.evaluate(state_, now_, loads, laws_, rhs_);
+  add_torques();
   rhs_.bottomRows(system_.n_constraints()) *= scale;
   parts_.assemble(state_, loads, scale, true);
   step_.prepare(exponent, h);
@@ -114,6 +115,13 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
   now_.multipliers = scale * rhs_.bottomRows(system_.n_constraints());
   step_.update(rhs_, now_);  // eq. (1) to (3)
   remember();
+}
+
+template <int D>
+void SensitivitiesIn<D>::add_torques() {
+  for (int s = 0; s < static_cast<int>(torques_.rows()); ++s) {
+    if (system_.is_free(s)) rhs_.row(system_.scalar_offset() + s) += torques_.row(s);
+  }
 }
 
 /// Equation (5).

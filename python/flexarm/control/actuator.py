@@ -5,66 +5,131 @@ A voltage u held over a sample does not hold the torque: with the rate φ' it fa
     T = a u - c φ',     a = η k_m n/R,     c = η k_m² n²/R        output-referred                     (1)
 
 c is a viscous friction of the rotor, so the integrator carries it exactly and only a u is held. Where the
-torque is limited, a u is set so that T meets the limit at the sample's φ'.
+torque is limited, a u is set so that T meets the limit at the sample's φ'. Numbers of motors may carry their
+derivatives (`flexarm.control.dual`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from math import inf
+from typing import ClassVar, TypeVar
 
-from flexarm.arm.controller import Controller
+from flexarm.arm import Arm
+from flexarm.arm.controller import Cascade, Controller
 from flexarm.arm.joint import Joint
 from flexarm.arm.motor import Motor
+from flexarm.control.dual import Real, between
 
 
+@dataclass(frozen=True)
 class VoltageDrive:
     """A motor on a voltage, eq. (1).
 
     Attributes
     ----------
-    torque_per_volt, back_emf : float
+    torque_per_volt, back_emf : float or Dual
         a [N m/V] and c [N m s/rad].
+    greatest_voltage, greatest_torque : float or Dual
+        [V] and, output-referred, [N m].
     """
 
-    def __init__(self, motor: Motor, joint: Joint) -> None:
+    torque_per_volt: Real
+    back_emf: Real
+    greatest_voltage: Real
+    greatest_torque: Real
+
+    @classmethod
+    def of(cls, motor: Motor, joint: Joint) -> VoltageDrive:
+        """The motor of a joint."""
         constant = motor.torque_constant * joint.gear_ratio
-        self.torque_per_volt = motor.efficiency * constant / motor.resistance
-        self._greatest_voltage = motor.voltage_limit or inf
-        self._greatest_torque = (motor.torque_limit or inf) * abs(joint.gear_ratio)
-        self.back_emf = self.torque_per_volt * constant
+        torque_per_volt = motor.efficiency * constant / motor.resistance
+        return cls(
+            torque_per_volt,
+            torque_per_volt * constant,
+            motor.voltage_limit or inf,
+            (motor.torque_limit or inf) * abs(joint.gear_ratio),
+        )
 
-    def hold(self, voltage: float, rate: float) -> tuple[float, float]:
+    def hold(self, voltage: Real, rate: Real) -> tuple[Real, Real]:
         """Voltage after its limit [V] and the torque a u to hold [N m]."""
-        u = _limited(voltage, self._greatest_voltage)
+        u = _limited(voltage, self.greatest_voltage)
         loss = self.back_emf * rate
-        return u, _limited(self.torque_per_volt * u - loss, self._greatest_torque) + loss  # eq. (1)
+        return u, _limited(self.torque_per_volt * u - loss, self.greatest_torque) + loss  # eq. (1)
 
 
+@dataclass(frozen=True)
 class TorqueDrive:
     """A motor on a current loop much faster than a sample: it gives the torque that is asked for.
 
-    Without a motor in the model only the controller's own limit is known.
+    Attributes
+    ----------
+    greatest_torque : float or Dual
+        Of controller and motor, output-referred [N m].
+    motor : VoltageDrive, optional
+        Without a motor in the model no voltage is known.
     """
 
-    back_emf = 0.0
+    greatest_torque: Real
+    motor: VoltageDrive | None = None
+    back_emf: ClassVar[float] = 0.0
 
-    def __init__(self, controller: Controller, motor: Motor | None, joint: Joint) -> None:
+    @classmethod
+    def of(cls, controller: Controller, motor: Motor | None, joint: Joint) -> TorqueDrive:
+        """The motor of a joint, if the model has one, and its controller's limit."""
         own = getattr(controller, "torque_limit", None) or inf
-        of_motor = (motor.torque_limit or inf) * abs(joint.gear_ratio) if motor else inf
-        self._greatest_torque = min(own, of_motor)
-        self._voltage = VoltageDrive(motor, joint) if motor else None
-        self._greatest_voltage = (motor.voltage_limit or inf) if motor else inf
+        if motor is None:
+            return cls(own)
+        of_motor = (motor.torque_limit or inf) * abs(joint.gear_ratio)
+        return cls(min(own, of_motor), VoltageDrive.of(motor, joint))
 
-    def hold(self, torque: float, rate: float) -> tuple[float, float]:
+    def hold(self, torque: Real, rate: Real) -> tuple[Real, Real]:
         """Voltage that it takes [V], NaN without a motor, and the torque to hold [N m]."""
-        held = _limited(torque, self._greatest_torque)
-        if self._voltage is None:
+        held = _limited(torque, self.greatest_torque)
+        if self.motor is None:
             return float("nan"), held
-        loss, gain = self._voltage.back_emf * rate, self._voltage.torque_per_volt
+        loss, gain = self.motor.back_emf * rate, self.motor.torque_per_volt
         wanted = (held + loss) / gain
-        u = _limited(wanted, self._greatest_voltage)
+        u = _limited(wanted, self.motor.greatest_voltage)
         return u, held if u == wanted else gain * u - loss
 
 
-def _limited(value: float, greatest: float) -> float:
+Actuator = VoltageDrive | TorqueDrive
+_A = TypeVar("_A", bound=Actuator)
+
+
+def actuator_of(arm: Arm, controller: Controller) -> Actuator:
+    """What drives the joint of a controller."""
+    joint = arm.joint(controller.joint)
+    motor = next((motor for motor in arm.motors if motor.joint == joint.name), None)
+    if isinstance(controller, Cascade) or motor is None:
+        return TorqueDrive.of(controller, motor, joint)
+    return VoltageDrive.of(motor, joint)
+
+
+def differentiated(drive: _A, pairs: Sequence[tuple[_A, _A]], spreads: Sequence[float]) -> _A:
+    """The same drive with the derivatives of its numbers.
+
+    Parameters
+    ----------
+    drive : VoltageDrive or TorqueDrive
+        Of the model.
+    pairs : sequence of (VoltageDrive or TorqueDrive)
+        For each parameter those of the models with a little more and a little less of it.
+    spreads : sequence of float
+        By how much the two values of each parameter differ.
+    """
+    numbers: dict[str, Real | VoltageDrive] = {}
+    for field in fields(drive):
+        value = getattr(drive, field.name)
+        beside = [(getattr(above, field.name), getattr(below, field.name)) for above, below in pairs]
+        if isinstance(value, VoltageDrive):
+            numbers[field.name] = differentiated(value, beside, spreads)
+        elif value is not None:
+            numbers[field.name] = between(value, beside, spreads)
+    return replace(drive, **numbers)  # type: ignore[arg-type]
+
+
+def _limited(value: Real, greatest: Real) -> Real:
     return max(-greatest, min(greatest, value))

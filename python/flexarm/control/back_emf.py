@@ -14,23 +14,17 @@ from dataclasses import replace
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.controller import Cascade, Controller
+from flexarm.arm.controller import Controller
 from flexarm.arrays import read_only
-from flexarm.control.actuator import VoltageDrive
+from flexarm.control.actuator import actuator_of
+from flexarm.control.dual import value_of
 from flexarm.effects import MotorFriction
 from flexarm.simulation import Simulation
 
 
 def losses_of(arm: Arm, controllers: Mapping[str, Controller]) -> dict[str, float]:
     """c of each joint [N m s/rad]; zero where a current loop sets the torque."""
-    return {name: _loss(arm, controller) for name, controller in controllers.items()}
-
-
-def _loss(arm: Arm, controller: Controller) -> float:
-    motor = next((motor for motor in arm.motors if motor.joint == controller.joint), None)
-    if isinstance(controller, Cascade) or motor is None:
-        return 0.0
-    return VoltageDrive(motor, arm.joint(controller.joint)).back_emf
+    return {name: value_of(actuator_of(arm, each).back_emf) for name, each in controllers.items()}
 
 
 def with_losses(arm: Arm, losses: Mapping[str, float]) -> Arm:

@@ -6,9 +6,8 @@ finite elements go on in equal steps. Samples of all controllers fall on a commo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from math import isnan
 from time import perf_counter
 
 import numpy as np
@@ -16,19 +15,22 @@ import numpy as np
 from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.controller import Controller
+from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, read_only
-from flexarm.assembly import assemble, joint_values
-from flexarm.control.back_emf import losses_of, with_losses, without_losses
+from flexarm.control.back_emf import without_losses
+from flexarm.control.controlled import ControlledArm
+from flexarm.control.differentiated import Differentiation, commanded_at
+from flexarm.control.dual import Real, slopes_of, value_of
 from flexarm.control.grid import SampleGrid
 from flexarm.control.loop import Loop
-from flexarm.control.sensing import Sensing
+from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
+from flexarm.record import Record
 from flexarm.simulation import Progress, Simulation, reported
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
-from flexarm.simulation.prepared import motions
-from flexarm.simulation.progress import Report
+from flexarm.simulation.solve import DIFFERENTIATED
 
 Schedule = Mapping[str, Callable[[float], Controller]]
 _LOOK = 64
@@ -37,7 +39,7 @@ _LOOK = 64
 
 def simulate_closed_loop(
     arm: Arm,
-    drive: Drive,
+    drive: Drive | Record,
     *,
     step: float = 1e-3,
     alpha: float = -0.05,
@@ -45,6 +47,7 @@ def simulate_closed_loop(
     forces: bool = False,
     rotations: bool = False,
     schedule: Schedule | None = None,
+    sensitivities: Iterable[str] = (),
     progress: Progress = None,
 ) -> Simulation:
     """A run from equilibrium at rest along commands.
@@ -56,7 +59,7 @@ def simulate_closed_loop(
     ----------
     arm : Arm
         The model, with a controller for every commanded joint.
-    drive : Drive
+    drive : Drive or Record
         Joints whose side is "command" follow through their controllers, others as in `flexarm.simulate`.
     step : float
         Longest time step [s]; the step is the largest part of the shortest sample time that is no longer.
@@ -64,7 +67,11 @@ def simulate_closed_loop(
         As in `flexarm.simulate`.
     schedule : dict of str to callable, optional
         Controller of a joint at a time [s], for gains that change in a run; joint, type, deflection and
-        sample time stay.
+        sample time stay. Such a run has no derivatives.
+    sensitivities : iterable of str
+        As in `flexarm.simulate`. Parameters of motors, gears and of effects on the sensors in the loop act
+        through the loop too; gains and sample times are no parameters. What a limit holds has the derivative
+        of the side on which it is, and rounding by an encoder's steps is left out, for it has none.
 
     Returns
     -------
@@ -75,7 +82,8 @@ def simulate_closed_loop(
     Raises
     ------
     InvalidParameter
-        If a commanded joint has no controller, or sample times have no common grid.
+        If a commanded joint has no controller, sample times have no common grid, or there is no derivative
+        by a parameter.
     NotConverged
         With time, iteration and residual.
 
@@ -86,113 +94,118 @@ def simulate_closed_loop(
     """
     if not step > 0:
         raise InvalidParameter(f"step must be positive, got {step:g} s")
-    controllers = _controllers(arm, drive)
-    grid = SampleGrid.of(controllers, step)
+    record = drive if isinstance(drive, Record) else None
+    if isinstance(drive, Record):
+        arm, drive = drive.applied_to(arm), Drive.from_record(drive, drive.applied_to(arm))
+    task = ControlledArm.of(arm, drive)
+    grid = SampleGrid.of(task.controllers, step)
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = grid.step, float(alpha)
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
-
-    losses = losses_of(arm, controllers)
-    moved = with_losses(arm, losses)
-    system = assemble(moved, {name: joint.kind for name, joint in drive.joints.items()})
-    equilibrium, holding = _held(moved, drive, system, options.start)
-    laws = schedule or {}
-    loops = {
-        name: Loop(arm, controller, drive.joints[name], holding[name], laws.get(name))
-        for name, controller in controllers.items()
-    }
-    others = {name: joint for name, joint in drive.joints.items() if name not in controllers}
-    began = perf_counter()
-    run = _core.SampledRun(system, equilibrium, motions(arm, replace(drive, joints=others)), options)
-    with reported(progress, arm.name) as report:
-        voltage = _sampled(run, loops, grid, options, len(arm.joints), report)
-    transient = run.result()
-    found = simulation_of(arm, transient, options, Energies.of(transient))
-    found.solver["seconds"] = perf_counter() - began
-    return _commanded(without_losses(found, losses), loops, np.repeat(voltage, grid.substeps, axis=0))
-
-
-def _sampled(
-    run: _core.SampledRun,
-    loops: Mapping[str, Loop],
-    grid: SampleGrid,
-    options: _core.TransientOptions,
-    n_joints: int,
-    report: Report,
-) -> Floats:
-    """Takes the run to its end; the voltages [V] of every tick and joint, NaN where there is none."""
-    count = grid.count(options.start, options.end)
-    times = grid.instants(options.start, count)
-    commands = {name: loop.command(times) for name, loop in loops.items()}
-    torque, voltage = np.zeros(n_joints), np.full((count, n_joints), np.nan)
-    for k in range(count):
-        for name, loop in loops.items():
-            if k % grid.every[name] == 0:
-                volts, torque[loop.joint] = loop.sample(run, float(commands[name][k]))
-                voltage[k : k + grid.every[name], loop.joint] = volts
-        run.advance(torque, grid.substeps)
-        if report is not None and k % _LOOK == 0 and report(k / count) is False:
-            break
-    return voltage
-
-
-def _held(
-    arm: Arm, drive: Drive, system: _core.System, start: float
-) -> tuple[_core.Equilibrium, dict[str, float]]:
-    """Equilibrium in which the motors stand at the first command, and what each gives there [N m]."""
-    held = assemble(
-        arm,
-        {
-            name: _core.DriveKind.motor_angle if joint.side == "command" else joint.kind
-            for name, joint in drive.joints.items()
-        },
-    )
-    first = {name: float(joint(start)) for name, joint in drive.joints.items()}
-    for name, controller in _controllers(arm, drive).items():
-        first[name] = _shown_at(arm, controller, first[name])
-    values = joint_values(arm, {**drive.rest, **first})
-    equilibrium = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
-    torques = _core.motor_torques(held, equilibrium.state, False)
-    named = {joint.name: float(torque) for joint, torque in zip(arm.joints, torques, strict=True)}
-    return _core.released(held, equilibrium, system), named
-
-
-def _shown_at(arm: Arm, controller: Controller, command: float) -> float:
-    """Where the controller's encoder shows the command."""
-    angle = Sensing(arm, controller).true_angle(command)
-    if isnan(angle):
+    wanted = parameters(arm, sensitivities)
+    if wanted and schedule:
         raise InvalidParameter(
-            f"the encoder of joint {controller.joint!r} never shows the command {command:g}: an effect on it "
-            "hides the angle",
-            where=f"controllers.{controller.joint}",
+            "a run whose gains change by a schedule has no derivatives; leave one of the two out",
+            where="sensitivities",
         )
-    return angle
-
-
-def _controllers(arm: Arm, drive: Drive) -> dict[str, Controller]:
-    """The controllers of commanded joints."""
-    known = {controller.joint: controller for controller in arm.controllers}
-    found = {}
-    for name, joint in drive.joints.items():
-        if joint.side == "torque":
-            raise InvalidParameter("a torque and a command in one run are not supported", where=name)
-        if joint.side != "command":
-            continue
-        if name not in known:
-            raise InvalidParameter(
-                f"joint {name!r} is moved by a command, but has no controller; controllers exist for "
-                f"{', '.join(known) or 'no joint'}",
-                where="controllers",
-            )
-        found[name] = known[name]
+    began = perf_counter()
+    if wanted:
+        found = _differentiated(task, wanted, record, grid, options, progress)
+    else:
+        found = _alone(task, schedule or {}, grid, options, progress)
+    found.solver["seconds"] = perf_counter() - began
     return found
 
 
-def _commanded(run: Simulation, loops: Mapping[str, Loop], voltage: Floats) -> Simulation:
+def _alone(
+    task: ControlledArm,
+    schedule: Schedule,
+    grid: SampleGrid,
+    options: _core.TransientOptions,
+    progress: Progress,
+) -> Simulation:
+    """The run without derivatives."""
+    equilibrium = task.at_rest(options.start)
+    holding = _core.motor_torques(task.held, equilibrium.state, False)
+    loops = {
+        name: Loop.of(task.arm, controller, holding, schedule.get(name))
+        for name, controller in task.controllers.items()
+    }
+    start = _core.released(task.held, equilibrium, task.system)
+    run = _core.SampledRun(task.system, start, task.motions, options)
+    times = grid.times(options)
+    commands = {name: task.drive.joints[name](times).tolist() for name in loops}
+    voltage, _ = _sampled(task, Plant(run), loops, commands, grid, progress)
+    return _finished(task, run.result(), options, grid, voltage)
+
+
+def _differentiated(
+    task: ControlledArm,
+    wanted: tuple[Parameter, ...],
+    record: Record | None,
+    grid: SampleGrid,
+    options: _core.TransientOptions,
+    progress: Progress,
+) -> Simulation:
+    """The run with its derivatives."""
+    options.tolerance = DIFFERENTIATED
+    by = Differentiation(task, wanted, options.start, record)
+    plant, loops, times = by.plant(options), by.loops(), grid.times(options)
+    commands = {name: by.commands(name, times) for name in loops}
+    voltage, slopes = _sampled(task, plant, loops, commands, grid, progress)
+    both = plant.result()
+    found = _finished(task, both.run, options, grid, voltage)
+    return replace(
+        found, sensitivities=by.collected(found, both.derivatives, grid.held(slopes, len(found.time)))
+    )
+
+
+def _sampled(
+    task: ControlledArm,
+    plant: Plant,
+    loops: Mapping[str, Loop],
+    commands: Mapping[str, Sequence[Real]],
+    grid: SampleGrid,
+    progress: Progress,
+) -> tuple[Floats, Floats]:
+    """Takes the run to its end; the voltages [V] of every tick and joint and their derivatives.
+
+    Where there is no voltage they are NaN.
+    """
+    count = min(len(samples) for samples in commands.values())
+    torque: list[Real] = [0.0] * len(task.arm.joints)
+    voltage = np.full((count, len(torque)), np.nan)
+    slopes = np.full((*voltage.shape, plant.n_parameters), np.nan)
+    with reported(progress, task.arm.name) as report:
+        for k in range(count):
+            for name, loop in loops.items():
+                if k % grid.every[name] == 0:
+                    volts, torque[loop.joint] = loop.sample(plant, commands[name][k])
+                    held = slice(k, k + grid.every[name])
+                    voltage[held, loop.joint] = value_of(volts)
+                    slopes[held, loop.joint] = slopes_of(volts, plant.n_parameters)
+            plant.advance(torque, grid.substeps)
+            if report is not None and k % _LOOK == 0 and report(k / count) is False:
+                break
+    slopes[np.isnan(voltage)] = np.nan
+    return voltage, slopes
+
+
+def _finished(
+    task: ControlledArm,
+    transient: _core.Transient,
+    options: _core.TransientOptions,
+    grid: SampleGrid,
+    voltage: Floats,
+) -> Simulation:
     """The run with what its loops were asked for, and their voltages [V] of every step."""
+    run = without_losses(simulation_of(task.arm, transient, options, Energies.of(transient)), task.losses)
     command = np.full(run.drive_angle.shape, np.nan)
-    for loop in loops.values():
-        command[:, loop.joint] = loop.command(run.time + 1e-9)
-    held = np.concatenate([voltage, voltage[-1:]])[: len(run.time)]
-    return replace(run, joint_command=read_only(command), motor_voltage=read_only(held))
+    for name in task.controllers:
+        command[:, run.joints.index(name)] = task.drive.joints[name](commanded_at(run.time))
+    return replace(
+        run,
+        joint_command=read_only(command),
+        motor_voltage=read_only(grid.held(voltage, len(run.time))),
+    )

@@ -8,6 +8,7 @@ from math import ceil, isclose
 
 import numpy as np
 
+from flexarm import _core
 from flexarm.arm.controller import Controller
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
@@ -49,13 +50,14 @@ class SampleGrid:
         """Time step [s]."""
         return self.tick / self.substeps
 
-    def count(self, start: float, end: float) -> int:
-        """Ticks of a run."""
-        return ceil((end - start) / self.tick - 1e-9)
+    def times(self, options: _core.TransientOptions) -> Floats:
+        """When ticks of a run begin [s]; what changes at one counts from it on, whatever its last bit."""
+        count = ceil((options.end - options.start) / self.tick - 1e-9)
+        return options.start + self.tick * (np.arange(count, dtype=np.float64) + 1e-6)
 
-    def instants(self, start: float, count: int) -> Floats:
-        """When ticks begin [s]; what changes at one counts from it on, whatever the last bit of the time."""
-        return start + self.tick * (np.arange(count, dtype=np.float64) + 1e-6)
+    def held(self, ticks: Floats, count: int) -> Floats:
+        """What is held over ticks, shape (tick, ...), at so many instants of the run."""
+        return np.concatenate([np.repeat(ticks, self.substeps, axis=0), ticks[-1:]])[:count]
 
 
 def _multiple(controller: Controller, tick: float) -> int:

@@ -5,6 +5,7 @@ Cascade, with e = K_p (φ_c - φ) - φ' and the integral part I in N m:
     T_k = K_v e_k + I_k,     I_{k+1} = I_k + K_v T_s/T_i e_k                                          (1)
 
 I starts at the torque that holds the arm, and rests while T is at its limit. State feedback has no memory.
+The laws compute with numbers, or with numbers that carry their derivatives (`flexarm.control.dual`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexarm.arm.controller import Cascade, StateFeedback
+from flexarm.control.dual import Real
 
 
 @dataclass(frozen=True)
@@ -20,16 +22,16 @@ class Reading:
 
     Attributes
     ----------
-    angle, rate : float
+    angle, rate : float or Dual
         φ [rad] and φ' [rad/s], output-referred.
-    deflection, deflection_rate : float
+    deflection, deflection_rate : float or Dual
         d [m] and its rate [m/s]; 0 where none is measured.
     """
 
-    angle: float
-    rate: float
-    deflection: float = 0.0
-    deflection_rate: float = 0.0
+    angle: Real
+    rate: Real
+    deflection: Real = 0.0
+    deflection_rate: Real = 0.0
 
 
 class CascadeLaw:
@@ -37,15 +39,15 @@ class CascadeLaw:
 
     Parameters
     ----------
-    holding_torque : float
+    holding_torque : float or Dual
         What holds the arm at the start, output-referred [N m]; without an integral part it is not used.
     """
 
-    def __init__(self, holding_torque: float) -> None:
+    def __init__(self, holding_torque: Real) -> None:
         self._integral = holding_torque
-        self._step = 0.0
+        self._step: Real = 0.0
 
-    def torque(self, controller: Cascade, command: float, reading: Reading) -> float:
+    def torque(self, controller: Cascade, command: Real, reading: Reading) -> Real:
         """T of (1) [N m]; `settle` ends the sample."""
         error = controller.position_gain * (command - reading.angle) - reading.rate
         proportional = controller.velocity_gain * error
@@ -60,7 +62,7 @@ class CascadeLaw:
             self._integral += self._step  # eq. (1)
 
 
-def feedback_voltage(controller: StateFeedback, command: float, reading: Reading) -> float:
+def feedback_voltage(controller: StateFeedback, command: Real, reading: Reading) -> Real:
     """u = K_1 (φ_c - φ) - K_3 φ' - K_2 d - K_4 d' [V]."""
     return (
         controller.position_gain * (command - reading.angle)

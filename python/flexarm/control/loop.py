@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.controller import Cascade, Controller
-from flexarm.control.actuator import TorqueDrive, VoltageDrive
+from flexarm.arrays import Floats
+from flexarm.control.actuator import Actuator, actuator_of
+from flexarm.control.dual import Real
 from flexarm.control.laws import CascadeLaw, feedback_voltage
+from flexarm.control.plant import Plant
 from flexarm.control.sensing import Sensing
-from flexarm.drive import JointDrive
 
 
 class Loop:
@@ -18,44 +19,64 @@ class Loop:
 
     Parameters
     ----------
-    arm : Arm
-        The model.
-    controller : Controller
-        Of the joint.
-    command : JointDrive
-        What it follows.
-    holding : float
+    joint : int
+        Number of the joint in the arm.
+    controller : callable
+        The controller at a time [s].
+    sensing : Sensing
+        What it reads.
+    actuator : VoltageDrive or TorqueDrive
+        What it drives.
+    holding : float or Dual
         Torque that holds the arm at the start, output-referred [N m].
-    schedule : callable, optional
-        The controller at a time [s], where its gains change in the run.
     """
 
     def __init__(
         self,
+        joint: int,
+        controller: Callable[[float], Controller],
+        sensing: Sensing,
+        actuator: Actuator,
+        holding: Real,
+    ) -> None:
+        self.joint = joint
+        self._at = controller
+        self._sensing = sensing
+        self._actuator = actuator
+        self._law = CascadeLaw(holding)
+
+    @classmethod
+    def of(
+        cls,
         arm: Arm,
         controller: Controller,
-        command: JointDrive,
-        holding: float,
+        holding: Floats,
         schedule: Callable[[float], Controller] | None = None,
-    ) -> None:
-        joint = arm.joint(controller.joint)
-        motor = next((motor for motor in arm.motors if motor.joint == joint.name), None)
-        self.joint = [entry.name for entry in arm.joints].index(joint.name)
-        self.command = command
-        self._at = schedule or (lambda time: controller)
-        self._sensing = Sensing(arm, controller)
-        self._law = CascadeLaw(holding)
-        if isinstance(controller, Cascade) or motor is None:
-            self.actuator: TorqueDrive | VoltageDrive = TorqueDrive(controller, motor, joint)
-        else:
-            self.actuator = VoltageDrive(motor, joint)
+    ) -> Loop:
+        """The loop of a model's controller, or of one whose gains change in the run.
 
-    def sample(self, run: _core.SampledRun, command: float) -> tuple[float, float]:
+        `holding` are the torques that hold the arm at the start, one a joint [N m].
+        """
+        joint = joint_number(arm, controller)
+        return cls(
+            joint,
+            schedule or (lambda time: controller),
+            Sensing(arm, controller),
+            actuator_of(arm, controller),
+            float(holding[joint]),
+        )
+
+    def sample(self, plant: Plant, command: Real) -> tuple[Real, Real]:
         """Voltage [V] and torque to hold [N m] of this sample."""
-        controller, reading = self._at(run.time), self._sensing.read(run)
+        controller, reading = self._at(plant.time), self._sensing.read(plant)
         if not isinstance(controller, Cascade):
-            return self.actuator.hold(feedback_voltage(controller, command, reading), reading.rate)
+            return self._actuator.hold(feedback_voltage(controller, command, reading), reading.rate)
         wanted = self._law.torque(controller, command, reading)
-        voltage, torque = self.actuator.hold(wanted, reading.rate)
+        voltage, torque = self._actuator.hold(wanted, reading.rate)
         self._law.settle(limited=torque != wanted)
         return voltage, torque
+
+
+def joint_number(arm: Arm, controller: Controller) -> int:
+    """Of the joint that a controller drives."""
+    return [joint.name for joint in arm.joints].index(controller.joint)

@@ -7,21 +7,34 @@
 Without an angle sensor both angle and rate are exact, on the motor's side. Effects of the model on the values
 of these sensors act (`flexarm.measurement.effects_of`), all but outliers. Noise, rate and latency of a sensor
 are those of what is written into a record, and so are delays: the controller reads at its own instants.
+
+With derivatives a sensor that shows g(u; p) of a true value u passes on
+
+    dy/dp = ∂g/∂u du/dp + ∂g/∂p                                                                      (2)
+
+by central differences of g without its rounding, which has no derivative.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.controller import Controller
 from flexarm.arm.sensor import Sensor
+from flexarm.arrays import Floats
+from flexarm.control.dual import Dual, Real, value_of
 from flexarm.control.gauge import DeflectionGauge
 from flexarm.control.laws import Reading
+from flexarm.control.plant import Plant
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
+
+_STEP = 1e-5
+"""Of differences by a true value, in parts of the larger of it and one unit: errors of 1e-11 either way."""
 
 
 class Sensing:
@@ -46,17 +59,22 @@ class Sensing:
         self._effects = {sensor.name: effects_of(arm, sensor) for sensor in sensors if sensor is not None}
         self._steps = {sensor.name: sensor.step * sensor.si[1] for sensor in sensors if sensor is not None}
         self._period = controller.sample_time
-        self._last: tuple[float, float] | None = None
+        self._last: tuple[Real, Real] | None = None
 
-    def read(self, run: _core.SampledRun) -> Reading:
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors that are read."""
+        return tuple(self._effects)
+
+    def read(self, plant: Plant) -> Reading:
         """Reading at this instant; differences (1) are zero at the first one."""
-        angle = self._shown(self._angle, self._of_joint(run, self._angle, rate=False))
-        deflection = self._bent(run) if self._deflection else 0.0
+        angle = self._shown(self._angle, plant.angle(self._joint, _output(self._angle)))
+        deflection = self._shown(self._deflection, self._bent(plant))
         last_angle, last_deflection = self._last or (angle, deflection)
         self._last = angle, deflection
         rate = (angle - last_angle) / self._period  # eq. (1)
         if self._rate or not self._angle:
-            rate = self._shown(self._rate, self._of_joint(run, self._rate, rate=True))
+            rate = self._shown(self._rate, plant.rate(self._joint, _output(self._rate)))
         return Reading(angle, rate, deflection, (deflection - last_deflection) / self._period)
 
     def true_angle(self, shown: float) -> float:
@@ -65,26 +83,66 @@ class Sensing:
             return shown
         return float(self._effects[self._angle.name].true(np.array([[shown]]))[0, 0])
 
-    def _shown(self, sensor: Sensor | None, true: float) -> float:
+    def _shown(self, sensor: Sensor | None, true: Real) -> Real:
         """What a sensor shows of a true value."""
-        if sensor is None:
+        if sensor is None or not self._errs(sensor):
             return true
         seen, step = self._effects[sensor.name], self._steps[sensor.name]
-        if not (seen.before or seen.after or step > 0):
-            return true
         return float(seen.written(quantised(seen.sensed(np.array([[true]])), step))[0, 0])
 
-    def _of_joint(self, run: _core.SampledRun, sensor: Sensor | None, rate: bool) -> float:
-        output = sensor is not None and sensor.side == "output"
-        if rate:
-            return float((run.joint_rates if output else run.drive_rates)[self._joint])
-        return float((run.joint_angles if output else run.drive_angles)[self._joint])
+    def _errs(self, sensor: Sensor) -> bool:
+        seen = self._effects[sensor.name]
+        return bool(seen.before or seen.after or self._steps[sensor.name] > 0)
 
-    def _bent(self, run: _core.SampledRun) -> float:
+    def _bent(self, plant: Plant) -> Real:
         """Deflection as a record would have it, of this one instant [m]."""
-        assert self._gauge is not None
-        position = np.asarray(run.point_position(self._gauge.point))
-        return self._shown(self._deflection, self._gauge.read(position, np.asarray(run.joint_angles)))
+        return plant.deflection(self._gauge) if self._gauge is not None else 0.0
+
+
+class DifferentiatedSensing(Sensing):
+    """The readings of one controller with their derivatives, eq. (2).
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    controller : Controller
+        Names joint and deflection sensor.
+    beside : sequence of (Arm, Arm)
+        For each parameter the model with a little more and a little less of it.
+    spreads : sequence of float
+        By how much the two values of each parameter differ.
+    """
+
+    def __init__(
+        self, arm: Arm, controller: Controller, beside: Sequence[tuple[Arm, Arm]], spreads: Sequence[float]
+    ) -> None:
+        super().__init__(arm, controller)
+        others = [(Sensing(above, controller), Sensing(below, controller)) for above, below in beside]
+        self._others = [(k, above, below) for k, (above, below) in enumerate(others)]
+        self._spreads = spreads
+        self._gauges = [(a._gauge, b._gauge) for a, b in others if a._gauge and b._gauge]
+
+    def _shown(self, sensor: Sensor | None, true: Real) -> Real:
+        if not isinstance(true, Dual) or sensor is None or not self._errs(sensor):
+            return true
+        name, u = sensor.name, true.value
+        h = _STEP * max(1.0, abs(u))
+        high, low = self._effects[name].reading(np.array([[u + h], [u - h]]), rounded=False)[:, 0]
+        slopes: Floats = (high - low) / (2 * h) * true.slopes
+        for k, above, below in self._others:
+            up, down = above._effects[name], below._effects[name]
+            if up != down:
+                at = np.array([[u]])
+                slopes[k] += float((up.reading(at, False) - down.reading(at, False))[0, 0]) / self._spreads[k]
+        return Dual(value_of(super()._shown(sensor, u)), slopes)  # eq. (2)
+
+    def _bent(self, plant: Plant) -> Real:
+        return plant.deflection(self._gauge, self._gauges) if self._gauge is not None else 0.0
+
+
+def _output(sensor: Sensor | None) -> bool:
+    return sensor is not None and sensor.side == "output"
 
 
 def _sensor(arm: Arm, joint: str, quantity: str) -> Sensor | None:

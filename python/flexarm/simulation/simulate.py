@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
-from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive
 from flexarm.simulation.prepared import coordinates, motions, prepared
@@ -94,16 +93,15 @@ def simulate(
     if any(joint.side == "command" for joint in run.drive.joints.values()):
         from flexarm.control import simulate_closed_loop
 
-        if wanted:
-            raise InvalidParameter("a run under a controller has no derivatives yet", where="sensitivities")
         return simulate_closed_loop(
-            run.arm,
-            run.drive,
+            arm,
+            drive,
             step=step,
             alpha=alpha,
             end=end,
             forces=forces,
             rotations=rotations,
+            sensitivities=[parameter.key for parameter in wanted],
             progress=progress,
         )
     with reported(progress, run.arm.name) as report:

@@ -12,6 +12,7 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm.parameter import Parameter
+from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values
 from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.sensitivity import Redrive, collected, varied
@@ -21,7 +22,7 @@ from flexarm.simulation.prepared import PreparedRun
 from flexarm.simulation.progress import Report
 from flexarm.simulation.simulation import Simulation
 
-_DIFFERENTIATED = 1e-13
+DIFFERENTIATED = 1e-13
 """Newton's tolerance: accelerations, h^2 less exact than positions, enter derivatives by masses."""
 
 _DERIVED = (
@@ -77,18 +78,23 @@ def differentiated(
     if held is not system:
         initial = _core.released_derivative(held, initial, system)
         equilibrium = _core.released(held, equilibrium, system)
-    run.options.tolerance = _DIFFERENTIATED
+    run.options.tolerance = DIFFERENTIATED
     both = _core.simulate_differentiated(
         system, equilibrium, motions, run.options, varied_systems, initial, report
     )
     energies = energies_of(both.run, system, equilibrium, motions, run.options, run.led)
     found = simulation_of(run.arm, both.run, run.options, energies, run.led)
-    arrays = {
-        name: getattr(both.derivatives, name).T[run.led :].reshape(*value.shape, len(places))
-        for name in _DERIVED
-        if (value := getattr(found, name)) is not None
-    }
+    arrays = derived(found, both.derivatives, len(places), run.led)
     return replace(found, sensitivities=collected(wanted, places, arrays))
+
+
+def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int = 0) -> dict[str, Floats]:
+    """Derivatives of a run's arrays by so many parameters, from the core's columns after `led` instants."""
+    return {
+        name: getattr(derivatives, name).T[led:].reshape(*value.shape, count)
+        for name in _DERIVED
+        if (value := getattr(run, name)) is not None
+    }
 
 
 def _held(run: PreparedRun, system: _core.System) -> _core.System:

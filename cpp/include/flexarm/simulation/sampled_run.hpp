@@ -24,6 +24,9 @@ class SampledRun {
   SampledRun(const SampledRun&) = delete;  // the recorder writes into this run's columns
   SampledRun& operator=(const SampledRun&) = delete;
 
+  /// Lets somebody walk along from this instant on, which is recorded first.
+  void accompany(CompanionIn<3> companion);
+
   /// `n_steps` steps with these motor torques, one a joint, output-referred [N m]; not beyond the end.
   /// @throws NotConverged
   void advance(const Eigen::VectorXd& motor_torque, int n_steps);
@@ -54,6 +57,7 @@ class SampledRun {
   Eigen::VectorXd torques_;  // one a scalar coordinate
   Transient run_;
   Recorder recorder_;
+  CompanionIn<3> companion_;
 };
 
 }  // namespace flexarm::simulation

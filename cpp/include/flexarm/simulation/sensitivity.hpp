@@ -8,7 +8,7 @@
 ///     ξ₁ = T_r(h) dh/dp + Ad(exp(−h)) ξ₀      hence  dh/dp = T_r⁻¹ ξ₁ − T_l⁻¹ ξ₀                    (1)
 ///     da₁ = (dh/dp − h dv₀)/(β h²) − (½ − β)/β da₀                                                    (2)
 ///     dv₁ = dv₀ + h [(1 − γ) da₀ + γ da₁],   dv̇₁ = (da₁ + α dv̇₀)/(1 + α)                             (3)
-///     K ξ₁ + C dv₁ + M dv̇₁ + Φ_qᵀ dλ₁ = −∂r/∂p,   Φ_q ξ₁ = −∂Φ/∂p                                    (4)
+///     K ξ₁ + C dv₁ + M dv̇₁ + Φ_qᵀ dλ₁ = −∂r/∂p + dτ/dp,   Φ_q ξ₁ = −∂Φ/∂p                            (4)
 ///
 /// a linear problem for (ξ₁, dλ₁) with the exact tangent at state 1,
 ///
@@ -16,7 +16,8 @@
 ///
 /// factored once a step for all parameters together; step_slopes.hpp makes (1) to (3) and (5). ∂r/∂p, at
 /// fixed free coordinates, is that of partial_residuals.hpp; prescribed coordinates and the memories of joint
-/// laws move along in it. What comes out is the derivative of the discrete motion, not of the exact one: it
+/// laws move along in it. dτ/dp is that of motor torques which somebody holds who looks at the arm, a sampled
+/// controller. What comes out is the derivative of the discrete motion, not of the exact one: it
 /// agrees with differences of whole runs to their own accuracy. Source: [Bruls2008]; docs/theory.md, section
 /// "Sensitivities".
 #pragma once
@@ -61,10 +62,14 @@ class SensitivitiesIn {
   void follow(const StateD& before, const StateD& after, const VectorXd& exponent, double h,
               const LoadsD& loads);
 
+  /// dτ/dp of (4) from now on, one row a scalar coordinate, one column a parameter; zero until then.
+  void hold(const Slopes& torques) { torques_ = torques; }
+
   const std::vector<VariationIn<D>>& variations() const { return variations_; }
   const StateDerivative& derivative() const { return now_; }
 
  private:
+  void add_torques();
   void factor();
   void remember();
 
@@ -79,6 +84,7 @@ class SensitivitiesIn {
   Eigen::SparseMatrix<double> S_;
   solvers::SparseFactor factor_;
   StepSlopesIn<D> step_;
+  Slopes torques_;                  // dτ/dp of (4); empty: zero
   Slopes rhs_;                      // of (4), then its unknowns, one column a parameter
   Eigen::RowVectorXd dx_, dx_dot_;  // of a law
 };

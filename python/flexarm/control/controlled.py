@@ -1,0 +1,126 @@
+"""An arm whose joints follow commands: what the core is asked for, and how a run of it starts.
+
+Until the start the motors hold the arm at rest where their encoders show the first command.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import isnan
+
+import numpy as np
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arm.controller import Controller
+from flexarm.assembly import assemble, joint_values
+from flexarm.control.back_emf import losses_of, with_losses
+from flexarm.control.sensing import Sensing
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.simulation.prepared import motions
+
+
+@dataclass(frozen=True)
+class ControlledArm:
+    """An arm, its drive, and the controllers of its commanded joints.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    drive : Drive
+        Of all driven joints.
+    controllers : dict of str to Controller
+        By the name of the joint.
+    """
+
+    arm: Arm
+    drive: Drive
+    controllers: Mapping[str, Controller]
+
+    @classmethod
+    def of(cls, arm: Arm, drive: Drive) -> ControlledArm:
+        """The arm with its own controllers.
+
+        Raises
+        ------
+        InvalidParameter
+            If a commanded joint has none.
+        """
+        known = {controller.joint: controller for controller in arm.controllers}
+        found = {}
+        for name, joint in drive.joints.items():
+            if joint.side == "torque":
+                raise InvalidParameter("a torque and a command in one run are not supported", where=name)
+            if joint.side != "command":
+                continue
+            if name not in known:
+                raise InvalidParameter(
+                    f"joint {name!r} is moved by a command, but has no controller; controllers exist for "
+                    f"{', '.join(known) or 'no joint'}",
+                    where="controllers",
+                )
+            found[name] = known[name]
+        return cls(arm, drive, found)
+
+    @cached_property
+    def losses(self) -> dict[str, float]:
+        """Back-EMF of each commanded joint as friction [N m s/rad]."""
+        return losses_of(self.arm, self.controllers)
+
+    @cached_property
+    def system(self) -> _core.System:
+        """The arm with commanded motors let go."""
+        return self._assembled({name: joint.kind for name, joint in self.drive.joints.items()})
+
+    @cached_property
+    def held(self) -> _core.System:
+        """The arm with commanded motors held."""
+        return self._assembled(
+            {
+                name: _core.DriveKind.motor_angle if name in self.controllers else joint.kind
+                for name, joint in self.drive.joints.items()
+            }
+        )
+
+    def _assembled(self, kinds: Mapping[str, _core.DriveKind]) -> _core.System:
+        return assemble(with_losses(self.arm, self.losses), kinds)
+
+    @property
+    def motions(self) -> list[_core.PiecewisePolynomial]:
+        """What moves the other joints; commanded ones are not read."""
+        others = {name: joint for name, joint in self.drive.joints.items() if name not in self.controllers}
+        return motions(self.arm, replace(self.drive, joints=others))
+
+    def first_values(self, start: float) -> dict[str, float]:
+        """Where driven joints stand at the start [rad or m]."""
+        first = {name: float(joint(start)) for name, joint in self.drive.joints.items()}
+        for name, controller in self.controllers.items():
+            first[name] = _shown_at(self.arm, controller, first[name])
+        return first
+
+    def first_motions(self, start: float) -> list[_core.PiecewisePolynomial]:
+        """The same for every joint, held."""
+        first = self.first_values(start)
+        return [_core.PiecewisePolynomial.constant(first.get(joint.name, 0.0)) for joint in self.arm.joints]
+
+    def at_rest(self, start: float, system: _core.System | None = None) -> _core.Equilibrium:
+        """Equilibrium of the held arm, or of another system of it, with these first values."""
+        values = joint_values(self.arm, {**self.drive.rest, **self.first_values(start)})
+        gravity = _core.Loads(gravity=np.array(self.arm.gravity))
+        return _core.static_equilibrium(self.held if system is None else system, values, gravity)
+
+
+def _shown_at(arm: Arm, controller: Controller, command: float) -> float:
+    """Where the controller's encoder shows the command."""
+    angle = Sensing(arm, controller).true_angle(command)
+    if isnan(angle):
+        raise InvalidParameter(
+            f"the encoder of joint {controller.joint!r} never shows the command {command:g}: an effect on it "
+            "hides the angle",
+            where=f"controllers.{controller.joint}",
+        )
+    return angle
