@@ -80,12 +80,11 @@ class Differentiation:
         )
         acting = [wanted[place] for place in self._places]
         self._arms: list[tuple[Arm, Arm]] = []
-        self._changes: list[tuple[float, float]] = []
+        self._spreads: list[float] = []
         for parameter in acting:
             (above, up), (below, down) = neighbours(task.arm, parameter)
             self._arms.append((above, below))
-            self._changes.append((up, down))
-        self._spreads = [up - down for up, down in self._changes]
+            self._spreads.append(up - down)
         self._equilibrium = task.at_rest(start)
         self._initial = _core.static_derivative(task.held, self._equilibrium, self._still, start)
         refuse_gaps_without_side(
@@ -109,7 +108,7 @@ class Differentiation:
             self._moving,
             _core.released_derivative(task.held, self._initial, task.system),
         )
-        return DifferentiatedPlant(run, self._changes)
+        return DifferentiatedPlant(run, len(self._arms))
 
     def loops(self) -> dict[str, Loop]:
         """The loops of commanded joints, with the derivatives of sensors, motors and holding torques."""

@@ -19,6 +19,7 @@ References
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, sin
 from typing import Any
 
@@ -31,15 +32,17 @@ from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
 Point = tuple[float, float, float]
+_STEP = 1e-5
+"""Of differences by a joint's angle [rad or m]."""
 
 
+@dataclass(frozen=True)
 class _Line:
     """The line on which a joint's axis lies at q = 0; three floats are faster than an array of three."""
 
-    def __init__(self, axis: Floats, origin: Floats, slides: bool) -> None:
-        self.axis: Point = tuple(axis.tolist())
-        self.origin: Point = tuple(origin.tolist())
-        self.slides = slides
+    axis: Point
+    origin: Point
+    slides: bool
 
     def back(self, point: Point, q: float) -> Point:
         """S(q)^-1 of a point: a shift, or Rodrigues' formula for the angle -q."""
@@ -89,7 +92,7 @@ class DeflectionGauge:
             if joint.type != "fixed":
                 frame = joint_frame(arm, joint, link_pose(arm, joint.parent, {}, base))
                 along = frame.R[0] @ np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-                line = _Line(along, frame.x[0], joint.type == "prismatic")
+                line = _Line(tuple(along.tolist()), tuple(frame.x[0].tolist()), joint.type == "prismatic")
                 self._lines.append((names.index(joint.name), line))
 
     def read(self, position: Floats, angles: Floats) -> float:
@@ -99,3 +102,25 @@ class DeflectionGauge:
             point = line.back(point, float(angles[joint]))
         x, y, z = self._axis
         return x * point[0] + y * point[1] + z * point[2] - self._zero  # eq. (2)
+
+    def slopes(self, position: Floats, angles: Floats) -> tuple[Floats, Floats]:
+        """Derivatives of the deflection by the position, shape (3,), and by every joint's angle [m/rad].
+
+        (2) is linear in the position; by angles they are differences, right to 1e-11 of the distance.
+        """
+        here = self.read(position, angles)
+        by_position = np.array([self.read(position + unit, angles) - here for unit in np.eye(3)])
+        by_angle = np.zeros(len(angles))
+        for joint, _ in self._lines:
+            h = np.zeros(len(angles))
+            h[joint] = _STEP
+            by_angle[joint] = (self.read(position, angles + h) - self.read(position, angles - h)) / (
+                2 * _STEP
+            )
+        return by_position, by_angle
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both show the same of every motion."""
+        return isinstance(other, DeflectionGauge) and vars(self) == vars(other)
+
+    __hash__ = None  # type: ignore[assignment]

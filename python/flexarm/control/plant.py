@@ -10,10 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexarm import _core
+from flexarm.arrays import Floats
 from flexarm.control.dual import Dual, Real, slopes_of, value_of
 from flexarm.control.gauge import DeflectionGauge
-
-Gauges = Sequence[tuple[DeflectionGauge, DeflectionGauge]]
 
 
 class Plant:
@@ -43,10 +42,13 @@ class Plant:
         """Their rates [rad/s or m/s]."""
         return float((self._run.joint_rates if output else self._run.drive_rates)[joint])
 
-    def deflection(self, gauge: DeflectionGauge, beside: Gauges = ()) -> Real:
-        """What a gauge without errors shows [m]; `beside` are those of the models beside the arm."""
-        position = np.asarray(self._run.point_position(gauge.point))
-        return gauge.read(position, np.asarray(self._run.joint_angles))
+    def deflection(self, gauge: DeflectionGauge) -> Real:
+        """What a gauge without errors shows [m]."""
+        return gauge.read(*self.seen_by(gauge))
+
+    def seen_by(self, gauge: DeflectionGauge) -> tuple[Floats, Floats]:
+        """Position of a gauge's point [m], and the angles of all joints [rad or m]."""
+        return np.asarray(self._run.point_position(gauge.point)), np.asarray(self._run.joint_angles)
 
     def advance(self, torques: Sequence[Real], n_steps: int) -> None:
         """Steps with motor torques held, one a joint [N m]."""
@@ -60,15 +62,14 @@ class DifferentiatedPlant(Plant):
     ----------
     run : DifferentiatedSampledRun
         Of the core.
-    changes : sequence of (float, float)
-        By how much the models beside the arm have more of each parameter, and less.
+    n_parameters : int
+        By how many parameters.
     """
 
-    def __init__(self, run: _core.DifferentiatedSampledRun, changes: Sequence[tuple[float, float]]) -> None:
+    def __init__(self, run: _core.DifferentiatedSampledRun, n_parameters: int) -> None:
         super().__init__(run.run)
         self._differentiated = run
-        self._changes = changes
-        self.n_parameters = len(changes)
+        self.n_parameters = n_parameters
 
     def angle(self, joint: int, output: bool) -> Real:
         """θ (output side) or φ [rad or m]."""
@@ -82,18 +83,12 @@ class DifferentiatedPlant(Plant):
         slopes = run.joint_rate_slopes if output else run.drive_rate_slopes
         return Dual(value_of(super().rate(joint, output)), slopes[joint])
 
-    def deflection(self, gauge: DeflectionGauge, beside: Gauges = ()) -> Real:
-        """What a gauge without errors shows [m], by differences of both models along the motion."""
-        position = np.asarray(self._run.point_position(gauge.point))
-        angles = np.asarray(self._run.joint_angles)
+    def deflection(self, gauge: DeflectionGauge) -> Real:
+        """What a gauge without errors shows [m], along the motion."""
+        by_position, by_angle = gauge.slopes(*self.seen_by(gauge))
         moving = self._differentiated.point_position_slopes(gauge.point)
         turning = self._differentiated.joint_angle_slopes
-        slopes = np.empty(self.n_parameters)
-        for k, ((above, below), (up, down)) in enumerate(zip(beside, self._changes, strict=True)):
-            high = above.read(position + up * moving[:, k], angles + up * turning[:, k])
-            low = below.read(position + down * moving[:, k], angles + down * turning[:, k])
-            slopes[k] = (high - low) / (up - down)
-        return Dual(gauge.read(position, angles), slopes)
+        return Dual(value_of(super().deflection(gauge)), by_position @ moving + by_angle @ turning)
 
     def advance(self, torques: Sequence[Real], n_steps: int) -> None:
         """Steps with motor torques and their derivatives held."""

@@ -30,7 +30,7 @@ from flexarm.control.gauge import DeflectionGauge
 from flexarm.control.laws import Reading
 from flexarm.control.plant import Plant
 from flexarm.errors import InvalidParameter
-from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.encoder import quantised
 
 _STEP = 1e-5
@@ -118,27 +118,36 @@ class DifferentiatedSensing(Sensing):
         self, arm: Arm, controller: Controller, beside: Sequence[tuple[Arm, Arm]], spreads: Sequence[float]
     ) -> None:
         super().__init__(arm, controller)
-        others = [(Sensing(above, controller), Sensing(below, controller)) for above, below in beside]
-        self._others = [(k, above, below) for k, (above, below) in enumerate(others)]
-        self._spreads = spreads
-        self._gauges = [(a._gauge, b._gauge) for a, b in others if a._gauge and b._gauge]
+        self._changed: dict[str, list[tuple[int, float, SensorEffects, SensorEffects]]] = {}
+        self._moved: list[tuple[int, float, DeflectionGauge, DeflectionGauge]] = []
+        for k, ((above, below), spread) in enumerate(zip(beside, spreads, strict=True)):
+            up, down = Sensing(above, controller), Sensing(below, controller)
+            for name in self._effects:
+                if up._effects[name] != down._effects[name]:
+                    change = (k, spread, up._effects[name], down._effects[name])
+                    self._changed.setdefault(name, []).append(change)
+            if up._gauge is not None and down._gauge is not None and up._gauge != down._gauge:
+                self._moved.append((k, spread, up._gauge, down._gauge))
 
     def _shown(self, sensor: Sensor | None, true: Real) -> Real:
         if not isinstance(true, Dual) or sensor is None or not self._errs(sensor):
             return true
-        name, u = sensor.name, true.value
+        u, seen = true.value, self._effects[sensor.name]
         h = _STEP * max(1.0, abs(u))
-        high, low = self._effects[name].reading(np.array([[u + h], [u - h]]), rounded=False)[:, 0]
+        high, low = seen.reading(np.array([[u + h], [u - h]]), rounded=False)[:, 0]
         slopes: Floats = (high - low) / (2 * h) * true.slopes
-        for k, above, below in self._others:
-            up, down = above._effects[name], below._effects[name]
-            if up != down:
-                at = np.array([[u]])
-                slopes[k] += float((up.reading(at, False) - down.reading(at, False))[0, 0]) / self._spreads[k]
+        at = np.array([[u]])
+        for k, spread, above, below in self._changed.get(sensor.name, ()):
+            slopes[k] += (above.reading(at, False)[0, 0] - below.reading(at, False)[0, 0]) / spread
         return Dual(value_of(super()._shown(sensor, u)), slopes)  # eq. (2)
 
     def _bent(self, plant: Plant) -> Real:
-        return plant.deflection(self._gauge, self._gauges) if self._gauge is not None else 0.0
+        true = super()._bent(plant)
+        if isinstance(true, Dual) and self._gauge is not None:
+            seen = plant.seen_by(self._gauge)
+            for k, spread, above, below in self._moved:
+                true.slopes[k] += (above.read(*seen) - below.read(*seen)) / spread
+        return true
 
 
 def _output(sensor: Sensor | None) -> bool:
