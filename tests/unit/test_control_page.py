@@ -3,11 +3,14 @@
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
 from pytest import approx
 
+import flexarm
 from flexarm import LinearModel
+from flexarm.arm.parameter import with_value
 from flexarm.cli.run import run
 
 TEXT = (Path(__file__).parents[2] / "docs" / "control.md").read_text(encoding="utf-8")
@@ -40,6 +43,25 @@ def test_the_linear_model_of_the_page_is_that_of_its_arm(
     assert model.output_names == ("hinge", "tip.x", "tip.y", "tip.z")
     assert model.poles.real.max() > 0.5
     assert "hinge.torque" in capsys.readouterr().out
+
+
+def test_the_derivative_of_the_page_is_what_differences_scatter_about(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Steps of the encoder make a run jump with the load; the page says by how much."""
+    names: dict[str, Any] = {}
+    exec(PROGRAMS[2], names)
+    printed = float(capsys.readouterr().out.strip("[] \n"))
+    told = re.search(r"is ([\d.]+) N m/kg; differences of runs over ±0.5 kg give ([\d.]+)", TEXT)
+    assert told is not None
+    assert printed == approx(float(told[1]), abs=0.006)
+    heavy, light = (
+        flexarm.simulate(with_value(names["arm"], "payloads.load.mass", mass), names["command"], step=1e-3)
+        for mass in (14.6, 13.6)
+    )
+    difference = heavy.motor_torque[-1, 0] - light.motor_torque[-1, 0]
+    assert difference == approx(float(told[2]), abs=0.006)
+    assert difference == approx(printed, rel=0.1)
 
 
 def test_the_commands_of_the_page_run(model_file: Path, tmp_path: Path) -> None:
