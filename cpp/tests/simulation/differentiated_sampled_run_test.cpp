@@ -37,8 +37,8 @@ Transient controlled(double modulus, double payload, double k) {
 
 }  // namespace
 
-// Newton's iteration leaves 1e-14/(β h²) of accelerations, and nothing holds the motor against what adds up of
-// them: differences of runs take steps far above that, extrapolated to an error of the fourth power.
+// Newton's iteration leaves 1e-14/(β h²) of accelerations, and nothing holds the motor against what adds up
+// of them: differences of runs take steps far above that, extrapolated to an error of the fourth power.
 TEST_CASE("A controlled run is differentiated by its arm and by its gain as differences of whole runs say") {
   constexpr double d = 3e-5;
   const System system = driven_by_torque(0, 0), stiff = driven_by_torque(d, 0),

@@ -51,7 +51,8 @@ def simulate(
     sensitivities : iterable of str
         Keys of parameters, such as "links.rod.material.youngs_modulus" or
         "effects.backlash.hinge.gap": what the arrays are differentiated by in the same run. The result is the
-        derivative of the computed motion, not a difference of runs.
+        derivative of the computed motion, not a difference of runs. Under a controller it holds what the loop
+        makes of the parameter, see `flexarm.control.simulate_closed_loop`.
     dimension : {"auto", "plane", "space"}
         An arm that moves in a plane is computed with three coordinates a node, several times faster and with
         the same result. "space" always takes six, as do controllers; "plane" is an error
