@@ -244,6 +244,30 @@ def test_two_joints_in_space_have_the_derivatives_of_differences() -> None:
     check(spatial_arm(), command(turn=0.2, elbow=-0.1), steps)
 
 
+def test_a_motor_before_a_gear_has_the_derivatives_of_differences() -> None:
+    """The controller holds the shaft, whose torque the gear's ratio carries to the rod."""
+    ratio = 20.0
+    arm = flexarm.Arm.from_dict(
+        {
+            "gravity": [0.0, 0.0, -G],
+            "joints": [hinge("shaft", "rotor"), hinge("hinge", "rod")],
+            "gears": [{"name": "reducer", "input": "shaft", "output": "hinge", "ratio": ratio}],
+            "links": [
+                rigid("rotor", 1.0, inertia=[0.02, 0.02, 0.02]),
+                beam("rod", [0, 0, 1.5], {"shape": "round", "diameter": 0.03}, damping_ratio=0.02),
+            ],
+            "payloads": [{"name": "load", "link": "rod", "position": [0, 0, 1.5], "mass": 3.0}],
+            "points": [point("tip", "rod", [0, 0, 1.5])],
+            "effects": [{**COMPLIANCE, "stiffness": 1e4, "damping": 20.0}],
+            "controllers": [{**CASCADE, "joint": "shaft", "velocity_gain": 1.0, "integral_time": 0.3}],
+        }
+    )
+    t = np.arange(0, END + 1e-9, 4e-3)
+    angle = ratio * (0.3 + 0.1 * smooth_step(t / END))
+    drive = flexarm.Drive.from_samples(t, {"shaft": angle}, side="command")
+    check(arm, drive, {"gears.reducer.ratio": 0.02, "payloads.load.mass": 0.02})
+
+
 def test_a_run_as_it_is_made_has_derivatives_to_its_own_accuracy() -> None:
     """Newton's iteration ends at 1e-13 of the reach; axial damping, 1e8 N/m, feels that most."""
     arm, drive = planar_arm(controllers=[CASCADE]), command()
