@@ -15,6 +15,7 @@ from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, carries, 
 from flexarm.diagnosis.choosing.acceptance import DENT, explained, leaves_gap, quiet
 from flexarm.diagnosis.choosing.screen import NONE, Probed, Share, screen, sharpened, together
 from flexarm.diagnosis.choosing.slow import slow_part
+from flexarm.diagnosis.choosing.unfinished import limit_beside
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.scan import scanned
@@ -37,6 +38,8 @@ LITTLE = 0.01
 """Least share of those many more: a third of what a gap must lose to an effect that leaves one."""
 FAR = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
+HALFWAY = 0.5
+"""Part of what the best one explains that one is not finished without."""
 AHEAD = 0.9
 """What a set of three may leave of what the best one leaves that only adds to a smaller set."""
 
@@ -67,9 +70,10 @@ def larger_fits(
     wanted, others = _promising(fitter, probed, best, places, at_ends)
     more = _fitted(fitter, wanted, best, null)
     if _all_leave_gaps([*found, *more], null, fitter.observed):
-        more += _fitted(fitter, one_variant(screen(fitter, probed, best, seen=slow), SLOW), best, null)
+        slower = one_variant(screen(fitter, probed, best, seen=slow), SLOW)
+        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, null, found=more)
     if not best.members and _all_leave_gaps([*found, *more], null, fitter.observed):
-        more += _fitted(fitter, others, best, null)
+        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, null, found=more)
     if _all_leave_gaps([*found, *more], null, fitter.observed):
         more += _from_other_gaps(fitter, more)
     return more
@@ -105,19 +109,33 @@ def _all_leave_gaps(fits: Sequence[Fit], null: Fit, observed: Observed) -> bool:
     return all(leaves_gap(f, null, observed) for f in fits)
 
 
+def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
+    """Whether a model with these effects more than the best has been fitted."""
+    return {*best.places, *share.places} in (set(f.places) for f in found)
+
+
 def _fitted(
-    fitter: Fitter, wanted: Sequence[Share], best: Fit, null: Fit, most: int | None = None
+    fitter: Fitter,
+    wanted: Sequence[Share],
+    best: Fit,
+    null: Fit,
+    most: int | None = None,
+    found: Sequence[Fit] = (),
 ) -> list[Fit]:
-    """The first that can be simulated; what promises far less is left out once one explains everything."""
-    found: list[Fit] = []
+    """The first that can be simulated; what promises far less is left out once one explains everything.
+
+    One that does not come halfway to the best so far, those `found` before among them, is not finished.
+    """
+    before, found = found, []
     for share in wanted:
         if len(found) == most:
             break
         done = any(explained(f, null, fitter.observed) for f in found)
         if done and share.share < FAR * wanted[0].share:
             break
+        near = limit_beside([*before, *found], best, HALFWAY)
         try:
-            found.append(fitter.fit((*map(_relaxed, best.members), *share.members)))
+            found.append(fitter.fit((*map(_relaxed, best.members), *share.members), limit=near))
         except FAILED:
             continue
     return found

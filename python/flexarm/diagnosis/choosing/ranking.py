@@ -27,12 +27,15 @@ from flexarm.diagnosis.choosing.acceptance import (
 from flexarm.diagnosis.choosing.evidence import log_bayes_factor, worth
 from flexarm.diagnosis.choosing.left_out import missed, odds_lost
 from flexarm.diagnosis.choosing.polish import BETTER, about_itself, polished
+from flexarm.diagnosis.choosing.unfinished import limit_beside
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.residuals.observed import Observed
 
 UNSETTLED, STEPS = 4, 3
 """Most fits that are taken anew since they strain values, and how often."""
+BESIDE_GAPS = 0.25
+"""Part of what the first explains by which others may stay behind that are fitted anew beside a gap."""
 CLOSE = 30.0
 """How far behind in ln Z a model is fitted with derivatives of its own."""
 
@@ -42,7 +45,8 @@ def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[F
     observed = fitter.observed
     first, *others = _ranked(fits, old, null, observed)
     if leaves_gap(first, null, observed):
-        close = sorted(others, key=lambda f: missed(f, observed))[:2]
+        near = [f for f in others if f.cost < limit_beside([first], null, BESIDE_GAPS)]
+        close = sorted(near, key=lambda f: missed(f, observed))[:2]
     else:
         close = [f for f in others[:2] if _close(f, first, observed)]
     there = dict(about_itself(fit, fitter) for fit in (first, *close))

@@ -28,16 +28,20 @@ from flexarm.diagnosis.choosing.polish import ROUNDS, further
 from flexarm.diagnosis.choosing.promising import FAR, PAIRS, TRIED, one_variant
 from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
+from flexarm.diagnosis.choosing.unfinished import limit_beside
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
+from flexarm.diagnosis.fitting.newton import foretold
 from flexarm.diagnosis.residuals.observed import Observed
 
 WITHIN_SIGHT = 8.0
 """How far behind in ln Z a rival is in sight of the chosen model, and taken further."""
 HELPED = 0.5
 """Part of what the chosen effect explains that a spring must, for the machine's other ones to be tried."""
+NOT_NEAR = 0.3
+"""Part of what the chosen effect explains by which a rival that stays behind is not finished."""
 NEARER = 0.3
-"""Least gain of ln Z in a step of a rival that comes nearer: a tenth of what decides."""
+"""Least gain of ln Z in a step of a rival that comes nearer, made or foretold: a tenth of what decides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +109,12 @@ def rivals_of(
         wanted += _sticking(best.members[k], wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _soft_elsewhere(known, wanted, best, before, probed)
+    limit = limit_beside([best], fewer, NOT_NEAR)
     for candidate in wanted:
         try:
-            fit = known.get(candidate.place) or fitter.fit((candidate, *others))
+            fit = known.get(candidate.place) or fitter.fit((candidate, *others), limit=limit)
             if (alike := _alike(candidate, best.members[k])) is not None:
-                fit = min(fit, fitter.fit((alike, *others)), key=lambda f: f.cost)
+                fit = min(fit, fitter.fit((alike, *others), limit=limit), key=lambda f: f.cost)
             fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
         except FAILED:
             continue
@@ -216,12 +221,14 @@ def _caught_up(
     fit = about.fit(fit.members) if open_gap else about.evaluated(fit.members)
     behind = log_bayes_factor(best, fit, observed, value)
     for _ in range(0 if open_gap else ROUNDS):
+        if foretold(fit) / 2 < max(NEARER, behind - WITHIN_SIGHT):  # no step would bring it near
+            break
         try:
             fit, about = further(fit, about, anew=False)
         except FAILED:
             break
         before, behind = behind, log_bayes_factor(best, fit, observed, value)
-        if before - behind < max(NEARER, behind - WITHIN_SIGHT):  # another such step would not bring it near
+        if before - behind < max(NEARER, behind - WITHIN_SIGHT):  # nor another one like this
             break
     return fit, behind
 

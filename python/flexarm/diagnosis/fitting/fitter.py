@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -32,6 +33,8 @@ LIKELY = 2.0
 """Sigmas within which nominal values are centred."""
 CENTRED, LESS = 10, 0.98
 """Most rounds in which nominal values are centred, and the part of the gap that makes one worth while."""
+NEARBY = 0.1
+"""Sigmas, rms, that a model's residual may move while what its steps miss is kept."""
 FORETOLD = 0.1
 """Part of a move that derivatives by unknowns may miss and are kept."""
 
@@ -51,7 +54,9 @@ class Fitter:
     at : ndarray
         Where the unknowns are, from the centres of their priors.
     correction : ndarray
-        Added to residuals: what simulations miss for their time steps, at `at`.
+        Added to residuals: what simulations miss for their time steps, at `at` or near by.
+    corrected : ndarray
+        Residual of the model of which that is missed.
     members : tuple of Candidate
         Effects of the model that derivatives are taken about.
     """
@@ -61,6 +66,7 @@ class Fitter:
     slopes: Floats
     at: Floats
     correction: Floats
+    corrected: Floats
     members: tuple[Candidate, ...] = ()
 
     def __post_init__(self) -> None:
@@ -73,7 +79,8 @@ class Fitter:
         """About the nominal model."""
         arm = unknowns.arm
         slopes = observed.slopes(arm, unknowns.keys, unknowns.steps(arm))
-        return cls(observed, unknowns, slopes, np.zeros(len(unknowns.each)), observed.correction(arm))
+        nothing = np.zeros(len(unknowns.each))
+        return cls(observed, unknowns, slopes, nothing, observed.correction(arm), observed.residual(arm))
 
     def about(self, fit: Fit, part: float = 1.0) -> Fitter:
         """The same about a fitted model, where derivatives are those of the model with its effects.
@@ -94,7 +101,7 @@ class Fitter:
         missed, move = there.residual(fit.members) - fit.residual, self.slopes @ (at - self.at)
         if float(missed @ missed) > max(1.0, FORETOLD**2 * float(move @ move)):
             return self.about(fit, part)
-        return replace(there, correction=self.observed.correction(there.with_effects(fit.members)))
+        return there._corrected()
 
     def _found_at(self, fit: Fit, part: float = 1.0) -> Floats:
         """Where a fit has the unknowns, or part of the way there."""
@@ -128,8 +135,18 @@ class Fitter:
             arm, keys, self.unknowns.steps(arm)
         )
         acting = np.where(slopes.any(axis=0), at, 0.0)
-        correction = self.observed.correction(arm)
-        return replace(self, at=acting, slopes=slopes, correction=correction, members=members)
+        return replace(self, at=acting, slopes=slopes, members=members)._corrected()
+
+    def _corrected(self) -> Fitter:
+        """The same with what steps miss of its own model, unless that of another one is as good.
+
+        What they miss is a small part of a motion, and moves as the motion does.
+        """
+        arm = self.with_effects(self.members)
+        here = self.observed.residual(arm)
+        if np.mean((here - self.corrected) ** 2) < NEARBY**2:
+            return self
+        return replace(self, correction=self.observed.correction(arm), corrected=here)
 
     def centred(self) -> Fitter:
         """The same about nominal values that fit better, for those that act otherwise than in proportion.
@@ -183,8 +200,16 @@ class Fitter:
             self._projections[taken] = (left, Projection(self.slopes[:, keep], left.sigma))
         return self._projections[taken]
 
-    def fit(self, members: Sequence[Candidate], evaluations: int = 8, tolerance: float = 2e-3) -> Fit:
+    def fit(
+        self,
+        members: Sequence[Candidate],
+        evaluations: int = 8,
+        tolerance: float = 2e-3,
+        limit: float = inf,
+    ) -> Fit:
         """The least of (1) of `least_squares`, for a set of effects that start at their own values.
+
+        A fit that would stay above the limit is not finished.
 
         Raises
         ------
@@ -195,7 +220,7 @@ class Fitter:
         problem = self.problem(members)
         if not problem.coordinates:
             return self._as_it_is(members)
-        z = problem.solved(problem.z_of(members), evaluations, tolerance)
+        z = problem.solved(problem.z_of(members), evaluations, tolerance, limit)
         return self._found(problem, z, problem.members_at(z))
 
     def evaluated(self, members: Sequence[Candidate]) -> Fit:
@@ -213,7 +238,8 @@ class Fitter:
 
     def _found(self, problem: LeastSquares, z: Floats, members: tuple[Candidate, ...]) -> Fit:
         """The fit at z, which `members` have."""
-        residual, slopes, projection = problem.raw(z), problem.differences(z), problem.projection
+        slopes = problem.slopes_at(z) if problem.given_up else problem.differences(z)
+        residual, projection = problem.raw(z), problem.projection
         rest, left = projection.rest(residual), self.eliminated(members)[0]
         return Fit(members, problem.coordinates, z, residual, rest, slopes, left, projection)
 

@@ -11,11 +11,15 @@ SciPy's least_squares solves (1) within bounds. Its derivatives come from finite
 smooth need them, and from there on from Broyden's update [Broyden1965] while that foretells what a step does,
 
     J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                          (2)
+
+A fit that does not come near another model is not finished: it ends where (1) would stay above a limit even
+if it fell twice as far once more as in the last step, or as it is foretold to fall in the next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,12 +36,23 @@ if TYPE_CHECKING:
 
 FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
+MORE = 2.0
+"""Times the last fall of (1), or the next one as foretold, that a fit is still trusted to fall."""
+
+
+class _FarOff(Exception):
+    """Ends a fit that stays above its limit."""
 
 
 class LeastSquares:
     """Rows of (1) and their derivatives, all evaluations kept.
 
     What cannot be simulated counts as so far off that a step there is taken back.
+
+    Attributes
+    ----------
+    given_up : bool
+        Whether the fit ended above its limit, before its least.
     """
 
     def __init__(
@@ -53,9 +68,10 @@ class LeastSquares:
         self._slopes: dict[bytes, Floats] = {}
         self._differences: dict[bytes, Floats] = {}
         self._last: Floats | None = None
+        self._least, self._limit, self.given_up = inf, inf, False
 
-    def solved(self, start: Floats, evaluations: int, tolerance: float) -> Floats:
-        """Where (1) is least within the bounds.
+    def solved(self, start: Floats, evaluations: int, tolerance: float, limit: float = inf) -> Floats:
+        """Where (1) is least within the bounds, or where it was found to stay above the limit.
 
         Raises
         ------
@@ -67,17 +83,23 @@ class LeastSquares:
         self.raw(start)  # an error here is the caller's
         bounds = np.array([c.bound for c in self.coordinates])
         finest = float(min(self._steps(start) / [c.widest_step for c in self.coordinates]))
-        found = least_squares(
-            self.rows,
-            np.clip(start, -0.99 * bounds, 0.99 * bounds),
-            self.jacobian,
-            bounds=(-bounds, bounds),
-            x_scale=1.0,
-            max_nfev=evaluations,
-            ftol=tolerance * 1e-1,
-            xtol=tolerance * finest,
-            gtol=1e-12,
-        )
+        self._limit = limit
+        try:
+            found = least_squares(
+                self.rows,
+                np.clip(start, -0.99 * bounds, 0.99 * bounds),
+                self.jacobian,
+                bounds=(-bounds, bounds),
+                x_scale=1.0,
+                max_nfev=evaluations,
+                ftol=tolerance * 1e-1,
+                xtol=tolerance * finest,
+                gtol=1e-12,
+            )
+        except _FarOff:
+            self.given_up = True
+            assert self._last is not None
+            return self._last
         return np.asarray(found.x)
 
     def z_of(self, members: Sequence[Candidate]) -> Floats:
@@ -104,10 +126,21 @@ class LeastSquares:
         return np.concatenate([rest, prior_rows(self.coordinates, z)[0]])
 
     def jacobian(self, z: Floats) -> Floats:
-        """Derivatives of the rows."""
-        return np.vstack(
+        """Derivatives of the rows, where a step has led; the fit ends here if it stays above its limit."""
+        found = np.vstack(
             [self.projection.rest(self.slopes_at(z)), np.diag(prior_rows(self.coordinates, z)[1])]
         )
+        if self._limit < inf:
+            self._see_whether_near(self.rows(z), found)
+        return found
+
+    def _see_whether_near(self, rows: Floats, jacobian: Floats) -> None:
+        least = float(rows @ rows)
+        ahead = rows + jacobian @ np.linalg.lstsq(jacobian, -rows, rcond=None)[0]
+        falls = max(self._least - least, least - float(ahead @ ahead))  # the first fall is not known: inf
+        self._least = least
+        if least - MORE * falls > self._limit:
+            raise _FarOff
 
     def slopes_at(self, z: Floats) -> Floats:
         """Derivatives of the residuals by z, eq. (2) where that is enough."""
