@@ -20,7 +20,7 @@ FAILURES = [
     InvalidParameter("mass must be positive"),
     LinAlgError("singular"),
 ]
-NOTHING = SimpleNamespace(members=())
+NOTHING = SimpleNamespace(members=(), cost=9.0)
 
 
 def raises(*_):
@@ -30,10 +30,10 @@ def raises(*_):
 def failing(error, at):
     """A fitter that finds everything but one thing."""
 
-    def fit(members):
+    def fit(members, limit):
         if members[0] == at:
             raise error
-        return members[0]
+        return SimpleNamespace(name=members[0], cost=1.0)
 
     return SimpleNamespace(fit=fit, observed=None)
 
@@ -42,7 +42,7 @@ def fitted(error, monkeypatch):
     """What is found of three effects, of which the second leads to an error."""
     monkeypatch.setattr(promising, "explained", lambda *_: False)
     shares = [SimpleNamespace(members=(name,), share=0.9) for name in ("tilt", "bow", "play")]
-    return promising._fitted(failing(error, "bow"), shares, NOTHING, NOTHING)
+    return [fit.name for fit in promising._fitted(failing(error, "bow"), shares, NOTHING, NOTHING)]
 
 
 @pytest.mark.parametrize("error", FAILURES, ids=lambda error: type(error).__name__)

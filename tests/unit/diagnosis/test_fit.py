@@ -91,6 +91,53 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
     assert runs[1] < runs[0]
 
 
+@pytest.mark.parametrize("part, finished", [(0.1, False), (2.0, True)], ids=["far", "near"])
+def test_a_fit_that_stays_above_its_limit_is_not_finished(run, part, finished):
+    """A damped link in the place of a soft joint leaves most of the gap, whatever its damping."""
+    nominal = run.simulation.arm
+    record = seen(run, nominal.with_effect(JointCompliance(at="hinge", stiffness=1.0e5, damping=400.0)))
+    both = observed(nominal, record)
+    fitter = Fitter.nominal(both, unknowns(both))
+    damped = [c for c in candidates(both, fitter.unknowns.arm) if c.name == "link_damping"]
+    made = both.runs.made
+    whole = fitter.fit(damped)
+    needed, made = both.runs.made - made, both.runs.made
+    both._residuals.clear()
+    both.runs._runs.clear()
+    limited = fitter.fit(damped, limit=part * whole.cost)
+    if finished:
+        assert limited.cost == whole.cost
+    else:
+        assert both.runs.made - made < needed
+        assert whole.cost < limited.cost < fitter.fit(()).cost
+        assert limited.slopes.shape == whole.slopes.shape
+
+
+def test_a_fit_that_comes_below_its_limit_in_the_end_is_finished(run):
+    """A soft joint, from as far as it starts: the limit is ten times what the right model leaves."""
+    nominal = run.simulation.arm
+    record = seen(run, nominal.with_effect(JointCompliance(at="hinge", stiffness=1.0e5, damping=400.0)))
+    both = observed(nominal, record)
+    fitter = Fitter.nominal(both, unknowns(both))
+    spring = [c for c in candidates(both, fitter.unknowns.arm) if c.name == "joint_compliance"][:1]
+    whole = fitter.fit(spring)
+    assert whole.cost < 1e-2 * fitter.fit(()).cost
+    assert fitter.fit(spring, limit=10 * whole.cost).cost == whole.cost
+
+
+def test_what_steps_miss_is_kept_where_a_model_hardly_moves(run):
+    """It moves as the motion does, of which it is a part: kept below a tenth of a sigma."""
+    key = "links.rod.material.youngs_modulus"
+    nominal = run.simulation.arm.replace(uncertainty={key: 0.05})
+    modulus = nominal.link("rod").material.youngs_modulus
+    both = observed(nominal, run.record, step=4e-3)
+    fitter = Fitter.nominal(both, unknowns(both))
+    k = fitter.unknowns.keys.index(key)
+    for part, kept in ((1e-7, True), (1e-3, False)):
+        at = np.where(np.arange(len(fitter.at)) == k, part * modulus, 0.0)
+        assert (fitter._moved(at, ()).correction is fitter.correction) == kept
+
+
 def test_a_frequency_is_found_to_a_small_part_of_a_turn(run):
     """A search starts up to an eighth of a turn off; a hundredth of a sigma is half a turn in 30 s."""
     base = BaseCompliance(at="base", stiffness=3e6, damping=3e3)

@@ -123,6 +123,17 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
     assert (best.name, best.cost) == ("payload_inertia", 10.9)
 
 
+def test_beside_a_gap_only_what_explains_about_as_much_is_taken_anew(monkeypatch):
+    """Of 100 the first leaves 40: what leaves more than (1 + 1/10) 40 + (100 - 40)/4 = 59 stays as it is."""
+    anew = []
+    monkeypatch.setattr(ranking, "about_itself", lambda fit, fitter: (anew.append(fit.name) or fit, fitter))
+    monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(ranking, "missed", lambda fit, observed: fit.missed)
+    fits = [Made("first", 40.0, 4.0), Made("near", 58.0, 6.0), Made("far", 60.0, 6.0)]
+    ranking.best_of(SimpleNamespace(observed=None), fits, NULL, NULL)
+    assert anew == ["first", "near"]
+
+
 def test_what_came_close_on_the_way_is_a_rival():
     """Though screening sees little in it; what is thirty behind is none."""
     best = Made("joint_compliance", cost=1.0, missed=1.0, evidence=100.0)
@@ -134,6 +145,7 @@ def test_what_came_close_on_the_way_is_a_rival():
 
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
     """Beside derivatives of the nominal model both are poor; the chosen one has come to rest since."""
+    monkeypatch.setattr(rivals, "foretold", lambda fit: 8.0)
     monkeypatch.setattr(rivals, "further", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about))
     about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     fitter = SimpleNamespace(observed=None, about=lambda fit: about)
@@ -141,6 +153,33 @@ def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatc
     rival = Made("encoder_scale", 1.0, 1.0, 40.0)
     assert rivals._caught_up(rival, best, first, fitter, {}, False)[0].name == "settled"
     assert rivals._caught_up(rival, best, best, fitter, {}, False) == (rival, 60.0)
+
+
+@pytest.mark.parametrize("falls, steps", [(0.4, 0), (4.0, 1), (12.0, 1)])
+def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps):
+    """A fall of C by 4 is 2 of ln Z at most: from five behind that is worth a step, a fall by 0.4 is not."""
+    taken = []
+    monkeypatch.setattr(rivals, "foretold", lambda fit: falls)
+    monkeypatch.setattr(
+        rivals,
+        "further",
+        lambda fit, about, anew: (taken.append(fit) or Made("there", 1.0, 1.0, 95.0), about),
+    )
+    about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
+    fitter = SimpleNamespace(observed=None, about=lambda fit: about)
+    best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
+    rivals._caught_up(rival, best, best, fitter, {}, False)
+    assert len(taken) == steps
+
+
+def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
+    """Twenty behind, with a fall of C by 20 ahead: it would still be ten behind, out of sight."""
+    monkeypatch.setattr(rivals, "foretold", lambda fit: 20.0)
+    monkeypatch.setattr(rivals, "further", lambda *_, **__: pytest.fail("took a step"))
+    about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
+    fitter = SimpleNamespace(observed=None, about=lambda fit: about)
+    best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
+    assert rivals._caught_up(rival, best, best, fitter, {}, False)[1] == 20.0
 
 
 @pytest.mark.parametrize("gap, fitted", [(False, ["near"]), (True, ["near", "far"])], ids=["none", "a gap"])
@@ -161,7 +200,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     monkeypatch.setattr(rivals, "_alike", lambda *_: None)
     monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
-    fitter = SimpleNamespace(observed=None, fit=lambda m: made[m[0].place[0]] if m else nothing)
+    fitter = SimpleNamespace(observed=None, fit=lambda m, limit=0: made[m[0].place[0]] if m else nothing)
     found = rivals.rivals_of(0, made["chosen"], nothing, fitter, [], [], {})
     assert [rival.candidate.place[0] for rival in found] == fitted
 

@@ -34,13 +34,11 @@ ALIKE, SAME = 0.8, 0.98
 """Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
 SMALL = 1e-3
 """Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
-LONGEST = 4.0
-"""Steps of those simulations over those of fits: moves are compared with others of the same steps."""
 PART = 1 / 3
 """Least part of what would be left without strained unknowns that they explain."""
 TAKEN = 3
 """Effects that are fitted."""
-SIZES = (0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0)
+SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
 """Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
 
 Strained = dict[str, tuple[Floats, float]]
@@ -194,7 +192,7 @@ def _small_moves(
     fitter: Fitter, others: Sequence[Candidate], best: Fit, strained: Strained
 ) -> Iterator[tuple[Candidate, Floats, Strained]]:
     """Those derivatives from small steps of each effect, in simulations of longer steps."""
-    observed = fitter.observed.with_step(LONGEST * fitter.observed.step)
+    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
     there = fitter.with_effects(best.members)
     slopes = observed.slopes(there, list(strained), fitter.unknowns.steps(there))
     of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
