@@ -30,7 +30,7 @@ from flexarm.diagnosis.residuals.observed import Observed
 
 BLOCKS = 24
 """Blocks a record."""
-FORETOLD, ODDS = 0.2, log(200.0)
+CLEARLY, ODDS = 0.2, log(200.0)
 """What is clearly better: part of what is missed, and least ln B of (2); for 24 blocks the same."""
 HELD = 1.0 / 9.0
 """Weight of an effect's prior, as in `least_squares`."""
@@ -59,7 +59,7 @@ def foretells_better(one: Fit, other: Fit, observed: Observed) -> bool:
     """Whether a model foretells what is left out clearly better than another one."""
     ratio = missed(other, observed) / max(missed(one, observed), 1e-300)
     odds = len(groups(observed)) * log(max(ratio, 1e-300))  # eq. (2)
-    return ratio * (1.0 - FORETOLD) > 1.0 and odds > ODDS
+    return ratio * (1.0 - CLEARLY) > 1.0 and odds > ODDS
 
 
 def odds_lost(fits: Sequence[Fit], observed: Observed) -> list[float]:

@@ -25,7 +25,7 @@ STILL, SETTLED = 1.0, 0.1
 """Least fall of C in a round of each, in squared sigmas: those of the noise or, above it, of what is left."""
 SHORTER = (1.0, 0.3, 0.1)
 """Parts of a step that are tried, of which the whole would lead far down to first order, and leads up."""
-ALIKE = 2
+NULL_ROUNDS = 2
 """Rounds in which the model without effects is fitted about itself."""
 
 
@@ -37,7 +37,7 @@ def without_effects(start: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     The search itself starts where clocks and frames are nominal, since effects may take their places.
     """
     best, there = start, fitter
-    for _ in range(ALIKE):
+    for _ in range(NULL_ROUNDS):
         fit, at = about_itself(best, there)
         before, (best, there) = best, (fit, at) if fit.cost < best.cost else (best, there)
         if fit.cost > BETTER * before.cost:

@@ -36,7 +36,7 @@ HALF = 0.5
 """What the best must promise, or laws are looked at again at the ends of what is plausible."""
 LITTLE = 0.01
 """Least share of those many more: a third of what a gap must lose to an effect that leaves one."""
-FAR = 0.3
+FAINT = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 HALFWAY = 0.5
 """Part of what the best one explains that one is not finished without."""
@@ -131,7 +131,7 @@ def _fitted(
         if len(found) == most:
             break
         done = any(explained(f, null, fitter.observed) for f in found)
-        if done and share.share < FAR * wanted[0].share:
+        if done and share.share < FAINT * wanted[0].share:
             break
         near = limit_beside([*before, *found], best, HALFWAY)
         try:

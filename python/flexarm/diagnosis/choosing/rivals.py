@@ -25,7 +25,7 @@ from flexarm.diagnosis.choosing.acceptance import REACH, leaves_gap
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.choosing.left_out import foretells_better
 from flexarm.diagnosis.choosing.polish import ROUNDS, further
-from flexarm.diagnosis.choosing.promising import FAR, PAIRS, TRIED, one_variant
+from flexarm.diagnosis.choosing.promising import FAINT, PAIRS, TRIED, one_variant
 from flexarm.diagnosis.choosing.ranking import CLOSE
 from flexarm.diagnosis.choosing.screen import Probed, screen, sharpened
 from flexarm.diagnosis.choosing.unfinished import limit_beside
@@ -90,40 +90,60 @@ def rivals_of(
     """
     observed = fitter.observed
     open_gap = leaves_gap(best, null, observed)
-    mine = best.members[k].place
+    chosen = best.members[k]
     others = tuple(m for i, m in enumerate(best.members) if i != k)
-    if carries(others, best.members[k]):
+    if carries(others, chosen):
         return []
-    known = _known(best, {m.place for m in others}, tried)
-    peer = _peer(best, tried)
     fewer = without(others, fitter, (null, *tried))
     if fewer is None:
         return []
-    shares = [s for s in screen(fitter, probed, fewer) if s.members[0].place != mine]
-    found = []
-    most = PAIRS if open_gap else TRIED
-    sharp = sharpened(fitter, one_variant(shares, 2 * most), fewer)[:most]
-    wanted = [s.members[0] for s in sharp if open_gap or s.share >= FAR * sharp[0].share]
+    known = _known(best, {m.place for m in others}, tried)
+    wanted = _promising(chosen, fewer, fitter, probed, open_gap)
     if not open_gap:
         wanted += _near(known, wanted, best, observed, value)
-        wanted += _sticking(best.members[k], wanted, probed)
+        wanted += _sticking(chosen, wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _soft_elsewhere(known, wanted, best, before, probed)
     limit = limit_beside([best], fewer, NOT_NEAR)
+    peer = _peer(best, tried)
+    found = []
     for candidate in wanted:
         try:
             fit = known.get(candidate.place) or fitter.fit((candidate, *others), limit=limit)
-            if (alike := _alike(candidate, best.members[k])) is not None:
+            if (alike := _alike(candidate, chosen)) is not None:
                 fit = min(fit, fitter.fit((alike, *others), limit=limit), key=lambda f: f.cost)
             fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
         except FAILED:
             continue
-        member = next(m for m in fit.members if m.place == candidate.place)
-        told = not open_gap or not foretells_better(best, fit, observed)
-        if open_gap and not foretells_better(fit, best, observed):
-            behind = max(behind, 0.0)
-        found.append(Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told))
+        found.append(_rival(candidate, fit, best, behind, observed, value, open_gap))
     return sorted(found, key=lambda rival: rival.behind)
+
+
+def _promising(
+    chosen: Candidate, fewer: Fit, fitter: Fitter, probed: Sequence[Probed], open_gap: bool
+) -> list[Candidate]:
+    """Effects that promise most of what the chosen one explains; beside a gap however little that is."""
+    shares = [s for s in screen(fitter, probed, fewer) if s.members[0].place != chosen.place]
+    most = PAIRS if open_gap else TRIED
+    sharp = sharpened(fitter, one_variant(shares, 2 * most), fewer)[:most]
+    return [s.members[0] for s in sharp if open_gap or s.share >= FAINT * sharp[0].share]
+
+
+def _rival(
+    candidate: Candidate,
+    fit: Fit,
+    best: Fit,
+    behind: float,
+    observed: Observed,
+    value: Mapping[Channel, float],
+    open_gap: bool,
+) -> Rival:
+    """What is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
+    member = next(m for m in fit.members if m.place == candidate.place)
+    told = not open_gap or not foretells_better(best, fit, observed)
+    if open_gap and not foretells_better(fit, best, observed):
+        behind = max(behind, 0.0)
+    return Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told)
 
 
 def without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:

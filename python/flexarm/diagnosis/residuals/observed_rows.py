@@ -29,7 +29,7 @@ from flexarm.record import Record, Signal
 
 REPEATS = 6
 """Least rows beyond one a pose that show the noise: of two channels to a fifth."""
-ALIKE = 1e-12
+ROUNDING = 1e-12
 """Scatter over the greatest reading that is rounding."""
 
 
@@ -116,7 +116,7 @@ def noise_of_poses(name: str, signal: Signal, residual: Floats) -> float:
     pose = np.asarray(signal.pose)[known]
     repeats = len(pose) - len(np.unique(pose))
     sigma = repeated_noise(pose, residual[known]) if repeats >= REPEATS else None
-    if sigma is None or sigma < ALIKE * np.nanmax(np.abs(signal.values)):
+    if sigma is None or sigma < ROUNDING * np.nanmax(np.abs(signal.values)):
         raise InvalidParameter(
             f"state noise_std above zero; of poses only rows that repeat one would show it, needed are "
             f"{REPEATS} that are not all alike, got {repeats}",
