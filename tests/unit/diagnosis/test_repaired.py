@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import diagnoses
 
 import flexarm
+from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.named import Estimate, Refined
 from flexarm.diagnosis.outcome import repair
 from flexarm.diagnosis.outcome.estimates import Estimates
@@ -14,9 +15,8 @@ from flexarm.effects.link_damping import LinkDamping
 
 def repaired_with(ratio: float, std: float, *refined: Refined) -> flexarm.Arm:
     """The model that is written of what a fit found: a damping ratio, and nominal values."""
-    fit = SimpleNamespace(
-        members=(SimpleNamespace(name="link_damping", needs=None, effect=LinkDamping(at="rod")),)
-    )
+    damped = Candidate(LinkDamping(at="rod"), ("damping_ratio",), (), {})
+    fit = SimpleNamespace(members=(damped,), places=(damped.place,))
     found = Estimate("damping_ratio", ratio, std, ratio - std, ratio + std, "-")
     return repaired(diagnoses.nominal(), fit, Estimates([(found,)], (), refined))
 

@@ -12,7 +12,7 @@ turn apart); `Candidate.sized` turns the alphas into parameters that start a fit
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import atan2, hypot, isinf
 
@@ -86,8 +86,10 @@ class Candidate:
         return {**self.effect.priors(arm), **self.priors}
 
     def base(self, arm: Arm) -> Arm:
-        """The model that a probe differs from: with what the effect needs."""
-        return arm if self.needs is None else arm.with_effect(self.needs)
+        """The model that a probe differs from: with what the effect needs, unless that is there."""
+        if self.needs is None or arm.effect(self.needs.name, self.needs.at) is not None:
+            return arm
+        return arm.with_effect(self.needs)
 
     def sized(self, alphas: Sequence[float], least: float = LEAST) -> Effect:
         """The effect of the size that least squares give to its probes.
@@ -173,6 +175,18 @@ def _given_way(spring: Effect | None) -> tuple[float, float]:
     if spring is None or isinf(stiffness := value_of(spring, "stiffness")):
         return 0.0, 0.0
     return 1.0 / stiffness, value_of(spring, "damping") / stiffness**2
+
+
+def springs_first(members: Iterable[Candidate]) -> list[Candidate]:
+    """Effects in the order in which they enter a model: a law finds the spring that it acts on."""
+    return sorted(members, key=lambda member: member.name not in SPRINGS)
+
+
+def with_members(arm: Arm, members: Iterable[Candidate]) -> Arm:
+    """A model with effects, and with what they need."""
+    for member in springs_first(members):
+        arm = member.base(arm).with_effect(member.effect)
+    return arm
 
 
 def carries(members: Sequence[Candidate], spring: Candidate) -> bool:

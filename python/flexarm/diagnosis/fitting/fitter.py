@@ -20,7 +20,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import Candidate
+from flexarm.diagnosis.candidates.candidate import Candidate, with_members
 from flexarm.diagnosis.fitting.coordinate import coordinates_of
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.least_squares import LeastSquares
@@ -252,12 +252,4 @@ class Fitter:
 
     def with_effects(self, members: Sequence[Candidate]) -> Arm:
         """The nominal model with effects, and with what they need."""
-        arm = self.start
-        present = {member.place for member in members}
-        for member in members:
-            if member.needs is not None and (member.needs.name, member.needs.at) not in present:
-                arm = arm.with_effect(member.needs)
-        springs_first = sorted(members, key=lambda m: m.name not in ("joint_compliance", "base_compliance"))
-        for member in springs_first:
-            arm = arm.with_effect(member.effect)
-        return arm
+        return with_members(self.start, members)

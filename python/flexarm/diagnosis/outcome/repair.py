@@ -15,7 +15,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
+from flexarm.diagnosis.candidates.candidate import Candidate, springs_first
 from flexarm.diagnosis.choosing.choose import Choice
 from flexarm.diagnosis.choosing.left_out import missed
 from flexarm.diagnosis.choosing.transfer import carried
@@ -38,11 +38,9 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
     """The nominal model with refined values and the effects of a fit."""
     for refined in filter(moved, sizes.refined):
         arm = _written(partial(_refined, arm, refined))
-    found = zip(fit.members, sizes.effects, strict=True)
-    for member, values in sorted(found, key=lambda pair: pair[0].name not in SPRINGS):
-        if member.needs is not None and arm.effect(member.needs.name, member.needs.at) is None:
-            arm = arm.with_effect(member.needs)
-        arm = _written(partial(_added, arm, member, values))
+    found = dict(zip(fit.places, sizes.effects, strict=True))
+    for member in springs_first(fit.members):
+        arm = _written(partial(_added, member.base(arm), member, found[member.place]))
     return arm
 
 

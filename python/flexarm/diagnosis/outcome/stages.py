@@ -11,7 +11,7 @@ from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.at_once import at_once
-from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate
+from flexarm.diagnosis.candidates.candidate import Candidate, springs_first, with_members
 from flexarm.diagnosis.named import Stage
 from flexarm.record import Record
 
@@ -75,10 +75,8 @@ def stages(
         model = model.with_effect(effect)
         found.append(Stage(f"{effect.name} at {effect.at}", _rms(beside(model), main)))
     if updated.effects != model.effects:
-        for member in sorted(members, key=lambda each: each.name not in SPRINGS):
-            if member.needs is not None and model.effect(member.needs.name, member.needs.at) is None:
-                model = model.with_effect(member.needs)
-            model = model.with_effect(member.effect)
+        for member in springs_first(members):
+            model = with_members(model, [member])
             found.append(Stage(f"{member.name} at {member.at}", _rms(beside(model), main)))
     if updated != arm:
         found.append(Stage("nominal values refined", _rms(after, main)))
