@@ -7,7 +7,12 @@ and `RINGING` times the vibration that the model predicts around it: a move that
 several rows, and a model seldom has the phase of its ringing right. Torques, accelerations and strains jump
 where teeth strike; of these only readings beyond `RANGES` ranges of the others are outliers. Drives have no
 residual: their samples are told apart by the parabolas alone; where a drive stops within a sample, one of the
-three is right.
+three is right. What a motion does by itself from sample to sample shows in the third differences beside a row,
+
+    |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
+
+by which the outer two parabolas miss: of a drive without noise these are all that is left, and a row must be
+off by more than `SMOOTH` times the median of those beside it.
 """
 
 from __future__ import annotations
@@ -44,6 +49,10 @@ MOST = 0.15
 """Share of the rows above which they are no outliers but what the signal shows."""
 DRIVE_NOISE = 30.0
 """As `NOISE`, of drives; parabolas have up to 4.4 times the noise of a sample."""
+SMOOTH = 4.0
+"""As `NEARBY`, of drives, over (1): at the ends of a smooth motion a row is off by (1) itself."""
+LEAST = 1e-6
+"""Of a drive's range, by which a row must be off at least: less shows in no sensor, and may be rounding."""
 COUNTS = 2.0
 """Steps of an encoder that a drive may jump by: rounding moves it off the middle parabola by up to 4/3."""
 
@@ -99,8 +108,18 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
     if len(rows) > NEIGHBOURS:
         nearest = _off_the_parabolas(samples[rows][:, None])[:, 0]
         usual = 2 * SPREAD * float(np.median(nearest))
-        found[rows] = nearest > max(DRIVE_NOISE * noise, usual, COUNTS * lattice_step(samples))
+        least = LEAST * float(np.ptp(samples[rows]))
+        limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * lattice_step(samples))
+        found[rows] = nearest > np.maximum(limit, SMOOTH * _bends_beside(samples[rows]))
     return found
+
+
+def _bends_beside(y: Floats) -> Floats:
+    """Median of the third differences (1) on both sides of every sample that do not hold it, shape (n,)."""
+    third = np.pad(np.abs(np.diff(y, 3)), AROUND + 4, constant_values=np.nan)  # k is now k + AROUND + 4
+    windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
+    before, after = windows[1 : 1 + len(y)], windows[AROUND + 5 : AROUND + 5 + len(y)]
+    return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
 
 
 def _off_the_parabolas(values: Floats) -> Floats:
