@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import Json, print_json, warn
+from flexarm.cli.options import Json, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 Told = tuple[dict[str, Any], list[str], list[Problem]]
 """For programs, in lines for a person, and warnings."""
+Faults = list[tuple[Path, Problem]]
+"""What makes data unusable, by the file that is at fault."""
 _MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
 
 
@@ -39,28 +41,36 @@ def check(
 
     With records behind a model: whether their sensors can be what they say, as the first step of a diagnosis
     asks before the long ones: channels that are dead, turned over, in another unit or cut off; outliers,
-    jumps of a clock, a noise unlike the stated one.
+    jumps of a clock, a noise unlike the stated one. Where a sensor is at fault the data are unusable, and the
+    exit code is 2, as it is where a file cannot be read. Remarks and warnings leave it at 0.
 
         flexarm check arm.toml
         flexarm check measured --json
         flexarm check arm.toml measured
         flexarm check hub.nc
     """
+    faults: Faults = []
     try:
-        told, lines, warnings = _beside(path, records) if records else _reader(path)(path)
+        if records:
+            told, lines, faults = _beside(path, records)
+            warnings: list[Problem] = []
+        else:
+            told, lines, warnings = _reader(path)(path)
     except InvalidFile as error:
         if json:
             print_json({"path": str(path), "problems": [_plain(problem) for problem in error.problems]})
         raise
     if json:
-        print_json({"path": str(path), **told, "problems": [], "warnings": [_plain(w) for w in warnings]})
+        problems = [_plain(problem) for _, problem in faults]
+        print_json({"path": str(path), **told, "problems": problems, "warnings": list(map(_plain, warnings))})
     else:
         print("\n".join(lines))
     warn(path, warnings)
+    refuse(faults)
 
 
-def _beside(path: Path, records: list[Path]) -> Told:
-    """Records beside a model.
+def _beside(path: Path, records: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+    """Records beside a model, and the sensors at fault.
 
     Raises
     ------
@@ -71,8 +81,7 @@ def _beside(path: Path, records: list[Path]) -> Told:
         raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
     from flexarm.cli.check_beside import check_beside
 
-    told, lines = check_beside(path, records)
-    return told, lines, []
+    return check_beside(path, records)
 
 
 def _reader(path: Path) -> Callable[[Path], Told]:

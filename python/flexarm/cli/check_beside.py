@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.cli.options import load_arm
 from flexarm.cli.records import blame_one_of, load_record, record_names
+from flexarm.errors import Problem
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.checks.checked import Checked, Fault
 
 
-def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str]]:
-    """What the first step of a diagnosis finds, for programs and in lines for a person.
+Faults = list[tuple[Path, Problem]]
+
+
+def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+    """What the first step of a diagnosis finds, for programs, in lines for a person, and what is at fault.
 
     Raises
     ------
@@ -28,7 +32,16 @@ def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[s
     with blame_one_of(model, files, records, arm):
         found = check(arm, records)
     next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
-    return _told(found), [found.summary(), *([next_step] if found.usable else [])]
+    return _told(found), [found.summary(), *([next_step] if found.usable else [])], _faults(found, files)
+
+
+def _faults(found: Checked, files: dict[str, Path]) -> Faults:
+    """Each sensor at fault, with every record that shows it."""
+    return [
+        (files[name], Problem(f"signals.{fault.at}", f"{fault.name}: {fault.evidence}"))
+        for fault in found.faults
+        for name in fault.records
+    ]
 
 
 def _told(found: Checked) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from flexarm.cli.run import INPUT_AT_FAULT
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -43,6 +44,19 @@ def warn(file: Path, problems: Iterable[Problem]) -> None:
     """Prints `warning: FILE: WHERE: ...` on standard error for each problem."""
     for problem in problems:
         print(f"warning: {file}: {problem}", file=sys.stderr)
+
+
+def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
+    """Prints `error: FILE: WHERE: ...` on standard error for each fault and ends with exit code 2 if any.
+
+    For commands whose output is whole and says that the input is at fault.
+    """
+    found = list(faults)
+    sys.stdout.flush()
+    for file, problem in found:
+        print(f"error: {file}: {problem}", file=sys.stderr)
+    if found:
+        raise typer.Exit(INPUT_AT_FAULT)
 
 
 def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, float]:

@@ -30,9 +30,11 @@ def test_a_record_that_only_lacks_physics_is_usable(bench, capsys):
 
 
 def test_a_channel_that_is_turned_over_is_named(bench, capsys):
-    assert run(["check", str(bench / "arm.toml"), str(bench / "turned"), "--json"]) == 0
+    assert run(["check", str(bench / "arm.toml"), str(bench / "turned"), "--json"]) == 2
     told = json.loads(capsys.readouterr().out)
     assert not told["usable"]
+    [problem] = told["problems"]
+    assert problem["where"] == "signals.tip" and "tip x moves against the model" in problem["what"]
     [fault] = told["faults"]
     assert (fault["name"], fault["at"], fault["channels"]) == ("sign_error", "tip", ["x"])
     assert fault["records"] == ["turned"]
@@ -40,10 +42,12 @@ def test_a_channel_that_is_turned_over_is_named(bench, capsys):
 
 def test_several_records_are_checked_together(bench, capsys):
     command = ["check", str(bench / "arm.toml"), str(bench / "right"), str(bench / "turned")]
-    assert run(command) == 0
-    out = capsys.readouterr().out
+    assert run(command) == 2
+    out, err = capsys.readouterr()
     assert out.startswith("2 records checked: data are unusable")
     assert "in turned" in out
+    last = err.splitlines()[-1]
+    assert last.startswith(f"error: {bench / 'turned'}: signals.tip: sign_error: ")
 
 
 def test_only_a_model_has_records_beside_it(bench, capsys):

@@ -7,7 +7,7 @@ and `RINGING` times the vibration that the model predicts around it: a move that
 several rows, and a model seldom has the phase of its ringing right. Torques, accelerations and strains jump
 where teeth strike; of these only readings beyond `RANGES` ranges of the others are outliers. Drives have no
 residual: their samples are told apart by the parabolas alone; where a drive stops within a sample, one of the
-three is right. What a motion does by itself from sample to sample shows in the third differences beside a row,
+three is right. What a motion does by itself from sample to sample shows in third differences beside a row,
 
     |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
 
