@@ -346,3 +346,18 @@ def test_cells_apart_by_semicolons_are_said(record_dir: Path) -> None:
         file.write_text(file.read_text().replace(",", ";"))
     with pytest.raises(InvalidFile, match="these look separated by ';'"):
         Record.load(record_dir)
+
+
+def test_stamps_of_one_clock_that_never_meet_the_drive_are_refused(
+    record_dir: Path, model_file: Path
+) -> None:
+    """Nothing but the drive's ends would be compared; a clock of its own that is unknown is looked for."""
+    record = Record.load(record_dir)
+    late = next(s for s in record.signals.values() if s.name not in record.drive)
+    own = record.signals[record.drive[0]].clock
+    moved = late.replace(time=late.time + 1e3, clock=own)
+    apart = record.replace(signals=[moved if s is late else s for s in record.signals.values()])
+    [problem] = [each for each in apart.check() if "no instant in common" in each.what]
+    assert problem.where == f"signals.{late.name}" and "by the same" in problem.what
+    with pytest.raises(InvalidParameter, match=rf"signals\.{late.name}.*no instant in common"):
+        flexarm.compare(Arm.from_toml(model_file), apart)

@@ -43,23 +43,29 @@ def doubts(record: Record) -> Iterable[Problem]:
 
 
 def clocks_apart(record: Record) -> Iterable[Problem]:
-    """Signals whose clock, as stated, ran when the drive's did not."""
+    """Signals that have no instant in common with the drive, clocks as stated."""
     drives = [record.signals[name] for name in record.drive]
     known = [s for s in drives if len(s.time) and not record.clocks[s.clock].unknown]
     if record.kind != "motion" or not known:
         return
     own, first, last = known[0].clock, *_ran(record, known)
     for signal in record.signals.values():
-        if signal.clock == own or record.clocks[signal.clock].unknown or not len(signal.time):
+        if record.clocks[signal.clock].unknown or not len(signal.time):
             continue
         start, end = _ran(record, [signal])
-        margin = 3 * record.clocks[signal.clock].sigma
+        margin = 0.0 if signal.clock == own else 3 * record.clocks[signal.clock].sigma
         if start - margin > last or end + margin < first:
+            same = signal.clock == own
+            what = (
+                "give the signal a clock of its own, with its offset"
+                if same
+                else f"state the offset in clocks.{signal.clock}"
+            )
             yield Problem(
                 f"signals.{signal.name}",
                 f"runs from {start:.6g} to {end:.6g} s by clock {signal.clock!r}, the drive from {first:.6g} "
-                f"to {last:.6g} s by {own!r}: they have no instant in common; state the offset in "
-                f'clocks.{signal.clock}, or that the clock is "unknown"',
+                f"to {last:.6g} s by {'the same' if same else repr(own)}: they have no instant in common; "
+                f'{what}, or say that it is "unknown"',
             )
 
 

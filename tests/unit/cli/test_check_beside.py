@@ -50,6 +50,20 @@ def test_several_records_are_checked_together(bench, capsys):
     assert last.startswith(f"error: {bench / 'turned'}: signals.tip: sign_error: ")
 
 
+def test_clocks_that_never_meet_are_said_and_no_sensor_is_judged(bench, capsys):
+    """Beside an arm that stands at its last angle every row looks odd; that is not the sensor's fault."""
+    record = diagnoses.record(1)
+    tip = record.signals["tip"]
+    late = record.replace(signals={**record.signals, "tip": tip.replace(time=tip.time + 1e3)})
+    late.save(bench / "late")
+    assert run(["check", str(bench / "arm.toml"), str(bench / "late")]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    last = err.splitlines()[-1]
+    assert last.startswith(f"error: {bench / 'late'}: signals.tip: runs from 1000")
+    assert "no instant in common" in last
+
+
 def test_only_a_model_has_records_beside_it(bench, capsys):
     assert run(["check", str(bench / "right"), str(bench / "turned")]) == 2
     assert "PATH: is no model" in capsys.readouterr().err

@@ -28,6 +28,7 @@ from flexarm.diagnosis.checks.stamps import remarks_on_stamps
 from flexarm.diagnosis.checks.standing import constant_drive, standing_drive
 from flexarm.diagnosis.checks.sudden import remarks_on_starts
 from flexarm.errors import InvalidParameter
+from flexarm.record.doubts import clocks_apart
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -64,7 +65,8 @@ def check(
     Raises
     ------
     InvalidParameter
-        If there are no records, or one names what the model does not have.
+        If there are no records, one names what the model does not have, or its signals have no instant in
+        common with its drive.
 
     Examples
     --------
@@ -169,8 +171,16 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
 
 
 def _readable(arm: Arm, name: str, record: Record) -> tuple[Record, list[Removed], list[str]]:
-    """A record that fits the model, without empty channels and the outliers of its drives."""
+    """A record that fits the model, without empty channels and the outliers of its drives.
+
+    Raises
+    ------
+    InvalidParameter
+        If it names what the model does not have, or a signal has no instant in common with the drive.
+    """
     record.check_against(arm)
+    for problem in clocks_apart(record):
+        raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
     record, notes = without_lost_channels(name, record)
     record, removed = clean_drives(name, record)
     return record, removed, notes
