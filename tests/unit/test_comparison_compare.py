@@ -15,6 +15,7 @@ from flexarm.comparison import compare
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import ClockError, Registration, measure
+from flexarm.measurement.outliers import outliers
 from flexarm.record import CarriedPayload, Clock, Frame, Record, Signal
 from flexarm.simulation import simulate
 from flexarm.statics import static
@@ -158,18 +159,40 @@ def test_unknown_clock_and_frame_are_found(run):
     assert found.signals["tip"].rms["total"] < 1.2 * found.signals["tip"].noise_rms
 
 
-def test_gross_outliers_do_not_move_the_alignment(run):
-    """Three readings a metre off among 160: a mean would move by 2 cm."""
+def test_gross_outliers_count_neither_in_the_alignment_nor_in_the_gap(run):
+    """Three readings a metre off among 160: a mean would move by 2 cm, the rms be 0.14 m."""
     record = virtual(run)
     tip = record.signals["tip"]
     broken = np.array(tip.values)
     broken[[20, 77, 140]] += [[1.0, -1.0], [0.0, 1.0], [-1.0, 0.5]]
-    clean = compare(arm(), record).aligned
+    spiky = record.replace(signals={**record.signals, "tip": tip.replace(values=broken)})
+    clean, found = compare(arm(), record), compare(arm(), spiky)
+    assert found.signals["tip"].gross == (20, 77, 140)
+    assert any(note.startswith("3 outliers of tip, rows 20, 77, 140, count neither") for note in found.notes)
+    np.testing.assert_allclose(found.aligned.values, clean.aligned.values, atol=1e-5)
+    assert found.signals["tip"].max["total"] <= clean.signals["tip"].max["total"] + 1e-5
+    assert len(found.signals["tip"].time) == len(clean.signals["tip"].time) - 3
+    assert compare(arm(), spiky, align=False).signals["tip"].max["total"] > 1.0
+
+
+def test_gross_outliers_are_told_where_nothing_is_aligned_too(run):
+    """A tracker on the controller's clock and in the base's frame has nothing to move."""
+    exact = {"clock": "controller", "frame": "base"}
+    record = virtual(run, sensors("hinge", "tip", **exact), clocks={"controller": Clock()}, frames={})
+    tip = record.signals["tip"]
+    broken = np.array(tip.values)
+    broken[77] += 1.0
     found = compare(arm(), record.replace(signals={**record.signals, "tip": tip.replace(values=broken)}))
-    assert found.aligned.left_out == {"tip": 3}
-    assert "3 outliers of tip were not used to align" in found.notes
-    np.testing.assert_allclose(found.aligned.values, clean.values, atol=1e-5)
-    assert found.signals["tip"].max["total"] > 1.0
+    assert found.signals["tip"].gross == (77,)
+    assert found.signals["tip"].max["total"] < 0.1
+
+
+def test_ringing_of_some_rows_is_no_outlier():
+    """Half a second of vibration at 20 mm beside 0.1 mm: its rows are like those around them."""
+    t = np.arange(0, 30, 0.1)
+    ring = 0.02 * np.exp(-((t - 20) ** 2)) * np.sin(2 * np.pi * 2.3 * t)
+    noise = 5e-5 * np.random.default_rng(2).standard_normal(len(t))
+    assert not outliers((ring + noise)[:, None], 5e-5).any()
 
 
 def test_a_contradiction_of_the_stated_sigmas_is_said(run):

@@ -15,14 +15,15 @@ def compare(
     record: Annotated[Path, typer.Argument(metavar="RECORD", help="A directory with record.toml.")],
     json: Json = False,
     raw: Annotated[
-        bool, typer.Option("--raw", help="Take clocks and frames as they are, align nothing.")
+        bool, typer.Option("--raw", help="Take clocks, frames and outliers as they are, align nothing.")
     ] = False,
 ) -> None:
     """The gap between a model and a record.
 
     The model is driven by the record's drive and seen at each signal's own instants. The gap [m, rad ...] is
     shown per signal, direction (tangential, radial, normal; x, y, z with several joints) and frequency band,
-    beside the noise. Clocks and frames are aligned within their stated sigmas.
+    beside the noise. Clocks and frames are aligned within their stated sigmas. Gross outliers of places and
+    angles count in nothing, and are told.
 
         flexarm compare arm.toml measured
         flexarm compare arm.toml measured --raw --json

@@ -5,7 +5,8 @@
 u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. Effects of the model
 on clocks and frames come on top of u, which so counts from them. The simulation is not repeated: predictions
 are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not lower (1) is halved.
-Gross outliers (see `flexarm.measurement.outliers`) are left out; else squares count, not a robust loss. What
+Gross outliers (see `flexarm.measurement.outliers`) are left out, and those of `SMOOTH` quantities of the gap
+too, whether their clock and frame move or not; else squares count, not a robust loss. What
 the data do not determine keeps its prior, and is said: the standard deviation after alignment is then that of
 the prior (more than `KEPT` of it), or, without a prior, infinite.
 
@@ -50,15 +51,15 @@ class Aligned:
         What was allowed to move.
     values, std : ndarray
         Where it ended and 1 sigma [s, m, rad]; the sigma counts noise and priors, not an error of the model.
-    left_out : dict of str to int
-        Number of samples that were taken for outliers, by signal.
+    outliers : dict of str to ndarray of bool, shape (n,)
+        Rows that were taken for gross outliers, by signal; of signals that have some.
     """
 
     placement: Placement
     unknowns: tuple[Unknown, ...] = ()
     values: Floats | tuple[float, ...] = ()
     std: Floats | tuple[float, ...] = ()
-    left_out: Mapping[str, int] = field(default_factory=dict)
+    outliers: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     @property
     def far(self) -> list[str]:
@@ -87,10 +88,10 @@ def align(subject: Subject, start: Placement) -> Aligned:
     start : Placement
         Where to start; clocks and frames without a prior must be near already.
     """
-    unknown = unknowns(subject, start)
+    unknown, out = unknowns(subject, start), _gross_outliers(subject, start)
     if not unknown:
-        return Aligned(start)
-    rows = _Rows(subject, start, unknown)
+        return Aligned(start, outliers=out)
+    rows = _Rows(subject, start, unknown, out)
     values = np.array([each.centre for each in unknown])
     residual, jacobian = rows(values), _jacobian(rows, values, unknown)
     for _ in range(ITERATIONS):
@@ -101,13 +102,29 @@ def align(subject: Subject, start: Placement) -> Aligned:
             break
         jacobian = _jacobian(rows, values, unknown)
     std = _least_norm(jacobian, residual, unknown)[1]
-    return Aligned(placed(start, unknown, values), tuple(unknown), values, std, rows.left_out)
+    return Aligned(placed(start, unknown, values), tuple(unknown), values, std, out)
+
+
+def _gross_outliers(subject: Subject, start: Placement) -> dict[str, NDArray[np.bool_]]:
+    """Rows of evidence that are gross outliers, by signal; only a stated noise tells them."""
+    found = {
+        name: outliers(subject.residual(signal, start, hold=True), subject.noise(signal))
+        for name, signal in subject.evidence.items()
+        if noise_is_stated(signal.noise_std)
+    }
+    return {name: rows for name, rows in found.items() if rows.any()}
 
 
 class _Rows:
     """Whitened residuals and priors of (1) as one vector; rows without a value, and outliers, are zero."""
 
-    def __init__(self, subject: Subject, start: Placement, unknown: list[Unknown]) -> None:
+    def __init__(
+        self,
+        subject: Subject,
+        start: Placement,
+        unknown: list[Unknown],
+        gross: Mapping[str, NDArray[np.bool_]],
+    ) -> None:
         self.subject, self.start, self.unknown = subject, start, unknown
         places = {each.place for each in unknown}
         self.signals = [
@@ -117,12 +134,11 @@ class _Rows:
         ]
         self.centre = np.array([each.centre for each in unknown])
         self.sigma = np.array([each.sigma for each in unknown])
-        self.out = [self._outliers(signal) for signal in self.signals]
+        self.out = [self._expected(signal) | gross.get(signal.name, False) for signal in self.signals]
 
-    def _outliers(self, signal: Signal) -> NDArray[np.bool_]:
-        residual = self.subject.residual(signal, self.start, hold=True)
-        gross = outliers(residual, self.subject.noise(signal))
-        return gross | self.subject.outliers(signal, residual)
+    def _expected(self, signal: Signal) -> NDArray[np.bool_]:
+        """Rows that an effect `outliers` of the model explains."""
+        return self.subject.outliers(signal, self.subject.residual(signal, self.start, hold=True))
 
     def __call__(self, values: Floats) -> Floats:
         placement = placed(self.start, self.unknown, values)
@@ -133,12 +149,6 @@ class _Rows:
             parts.append(np.where(out[:, None], 0.0, residual).ravel())
         found: Floats = np.nan_to_num(np.concatenate(parts))
         return found
-
-    @property
-    def left_out(self) -> dict[str, int]:
-        """Number of outliers by signal."""
-        counts = {signal.name: int(out.sum()) for signal, out in zip(self.signals, self.out, strict=True)}
-        return {name: count for name, count in counts.items() if count}
 
 
 def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:

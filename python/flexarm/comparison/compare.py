@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.comparison.align import Aligned
 from flexarm.comparison.bands import alias
@@ -13,11 +14,12 @@ from flexarm.comparison.beside import beside
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.drive.lead_in import LEAD
+from flexarm.measurement.outliers import SMOOTH, told
 from flexarm.record.against_arm import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.record import Record
+    from flexarm.record import Record, Signal
 
 
 def compare(
@@ -35,8 +37,8 @@ def compare(
     The record's drive, smoothed by its stated noise, drives the model, with the model's effects on its sensor
     taken back; what the run carried and where undriven joints stood comes from the record. Every other signal
     that the simulation predicts is evidence, at its own instants. Clocks and frames are aligned within their
-    stated sigmas (see `flexarm.comparison.align`), which costs no simulation. Poses of a static record are
-    equilibria.
+    stated sigmas (see `flexarm.comparison.align`), which costs no simulation; gross outliers of places and
+    angles count neither there nor in the gap, and are said. Poses of a static record are equilibria.
 
     Parameters
     ----------
@@ -45,7 +47,7 @@ def compare(
     record : Record
         What was measured.
     align : bool
-        Whether to align clocks and frames; False takes them as stated.
+        Whether to align clocks and frames; False takes them as stated, and all rows.
     simulation : Simulation, optional
         A run of this model along this record, to be used instead of a new one. Effects on sensors, clocks and
         frames count as `arm` has them; those on signals that drive must be those of the run.
@@ -73,7 +75,9 @@ def compare(
     subject, aligned = pair.subject, pair.aligned
     modes_hz = pair.modes_hz if bands is None else ()
     gaps = {
-        name: signal_gap(subject, signal, aligned.placement, pair.joint, modes_hz, bands)
+        name: signal_gap(
+            subject, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(record, signal, aligned)
+        )
         for name, signal in subject.signals.items()
     }
     return Comparison(
@@ -96,9 +100,7 @@ def _notes(
         found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
     if aligned.far:
         found.append(f"moved further than the record allows for: {', '.join(aligned.far)}")
-    found += [
-        f"{count} outliers of {name} were not used to align" for name, count in aligned.left_out.items()
-    ]
+    found += [_about_outliers(gaps[name], rows) for name, rows in aligned.outliers.items()]
     found += [
         f"{gap.removed} of {gap.removed + len(gap.time)} rows of {gap.name} are outliers as the model has "
         "them, and removed"
@@ -117,6 +119,23 @@ def _notes(
                 f"appears at {alias(modes_hz[0], 2 * nyquist):.3g} Hz"
             )
     return found
+
+
+def _gross(record: Record, signal: Signal, aligned: Aligned) -> NDArray[np.bool_] | None:
+    """Rows of a signal that no number counts: outliers of what cannot jump; poses have no neighbours."""
+    smooth = record.kind == "motion" and signal.quantity in SMOOTH
+    return aligned.outliers.get(signal.name) if smooth else None
+
+
+def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
+    """What became of the gross outliers of a signal."""
+    if gap.gross:
+        many = len(gap.gross) > 1
+        return (
+            f"{len(gap.gross)} outlier{'s' * many} of {gap.name}, {told(gap.gross)}, "
+            f"{'count' if many else 'counts'} neither in the alignment nor in these numbers (--raw: in all)"
+        )
+    return f"{int(rows.sum())} outliers of {gap.name} were not used to align, but count in these numbers"
 
 
 def _about_effects(arm: Arm, record: Record) -> list[str]:

@@ -4,7 +4,8 @@
     noise^2 = sum over measured channels of noise_std^2 + jitter_std^2 mean |rate|^2                 (2)
 
 A stamp that is off by a jitter shows the motion of that time. A model without a gap has a total of about (2).
-Rows that an effect `outliers` of the model explains are removed.
+Rows that an effect `outliers` of the model explains are removed, and gross outliers that an alignment left
+out of what cannot jump (`flexarm.measurement.outliers`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.bands import Band, band_edges, band_split
@@ -50,6 +52,8 @@ class SignalGap:
         Whether the signal drives the simulation: then the gap says nothing about the model.
     removed : int
         Number of rows that an effect `outliers` of the model explains.
+    gross : tuple of int
+        Other rows that are outliers and count in nothing, from 0.
     """
 
     name: str
@@ -63,6 +67,7 @@ class SignalGap:
     noise_rms: float | None
     is_drive: bool = False
     removed: int = 0
+    gross: tuple[int, ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """The signal's object of `compare --json`."""
@@ -82,6 +87,7 @@ def signal_gap(
     joint: str | None,
     modes_hz: Sequence[float],
     edges: Sequence[float] | None = None,
+    gross: NDArray[np.bool_] | None = None,
 ) -> SignalGap:
     """The gap of a signal.
 
@@ -99,10 +105,13 @@ def signal_gap(
         Frequencies of the arm [Hz], for the bands.
     edges : sequence of float, optional
         Inner edges of the bands [Hz] instead.
+    gross : ndarray of bool, shape (n,), optional
+        Rows to leave out as gross outliers.
     """
     instants, residual = subject.instants(signal, placement), subject.residual(signal, placement)
     out = subject.outliers(signal, residual)
-    keep = np.isfinite(residual).all(axis=1) & ~out
+    left = np.zeros(len(residual), dtype=bool) if gross is None else gross & ~out
+    keep = np.isfinite(residual).all(axis=1) & ~out & ~left
     instants, residual = instants[keep], residual[keep]
     parts = _parts(subject, signal, placement, joint, instants, residual)
     bands: list[Band] = []
@@ -126,6 +135,7 @@ def signal_gap(
         _noise(subject, signal, placement) if signal.noise_std is not None else None,
         signal.name in subject.record.drive,
         int(out.sum()),
+        tuple(map(int, np.flatnonzero(left))),
     )
 
 

@@ -1,9 +1,11 @@
 """Samples so far off that they would pull an alignment: a tracker that caught a reflection, a broken word.
 
-A row is an outlier if, in any channel, its residual differs from the median of its seven neighbours by more
-than `NOISE` times the stated noise and more than `SPREAD` times the usual such difference (1.48 MAD). A gap
-of the model is smoother than that, however large. These are left out of the alignment only; the gap counts
-them.
+A row is an outlier if, in any channel, its residual differs from the median of its seven neighbours, and from
+the nearest of the parabolas (1) through them, by more than `NOISE` times the stated noise, `SPREAD` times the
+usual such difference (1.48 MAD of the first) and `NEARBY` times that of most rows around it. A gap of the
+model is smoother than that, however large, and rings for several rows. These rows are left out of the
+alignment and, of `SMOOTH` quantities, of the gap; torques, accelerations and strains jump where teeth strike,
+and the gap counts it.
 
 A model with an effect `outliers` at a signal knows their share and size. Rows that its law takes for
 outliers, by the same difference from the median, are removed from alignment and gap. A drive moves from
@@ -18,6 +20,7 @@ An outlier among its neighbours may cost a good sample its place, which a drive 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,7 +32,11 @@ if TYPE_CHECKING:
     from flexarm.effects.outliers import Outliers
 
 NEIGHBOURS = 7
-NOISE, SPREAD = 100.0, 20.0
+NOISE, SPREAD, NEARBY = 100.0, 20.0, 6.0
+AROUND, MOST_OF_THEM = 6, 0.8
+"""Rows on either side that are around one, and the share of them that is most."""
+SMOOTH = ("position", "deflection", "joint_angle", "inclination", "orientation")
+"""Quantities of which no machine jumps from one row to the next and back."""
 
 
 def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
@@ -48,8 +55,32 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     """
     found = np.zeros(len(residual), dtype=bool)
     rows, off, usual = off_the_median(residual)
-    found[rows] = np.any(np.abs(off) > np.maximum(NOISE * noise, SPREAD * usual), axis=1)
+    if len(rows):
+        size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
+        limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby(size))
+        found[rows] = np.any(size > limit, axis=1)
     return found
+
+
+def nearby(size: Floats) -> Floats:
+    """What most rows around each row do not exceed, shape (n, channels), n above `AROUND`."""
+    edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)
+    return np.asarray(np.quantile(np.delete(windows, AROUND, axis=-1), MOST_OF_THEM, axis=-1))
+
+
+SHOWN = 5
+"""Rows that are told one by one."""
+
+
+def told(rows: Sequence[int]) -> str:
+    """Numbers of rows for a person.
+
+    >>> told([4]), told([1, 2, 3, 4, 5, 6])
+    ('row 4', 'rows 1, 2, 3, 4, 5, ...')
+    """
+    numbers = ", ".join(map(str, rows[:SHOWN])) + ", ..." * (len(rows) > SHOWN)
+    return f"row{'s' * (len(rows) > 1)} {numbers}"
 
 
 def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDArray[np.bool_]:
@@ -84,6 +115,13 @@ def parabolas(samples: Floats) -> Floats:
     after = 3 * y[4 : n + 4] - 3 * y[5 : n + 5] + y[6:]
     between = (-y[1 : n + 1] + 4 * y[2 : n + 2] + 4 * y[4 : n + 4] - y[5 : n + 5]) / 6
     return np.stack([before, after, between])
+
+
+def off_the_parabolas(values: Floats) -> Floats:
+    """Distance to the nearest of the three parabolas (1), shape (n, channels)."""
+    off = np.stack([np.abs(y - parabolas(y)) for y in values.T], axis=-1)
+    known = np.where(np.isfinite(off), off, np.inf).min(axis=0)
+    return np.where(np.isfinite(known), known, 0.0)
 
 
 def off_the_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.diagnosis.named import NamedEffect
 from flexarm.diagnosis.wording import with_unit
+from flexarm.measurement.outliers import told
 
 if TYPE_CHECKING:
     from flexarm.arm.effect import Effect
@@ -39,10 +40,6 @@ class Fault(NamedEffect):
         return read_effect({**table, **{each.name: each.value for each in self.parameters}})
 
 
-SHOWN = 5
-"""Rows of outliers that are told one by one."""
-
-
 @dataclass(frozen=True)
 class Removed:
     """Outliers that were taken out of a signal.
@@ -67,10 +64,8 @@ class Removed:
 
     def __str__(self) -> str:
         count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
-        rows = ", ".join(map(str, self.rows[:SHOWN])) + ", ..." * (len(self.rows) > SHOWN)
-        where = f"row{'s' * (len(self.rows) > 1)} {rows}"
         size = with_unit(self.size, self.unit)
-        return f"{count} of {self.signal} in {self.record}, {where}, {size} off, removed"
+        return f"{count} of {self.signal} in {self.record}, {told(self.rows)}, {size} off, removed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,7 +12,7 @@ three is right. What a motion does by itself from sample to sample shows in thir
     |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
 
 by which the outer two parabolas miss: of a drive without noise these are all that is left, and a row must be
-off by more than `SMOOTH` times the median of those beside it.
+off by more than `BENDS` times the median of those beside it.
 """
 
 from __future__ import annotations
@@ -25,21 +25,26 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.diagnosis.checks.channel import channels
 from flexarm.diagnosis.checks.checked import Removed
-from flexarm.diagnosis.checks.plateaus import SLOW
 from flexarm.measurement.lattice import lattice_step
-from flexarm.measurement.outliers import NEIGHBOURS, off_the_median, parabolas
+from flexarm.measurement.outliers import (
+    AROUND,
+    NEARBY,
+    NEIGHBOURS,
+    SMOOTH,
+    nearby,
+    off_the_median,
+    off_the_parabolas,
+)
 from flexarm.measurement.predict import read
 
 if TYPE_CHECKING:
     from flexarm.comparison.subject import Placement, Subject
     from flexarm.record import Record, Signal
 
-NOISE, SPREAD, NEARBY = 15.0, 12.0, 6.0
+NOISE, SPREAD = 15.0, 12.0
 RINGING, PERIOD = 3.0, 0.6
 """Vibration is what differs from cubics through `PERIOD` [s], on a grid of `GRID` [s]."""
 GRID = 0.02
-AROUND, MOST_OF_THEM = 6, 0.8
-"""Rows on either side that are around one, and the share of them that is most."""
 AT_ENDS = 4.0
 """Limit of the first and the last two rows over that of others: they have but one of the three parabolas."""
 RANGES = 2.0
@@ -49,7 +54,7 @@ MOST = 0.15
 """Share of the rows above which they are no outliers but what the signal shows."""
 DRIVE_NOISE = 30.0
 """As `NOISE`, of drives; parabolas have up to 4.4 times the noise of a sample."""
-SMOOTH = 4.0
+BENDS = 4.0
 """As `NEARBY`, of drives, over (1): at the ends of a smooth motion a row is off by (1) itself."""
 LEAST = 1e-6
 """Of a drive's range, by which a row must be off at least: less shows in no sensor, and may be rounding."""
@@ -86,7 +91,7 @@ def clean_evidence(name: str, subject: Subject, placement: Placement) -> tuple[R
         residual[~signal.valid] = np.nan
         noise = subject.effects(signal).noise(signal.noise_std or 0.0)
         rows = _isolated(spikes(residual, noise, ringing(subject, signal, placement)))
-        if signal.quantity not in SLOW:
+        if signal.quantity not in SMOOTH:
             rows &= _beyond_all(residual, rows)
         if rows.any() and rows.mean() < MOST:
             record = without(record, signal, rows)
@@ -106,11 +111,11 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
     found = np.zeros(len(samples), dtype=bool)
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) > NEIGHBOURS:
-        nearest = _off_the_parabolas(samples[rows][:, None])[:, 0]
+        nearest = off_the_parabolas(samples[rows][:, None])[:, 0]
         usual = 2 * SPREAD * float(np.median(nearest))
         least = LEAST * float(np.ptp(samples[rows]))
         limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * lattice_step(samples))
-        found[rows] = nearest > np.maximum(limit, SMOOTH * _bends_beside(samples[rows]))
+        found[rows] = nearest > np.maximum(limit, BENDS * _bends_beside(samples[rows]))
     return found
 
 
@@ -120,13 +125,6 @@ def _bends_beside(y: Floats) -> Floats:
     windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
     before, after = windows[1 : 1 + len(y)], windows[AROUND + 5 : AROUND + 5 + len(y)]
     return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
-
-
-def _off_the_parabolas(values: Floats) -> Floats:
-    """Distance to the nearest of the three parabolas through neighbours, shape (n, channels)."""
-    off = np.stack([np.abs(y - parabolas(y)) for y in values.T], axis=-1)
-    known = np.where(np.isfinite(off), off, np.inf).min(axis=0)
-    return np.where(np.isfinite(known), known, 0.0)
 
 
 def ringing(subject: Subject, signal: Signal, placement: Placement) -> Floats:
@@ -161,12 +159,8 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     rows, off, usual = off_the_median(residual)
     if not len(rows):
         return found
-    size = np.minimum(np.abs(off), _off_the_parabolas(residual[rows]))
-    edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)
-    others = np.delete(windows, AROUND, axis=-1)
-    nearby = np.quantile(others, MOST_OF_THEM, axis=-1)
-    limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby)
+    size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
+    limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby(size))
     limit[[0, 1, -2, -1]] *= AT_ENDS
     found[rows] = np.any(
         size > np.maximum(limit, RINGING * np.broadcast_to(ringing, residual.shape)[rows]), axis=1
