@@ -13,6 +13,7 @@ from flexarm.comparison.bands import alias
 from flexarm.comparison.beside import beside
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap, signal_gap
+from flexarm.comparison.unknowns import movable
 from flexarm.drive.lead_in import LEAD
 from flexarm.measurement.outliers import SMOOTH, told
 from flexarm.record.against_arm import unplaced_effects
@@ -108,9 +109,7 @@ def _notes(
         if gap.removed
     ]
     if wanted:
-        unweighed = [g.name for g in gaps.values() if not g.noise_rms and not g.is_drive]
-        if unweighed and aligned.unknowns:
-            found.append(f"no noise is stated for {', '.join(unweighed)}: not used to align")
+        found += _about_noise(record, [g.name for g in gaps.values() if not g.noise_rms and not g.is_drive])
     for gap in gaps.values():
         nyquist = gap.bands[-1].high if gap.bands else np.inf
         if modes_hz and modes_hz[0] > nyquist:
@@ -119,6 +118,18 @@ def _notes(
                 f"appears at {alias(modes_hz[0], 2 * nyquist):.3g} Hz"
             )
     return found
+
+
+def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
+    """Which clocks and frames signals without a stated noise leave as they are stated."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for name in unweighed:
+        if places := movable(record, record.signals[name]):
+            found.setdefault(places, []).append(name)
+    return [
+        f"no noise is stated for {', '.join(names)}: not used to align {' and '.join(places)}"
+        for places, names in found.items()
+    ]
 
 
 def _gross(record: Record, signal: Signal, aligned: Aligned) -> NDArray[np.bool_] | None:

@@ -19,9 +19,11 @@ from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 
 if TYPE_CHECKING:
-    from flexarm.record import Record
+    from flexarm.record import Record, Signal
 
 KINDS = ("translation", "rotation")
+FRAMED = ("position", "orientation")
+"""Quantities that are seen in a frame."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def unknowns(subject: Subject, start: Placement) -> list[Unknown]:
             sigma = np.inf if is_open(record, name) else float(sigma)
             if name != own and sigma > 0:
                 found.append(Unknown(name, "delay", "", start.clocks[name].delay, sigma, 1e-4))
-    framed = [signal for signal in signals if signal.quantity in ("position", "orientation")]
+    framed = [signal for signal in signals if signal.quantity in FRAMED]
     for name in dict.fromkeys(signal.frame for signal in framed):
         frame = record.frames.get(name)
         if frame is not None:
@@ -94,6 +96,20 @@ def unknowns(subject: Subject, start: Placement) -> list[Unknown]:
                 sigma = np.inf if frame.unknown else getattr(frame, kind)
                 found += [Unknown(name, kind, axis, 0.0, sigma, step) for axis in "xyz" if sigma > 0]
     return found
+
+
+def movable(record: Record, signal: Signal) -> tuple[str, ...]:
+    """Clock and frame of a signal that the record does not state exactly, in words."""
+    found = []
+    own = drive_clock(record)
+    if record.kind == "motion" and signal.clock != own:
+        sure = record.clocks[signal.clock].sigma == record.clocks[own].sigma == 0
+        if is_open(record, signal.clock) or not sure:
+            found.append(f"clock {signal.clock}")
+    frame = record.frames.get(signal.frame) if signal.quantity in FRAMED else None
+    if frame is not None and (frame.unknown or frame.translation > 0 or frame.rotation > 0):
+        found.append(f"frame {signal.frame}")
+    return tuple(found)
 
 
 def noise_is_stated(noise_std: float | None) -> bool:

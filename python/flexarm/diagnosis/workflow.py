@@ -37,6 +37,7 @@ from flexarm.diagnosis.outcome.naming import named_effects, rejected
 from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
 from flexarm.diagnosis.outcome.swings import swings
+from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed
 from flexarm.diagnosis.outcome.verified import Bench, verified
 from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals
 from flexarm.diagnosis.residuals.observed import Observed
@@ -149,6 +150,8 @@ def diagnose(
         remarks=(
             *remarks,
             *parted.remarks,
+            *unfitted(observed, checked.compared),
+            *unweighed(observed),
             *shaken_signals(observed),
             *swings(choice.best, observed),
             *seen.remarks,

@@ -99,3 +99,21 @@ def test_a_record_of_which_no_row_is_evidence_swings_with_nothing():
     observed = Observed(crane(), {"one": poses(8), "other": poses(6, seed=1)})
     observed.rows = tuple(rows for rows in observed.rows if rows.record == "one")
     assert list(swings(Fitter.nominal(observed, unknowns(observed)).fit(()), observed)) == []
+
+
+def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_report():
+    volts = Signal(
+        name="volts",
+        quantity="motor_voltage",
+        joint="hinge",
+        values=np.ones(8),
+        noise_std=0.1,
+        pose=np.array([f"p{k}" for k in range(8)]),
+    )
+    measured = poses(8)
+    measured = measured.replace(signals={**measured.signals, "volts": volts})
+    found = flexarm.diagnose(crane(), {"one": measured}, jobs=1)
+    for told in (found.remarks, found.to_json_dict()["details"]["remarks"]):
+        assert [remark for remark in told if "volts" in remark] == [
+            "one: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not hold"
+        ]

@@ -23,6 +23,7 @@ from flexarm.diagnosis.checks.lost import without_lost_channels
 from flexarm.diagnosis.checks.merge import Verdict, merged
 from flexarm.diagnosis.checks.placing import placing
 from flexarm.diagnosis.checks.runs import run
+from flexarm.diagnosis.checks.skipped import remarks_on_skipped
 from flexarm.diagnosis.checks.spikes import clean_drives, clean_evidence, without_rows
 from flexarm.diagnosis.checks.stamps import remarks_on_stamps
 from flexarm.diagnosis.checks.standing import constant_drive, standing_drive
@@ -83,6 +84,7 @@ def check(
     verdicts = []
     remarks += [*remarks_on_stamps(named), *remarks_on_poses(named), *remarks_on_starts(subjects)]
     remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]
+    remarks += remarks_on_skipped(subjects)
     for name in (each for each in named if each not in empty):
         if name in subjects:
             named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))

@@ -1,0 +1,51 @@
+"""What is said of signals of which no noise is stated, and of those that no fit sees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from flexarm.comparison.unknowns import movable, noise_is_stated
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.wording import listed, with_unit
+from flexarm.record import Signal
+
+_SILENT = "no noise is stated, and its values are too few or too even to show it"
+
+
+def unweighed(observed: Observed) -> Iterator[str]:
+    """A sentence for each signal without a stated noise: what stands for it, what is not aligned by it."""
+    shown: dict[str, float] = {}
+    for rows in observed.rows:
+        if not noise_is_stated(_signal(observed, rows.record, rows.signal).noise_std):
+            shown[rows.signal] = max(shown.get(rows.signal, 0.0), rows.sigma)
+    for name, sigma in shown.items():
+        own = [(each, each.signals[name]) for each in observed.records.values() if name in each.signals]
+        places = list(dict.fromkeys(place for record, signal in own for place in movable(record, signal)))
+        noise = with_unit(sigma, own[0][1].unit, 2)
+        text = f"no noise is stated for {name}: the {noise} that its values show count instead"
+        if places:
+            text += f"; the gaps before and after are not aligned by it, in {listed(places)}"
+        yield text
+
+
+def unfitted(observed: Observed, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """A sentence for each signal that a simulation predicts and of which no value is fitted.
+
+    Parameters
+    ----------
+    observed : Observed
+        Records and their rows.
+    compared : dict of str to sequence of str
+        By record the signals that the model predicts.
+    """
+    seen = {(rows.record, rows.signal) for rows in observed.rows}
+    for record in observed.records:
+        for name in compared.get(record, ()):
+            if (record, name) not in seen:
+                stated = noise_is_stated(_signal(observed, record, name).noise_std)
+                why = "none of its values lies in the time of the drives" if stated else _SILENT
+                yield f"{record}: {name} is not fitted: {why}"
+
+
+def _signal(observed: Observed, record: str, name: str) -> Signal:
+    return observed.records[record].signals[name]
