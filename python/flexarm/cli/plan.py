@@ -53,7 +53,7 @@ def plan(
 
     A record as DRIVE is made again, with its signals, noise, clocks, frames and payloads. A CSV file has
     time_s and one column per driven joint, and is seen by the model's [[sensors]]; without any a tracker of
-    the last point is assumed (5e-5 m at 10 Hz), and said.
+    the model's last point is assumed (0.05 mm at 10 Hz), and said.
     """
     arm = load_arm(model)
     motions = {name: _motion(path, arm) for name, path in _names([*drive, *(more or ())]).items()}

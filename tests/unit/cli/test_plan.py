@@ -41,7 +41,11 @@ def test_the_page_the_file_and_the_figures_are_written(bench, tmp_path, capsys):
     told = capsys.readouterr()
     assert told.err == ""
     assert told.out.startswith("plan of crane: swing\n")
-    assert "assumed: the model has no sensors" in told.out
+    assert (
+        "assumed: a tracker of 'tip', the last of the model's points, with 50 µm of noise at 10 Hz"
+        in told.out
+    )
+    assert "(SI)" not in told.out
     assert told.out.endswith(f"open {out / 'plan.html'}\n")
     assert {path.name for path in out.iterdir()} == {
         "plan.json",

@@ -115,5 +115,6 @@ def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_rep
     found = flexarm.diagnose(crane(), {"one": measured}, jobs=1)
     for told in (found.remarks, found.to_json_dict()["details"]["remarks"]):
         assert [remark for remark in told if "volts" in remark] == [
-            "one: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not hold"
+            "one: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not "
+            "hold"
         ]

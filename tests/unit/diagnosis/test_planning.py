@@ -112,8 +112,22 @@ def test_without_sensors_a_tracker_is_assumed_and_said():
     found = from_drive("run", there_and_back(10.0), crane())
     assert [(s.point, s.noise_std, s.rate_hz) for s in found.sensors] == [("tip", NOISE["position"], 10.0)]
     assert "no sensors" in found.assumed[0]
+    assert found.assumed[1:] == (
+        "clocks are known to 2 ms: tracker",
+        "registrations are known to 1 mm and 0.5 mrad: tracker",
+    )
     assert found.clocks["tracker"].sigma > 0
     assert found.frames["tracker"].translation > 0
+
+
+def test_assumed_noise_is_told_in_the_unit_of_its_sensor():
+    torque = Sensor(name="torque", quantity="motor_torque", joint="hinge", rate_hz=20, clock="controller")
+    tip = tracker("tip").replace(noise_std=None, unit="mm")
+    found = from_drive("run", there_and_back(10.0), crane(torque, tip))
+    assert found.assumed[:2] == (
+        "noise of sensor 'torque' is 2 N m (1 sigma), as it states none",
+        "noise of sensor 'tip' is 50 µm (1 sigma), as it states none",
+    )
 
 
 def test_a_faster_run_passes_the_same_points_earlier():

@@ -38,7 +38,8 @@ def test_a_signal_that_the_model_does_not_predict_is_told_once_with_its_reason()
     }
     told = [remark for remark in check(diagnoses.nominal(), records).remarks if "volts" in remark]
     assert told == [
-        "a and b: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not hold"
+        "a and b: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not "
+        "hold"
     ]
 
 

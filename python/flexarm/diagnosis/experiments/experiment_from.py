@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.experiments.experiment import Experiment
+from flexarm.diagnosis.wording import scale
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Clock, Frame, Record, Signal
@@ -58,18 +59,19 @@ def from_drive(
     if not sensors:
         sensors = [_tracker(arm, drive)]
         said.append(
-            f"the model has no sensors; assumed is a tracker of point '{sensors[0].point}' with "
-            f"{NOISE['position']:g} m noise at {RATE_HZ:g} Hz"
+            f"a tracker of '{sensors[0].point}', the last of the model's points, with "
+            f"{_size(NOISE['position'], 'm')} of noise at {RATE_HZ:g} Hz and nothing else, since the model has no "
+            "sensors: state those you have as [[sensors]]"
         )
     placed = [_placed(sensor, said) for sensor in sensors]
     known_clocks, known_frames = dict(clocks or {}), dict(frames or {})
     late = {s.clock for s in placed if s.clock not in (None, own)} - set(known_clocks)
     where = {s.frame for s in placed if s.frame != "base"} - set(known_frames)
     if late:
-        said.append(f"clocks are known to {CLOCK.sigma:g} s: {', '.join(sorted(map(str, late)))}")
+        said.append(f"clocks are known to {_size(CLOCK.sigma, 's')}: {', '.join(sorted(map(str, late)))}")
     if where:
         said.append(
-            f"registrations are known to {FRAME.translation:g} m and {FRAME.rotation:g} rad: "
+            f"registrations are known to {_size(FRAME.translation, 'm')} and {_size(FRAME.rotation, 'rad')}: "
             f"{', '.join(sorted(where))}"
         )
     return Experiment(
@@ -148,7 +150,8 @@ def _tracker(arm: Arm, drive: Drive) -> Sensor:
         )
     name = arm.points[-1].name
     free = name if name not in drive.joints else f"{name}_tracker"
-    return Sensor(name=free, quantity="position", point=name, rate_hz=RATE_HZ)
+    noise = NOISE["position"]
+    return Sensor(name=free, quantity="position", point=name, rate_hz=RATE_HZ, noise_std=noise)
 
 
 def _placed(sensor: Sensor, said: list[str]) -> Sensor:
@@ -156,10 +159,20 @@ def _placed(sensor: Sensor, said: list[str]) -> Sensor:
     changes: dict[str, Any] = {}
     if not sensor.noise_std and not sensor.step:
         changes["noise_std"] = NOISE.get(sensor.quantity, 1.0) / sensor.si[1]
-        said.append(f"noise of sensor '{sensor.name}' is {NOISE.get(sensor.quantity, 1.0):g} (SI)")
+        said.append(_noise_told("sensor", sensor.name, NOISE.get(sensor.quantity, 1.0), sensor.si[0]))
     if sensor.quantity in ("position", "orientation") and sensor.clock is None and sensor.frame == "base":
         changes |= {"clock": TRACKER, "frame": TRACKER}
     return sensor.replace(**changes) if changes else sensor
+
+
+def _noise_told(kind: str, name: str, sigma: float, unit: str) -> str:
+    return f"noise of {kind} '{name}' is {_size(sigma, unit)} (1 sigma), as it states none"
+
+
+def _size(value: float, unit: str) -> str:
+    """A round value with its unit."""
+    factor, shown = scale([value], unit)
+    return f"{factor * value:g} {shown}".rstrip()
 
 
 def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
@@ -168,7 +181,7 @@ def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: l
     sigma = signal.noise_std or noise.get(signal.name)
     if not sigma:
         sigma = NOISE[signal.quantity]
-        said.append(f"noise of signal '{signal.name}' is {sigma:g} (SI)")
+        said.append(_noise_told("signal", signal.name, sigma, signal.unit))
     shared = ("joint", "point", "link", "payload", "side", "position", "fibre", "clock", "frame")
     given: dict[str, Any] = {key: value for key in shared if (value := getattr(signal, key)) is not None}
     if signal.axes:
