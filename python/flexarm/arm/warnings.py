@@ -12,6 +12,7 @@ from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import added, scaled
 from flexarm.arm.section import General, contradiction
+from flexarm.arm.sizes import size_doubts
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ def doubts(arm: Arm) -> Iterable[Problem]:
     yield from _beyond_the_beam(arm)
     yield from _counted_twice(arm)
     yield from _unseen(arm)
+    yield from size_doubts(arm)
     if not 9.5 < hypot(*arm.gravity) < 10 and hypot(*arm.gravity) > 0:
         yield Problem("gravity", f"has a magnitude of {hypot(*arm.gravity):g} m/s2; on Earth it is 9.81 m/s2")
 

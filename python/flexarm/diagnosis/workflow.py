@@ -105,7 +105,8 @@ def diagnose(
     held = _held_out(arm, hold_out, given)
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
-    remarks = (*map(str, checked.outliers), *checked.remarks)
+    doubts = (f"model: {problem}" for problem in arm.warnings)
+    remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
     parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.arm.link import Beam
+from flexarm.arm.sizes import reach
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.drawn_out import drawn_out
 
@@ -120,14 +119,6 @@ def weighed(arm: Arm, masses: Mapping[str, float]) -> Arm:
     loads = (load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads)
     effects = (e for e in arm.effects if not (e.name == "payload_mass" and e.at in masses))
     return arm.replace(payloads=tuple(loads), effects=tuple(effects))
-
-
-def reach(arm: Arm) -> float:
-    """An upper bound of the distance from the base to any point [m]: all lengths added up."""
-    lengths = [hypot(*joint.origin.xyz) for joint in arm.joints]
-    lengths += [link.length for link in arm.links if isinstance(link, Beam)]
-    offsets = [hypot(*point.position) for point in arm.points]
-    return sum(lengths) + max(offsets, default=0.0)
 
 
 def _positions(record: Record, arm: Arm) -> Iterable[Problem]:

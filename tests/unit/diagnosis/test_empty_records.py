@@ -118,3 +118,10 @@ def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_rep
             "one: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not "
             "hold"
         ]
+
+
+def test_what_is_doubted_in_a_model_is_told_by_its_diagnosis():
+    """A tip that may be 30 m off: 1 sigma in mm was meant."""
+    found = flexarm.diagnose(crane(uncertainty={"points.tip.position_m": 30.0}), {"one": poses(8)}, jobs=1)
+    [told] = [remark for remark in found.remarks if remark.startswith("model: ")]
+    assert "uncertainty.points.tip.position_m: is 30 m (1 sigma), further than the arm reaches" in told

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import drive_clock
@@ -27,7 +28,6 @@ from flexarm.diagnosis.checks.regression import Fit, scatter_at, slope_of
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import sample
 from flexarm.quantities import channel_names
-from flexarm.record.against_arm import reach
 
 if TYPE_CHECKING:
     from flexarm.record import Signal

@@ -60,8 +60,8 @@ def from_drive(
         sensors = [_tracker(arm, drive)]
         said.append(
             f"a tracker of '{sensors[0].point}', the last of the model's points, with "
-            f"{_size(NOISE['position'], 'm')} of noise at {RATE_HZ:g} Hz and nothing else, since the model has no "
-            "sensors: state those you have as [[sensors]]"
+            f"{_size(NOISE['position'], 'm')} of noise at {RATE_HZ:g} Hz and nothing else, since the model "
+            "has no sensors: state those you have as [[sensors]]"
         )
     placed = [_placed(sensor, said) for sensor in sensors]
     known_clocks, known_frames = dict(clocks or {}), dict(frames or {})

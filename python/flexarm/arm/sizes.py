@@ -1,0 +1,121 @@
+"""Sizes unlike those of any machine: millimetres taken for metres, grams for kilograms, per cent for one.
+
+Each limit is beyond what has been built, so that it doubts a typing error and no machine:
+
+    length        `LONGEST`: concrete pumps reach some 100 m in several sections, the Space Station's arm 18 m
+    sag           g rho A L^4/(8 E I) of a beam clamped level, over L: one that would hang down by more
+                  than its length cannot be a link, whichever way it is clamped                        (1)
+    modulus       `STIFFEST`: diamond has 1.2e12 Pa
+    density       `DENSEST`: osmium has 22 600 kg/m3
+    payload       `HEAVIEST` times the links: on Earth arms carry about their weight at most, in orbit the
+                  Space Station's moves 116 t with 1.5 t, 77 times its own
+    uncertainty   1 sigma beyond the value itself, or, of a place, beyond the reach of the arm: values of no
+                  meaning, such as negative masses, would be likely
+
+(1), the sag of a cantilever in theory of small deflections, is that of the stiffer plane: a ruler that swings
+on edge is stiff against gravity. Limits of materials are of tables, those of machines of their makers' data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import hypot
+from typing import TYPE_CHECKING
+
+from flexarm.arm.link import Beam, RigidLink
+from flexarm.arm.uncertainty import owner_of
+from flexarm.errors import Problem
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+LONGEST = 100.0
+"""Distance within one link, or from a joint to the frame that it stands in [m]."""
+STIFFEST, DENSEST = 1.3e12, 2.3e4
+"""Of materials [Pa], [kg/m3]."""
+HEAVIEST = 100.0
+"""Mass of a payload over that of all links."""
+
+
+def reach(arm: Arm) -> float:
+    """An upper bound of the distance from the base to any point [m]: all lengths added up."""
+    lengths = [hypot(*joint.origin.xyz) for joint in arm.joints]
+    lengths += [link.length for link in arm.links if isinstance(link, Beam)]
+    offsets = [hypot(*point.position) for point in arm.points]
+    return sum(lengths) + max(offsets, default=0.0)
+
+
+def size_doubts(arm: Arm) -> Iterable[Problem]:
+    """All sizes of a model beyond those of machines."""
+    yield from _lengths(arm)
+    for link in arm.links:
+        if isinstance(link, Beam):
+            yield from _beam(link, hypot(*arm.gravity))
+    yield from _payloads(arm)
+    yield from _uncertainty(arm)
+
+
+def _lengths(arm: Arm) -> Iterable[Problem]:
+    places = {f"links.{link.name}.end": link.end for link in arm.links if isinstance(link, Beam)}
+    places |= {f"links.{link.name}.com": link.com for link in arm.links if isinstance(link, RigidLink)}
+    places |= {f"joints.{joint.name}.origin.xyz": joint.origin.xyz for joint in arm.joints}
+    for where, place in places.items():
+        if hypot(*place) > LONGEST:
+            what = f"is {hypot(*place):g} m away, further than any arm reaches; lengths are in m, not in mm"
+            yield Problem(where, what)
+
+
+def _beam(link: Beam, gravity: float) -> Iterable[Problem]:
+    material, section = link.material, link.section
+    sag = gravity * material.density * section.area * link.length**3
+    sag /= 8 * material.youngs_modulus * max(section.second_moments)  # eq. (1)
+    if sag > 1 and link.length <= LONGEST:
+        yield Problem(
+            f"links.{link.name}",
+            f"would hang down by {sag:.2g} times its length under its own weight if clamped level; "
+            "are length [m], section [m] and material [Pa, kg/m3] in these units?",
+        )
+    if material.youngs_modulus > STIFFEST:
+        yield Problem(
+            f"links.{link.name}.material.youngs_modulus",
+            f"is {material.youngs_modulus:g} Pa, stiffer than diamond; moduli are in Pa (steel 210e9)",
+        )
+    if material.density > DENSEST:
+        yield Problem(
+            f"links.{link.name}.material.density",
+            f"is {material.density:g} kg/m3, denser than any metal; densities are in kg/m3 (steel 7850)",
+        )
+
+
+def _payloads(arm: Arm) -> Iterable[Problem]:
+    """Payloads too heavy for their arm, where the mass of all its links stands in the model."""
+    masses = [_mass(link) for link in arm.links if isinstance(link, Beam | RigidLink)]
+    own = sum(masses)
+    if own <= 0 or len(masses) < len(arm.links):
+        return
+    for load in arm.payloads:
+        if load.mass > HEAVIEST * own:
+            yield Problem(
+                f"payloads.{load.name}.mass",
+                f"is {load.mass:g} kg, {load.mass / own:.2g} times the mass of all links; masses are in kg",
+            )
+
+
+def _mass(link: Beam | RigidLink) -> float:
+    if isinstance(link, Beam):
+        return link.material.density * link.section.area * link.length
+    return link.mass
+
+
+def _uncertainty(arm: Arm) -> Iterable[Problem]:
+    for key, sigma in arm.uncertainty.items():
+        unit = owner_of(arm, key).unit
+        if not unit and sigma > 1:
+            yield Problem(
+                f"uncertainty.{key}",
+                f"is {100 * sigma:g} % of the value (1 sigma), so that even values below zero are likely; "
+                "the number is relative, 2 % is 0.02",
+            )
+        elif unit == "m" and sigma > reach(arm):
+            what = f"is {sigma:g} m (1 sigma), further than the arm reaches, {reach(arm):g} m"
+            yield Problem(f"uncertainty.{key}", f"{what}; it is in m, not in mm")

@@ -1,0 +1,86 @@
+"""What no machine has is doubted, and no error: millimetres for metres, per cent for one, grams for kilograms."""
+
+from pathlib import Path
+
+import pytest
+from arms import LENGTH, TUBE, beam, crane
+from arms import arm as arm_of
+
+import flexarm
+from flexarm.arm.sizes import HEAVIEST, LONGEST, size_doubts
+from flexarm.cli.run import run
+
+STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
+
+
+def crane_with(end=LENGTH, material=STEEL, mass=14.1, section=TUBE, **changes):
+    """The crane with another link, payload or uncertainty."""
+    plain = crane().to_dict()
+    rod = beam("rod", [0, 0, end], section, material=material)
+    payload = {"name": "load", "link": "rod", "position": [0, 0, end], "mass": mass}
+    points = [{"name": "tip", "link": "rod", "position": [0, 0, end]}]
+    return arm_of(joints=plain["joints"], links=[rod], payloads=[payload], points=points, **changes)
+
+
+def doubted(arm):
+    return [problem.where for problem in size_doubts(arm)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"end": 2600.0}, "links.rod.end"),
+        ({"end": 60.0}, "links.rod"),  # mm of a small arm, and a tube of 6 cm: it would hang down
+        ({"material": {**STEEL, "youngs_modulus": 210e9 * 1e3}}, "links.rod.material.youngs_modulus"),
+        ({"material": {**STEEL, "density": 7.85e6}}, "links.rod.material.density"),
+        ({"mass": 14100.0}, "payloads.load.mass"),
+        ({"uncertainty": {"payloads.load.mass": 2.0}}, "uncertainty.payloads.load.mass"),
+        ({"uncertainty": {"points.tip.position_m": 10.0}}, "uncertainty.points.tip.position_m"),
+    ],
+)
+def test_a_size_of_no_machine_is_doubted_at_its_place(changes, where):
+    assert where in doubted(crane_with(**changes))
+
+
+def test_sizes_that_machines_have_are_not_doubted():
+    """The paper's arm; a metre of ruler on edge; the Space Station's arm in orbit; values hardly known."""
+    assert doubted(crane_with(uncertainty={"payloads.load.mass": 1.0, "points.tip.position_m": 1.0})) == []
+    ruler = {"shape": "rectangle", "width": 1e-3, "height": 0.03}
+    upright = beam("rod", [1.0, 0, 0], ruler, material=STEEL, up=[0, 0, 1])
+    assert doubted(arm_of(joints=crane().to_dict()["joints"], links=[upright])) == []
+    boom = {"shape": "tube", "outer_diameter": 0.35, "thickness": 0.01}
+    assert doubted(crane_with(end=17.6, mass=116e3, section=boom, gravity=[0, 0, 0])) == []
+
+
+def test_the_sag_is_that_of_a_cantilever():
+    """A strip that hangs down by 1.01 times its length in linear theory is doubted, by 0.99 times not."""
+    flat = {"shape": "rectangle", "width": 0.05, "height": 0.05}
+    stiffness, weight = 210e9 * 0.05**4 / 12, 9.81 * 7850 * 0.05**2
+    length = (8 * stiffness / weight) ** (1 / 3)
+    assert length < LONGEST
+    for times, doubt in ((0.99, []), (1.01, ["links.rod"])):
+        link = beam("rod", [times ** (1 / 3) * length, 0, 0], flat, material=STEEL, up=[0, 0, 1])
+        assert (
+            doubted(arm_of(joints=crane().to_dict()["joints"], links=[link], gravity=[0, 0, -9.81])) == doubt
+        )
+
+
+def test_no_model_that_is_shipped_or_measured_is_doubted(shared_dir: Path, request):
+    root = request.config.rootpath
+    models = [*root.glob("examples/*.toml"), *shared_dir.glob("cases/case_*/model.toml")]
+    assert len(models) >= 20
+    for model in models:
+        assert doubted(flexarm.Arm.from_toml(model)) == [], model
+
+
+def test_a_check_warns_and_ends_with_zero(tmp_path, capsys):
+    crane_with(end=2600.0, uncertainty={"payloads.load.mass": 2.0}).to_toml(tmp_path / "arm.toml")
+    assert run(["check", str(tmp_path / "arm.toml")]) == 0
+    err = capsys.readouterr().err
+    assert f"warning: {tmp_path / 'arm.toml'}: links.rod.end: is 2600 m away" in err
+    assert "is 200 % of the value (1 sigma)" in err
+
+
+def test_the_limits_stay_beyond_what_is_built():
+    """Booms of some 100 m have sections far shorter; the Space Station's arm moves 116 t and weighs 1.5 t."""
+    assert LONGEST >= 100 and HEAVIEST > 116 / 1.5
