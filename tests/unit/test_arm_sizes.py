@@ -1,4 +1,4 @@
-"""What no machine has is doubted, and no error: millimetres for metres, per cent for one, grams for kilograms."""
+"""What no machine has is doubted, and no error: millimetres for metres, grams for kilograms, per cent."""
 
 from pathlib import Path
 
