@@ -50,8 +50,10 @@ def diagnose(
 
         flexarm diagnose arm.toml slow fast --hold-out other_day --out diagnosis
 
-    Writes report.html for you, report.json for programs, updated.toml, the repaired model, and the figures.
-    Whatever the verdict, the exit code is 0: "verdict" in report.json tells programs.
+    Writes report.html for you, report.json for programs, updated.toml, the repaired model, the gaps in
+    gaps.nc, and the figures; flexarm.Diagnosis.load reads them again in Python. Whatever the verdict, the
+    exit code is 0: "verdict" in report.json tells programs.
+
     That takes from seconds to minutes; Ctrl-C stops it with exit code 130, and nothing is written. Then see
     what is left:
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flexarm.diagnosis.outcome.stored import GAPS, MODEL, REPORT, gap_contents
+from flexarm.netcdf import save
 from flexarm.report.diagnosis_drawings import drawings
 from flexarm.report.diagnosis_page import page
 from flexarm.report.files import write_files
@@ -13,12 +15,12 @@ from flexarm.report.updated_model import write_updated
 if TYPE_CHECKING:
     from flexarm.diagnosis.outcome.result import Diagnosis
 
-REPORT, PAGE, MODEL = "report.json", "report.html", "updated.toml"
-"""Names of the files beside the figures."""
+PAGE = "report.html"
+"""The page, beside the files that `Diagnosis.load` reads and the figures."""
 
 
 def write(diagnosis: Diagnosis, directory: Path) -> None:
-    """Writes report.json, report.html, updated.toml and the figures into a directory that is there.
+    """Writes report.json, report.html, updated.toml, gaps.nc and the figures into a directory that is there.
 
     Parameters
     ----------
@@ -31,3 +33,4 @@ def write(diagnosis: Diagnosis, directory: Path) -> None:
     drawn = drawings(diagnosis)
     write_files(directory, drawn, (PAGE, page(diagnosis, drawn, report)), (REPORT, report))
     write_updated(diagnosis, directory / MODEL)
+    save(gap_contents(diagnosis), directory / GAPS)

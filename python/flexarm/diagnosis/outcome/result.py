@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from flexarm.diagnosis.gap.pooled_gap import PooledGap, pooled_gap
 from flexarm.diagnosis.named import NamedEffect, Nuisance, Refined, Rejected, Stage
@@ -149,8 +149,36 @@ class Diagnosis(SavedAsDirectory):
 
         return plot(self, ax, record)
 
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """What `save` or `flexarm diagnose` wrote.
+
+        It prints, draws and saves the same, but for the gap against states of the joints (`located`), which
+        is not kept.
+
+        Parameters
+        ----------
+        path : str or Path
+            The directory, or the report.json in it; updated.toml and gaps.nc are beside it.
+
+        Raises
+        ------
+        InvalidFile
+            If a file is missing, or is not what a diagnosis wrote.
+
+        Examples
+        --------
+        >>> flexarm.Diagnosis.load("diagnosis").plot(record="other_day")  # doctest: +SKIP
+        """
+        from flexarm.diagnosis.outcome.stored import stored
+
+        return cls(**stored(path))
+
     def write(self, directory: Path) -> None:
-        """Writes report.json, report.html, updated.toml and the figures into a directory that is there."""
+        """Writes report.json, report.html, updated.toml, gaps.nc and the figures into a directory.
+
+        The directory is there.
+        """
         from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
 
         write(self, directory)
