@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 class SignError(ChannelEffect):
-    """Channels of the wrong sign; it has no parameter.
+    """Channels of the wrong sign.
+
+    It has no parameter of its own.
 
     Parameters
     ----------

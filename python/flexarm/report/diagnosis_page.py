@@ -13,13 +13,20 @@ from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.gap.joint_rotations import NAMED
 from flexarm.diagnosis.gap.where import FOLLOWS
 from flexarm.diagnosis.outcome.refinement import refinements
-from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, verdict_sentence
+from flexarm.diagnosis.outcome.sentences import (
+    FITS_TOO,
+    headline,
+    hold_out_sentence,
+    rivals,
+    stated_sentence,
+    verdict_sentence,
+)
 from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
 from flexarm.report.template import filled
 from flexarm.tables import toml_text
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.named import Estimate, NamedEffect
+    from flexarm.diagnosis.named import Alternative, Estimate, NamedEffect
     from flexarm.diagnosis.outcome.result import Diagnosis
     from flexarm.report.files import Drawing
 
@@ -55,7 +62,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         where=list(_where_rows(d)),
         follows=list(_follows_rows(d)),
         rotations=list(_rotation_rows(d)),
-        effects=[_effect(each) for each in d.effects],
+        effects=[_effect(d, each) for each in d.effects],
         refined=list(_refined_rows(d)),
         undetermined=[
             each.refined.parameter for each in refinements(d) if not (each.determined or each.changed)
@@ -64,6 +71,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         rejected=_rejected_rows(d),
         diff=list(_diff(d)),
         drawn=drawings,
+        fits_too=FITS_TOO,
         provenance=report["provenance"],
     )
 
@@ -80,7 +88,7 @@ def _gap_rows(d: Diagnosis) -> Row:
     rows = [
         {
             "record": name,
-            "role": "held out" if name in d.held_out else "training",
+            "role": ("" if "held" in name else "held out") if name in d.held_out else "training",
             "cells": [
                 cell(value)
                 for value in (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
@@ -136,21 +144,25 @@ def _unit_of(d: Diagnosis, signal: str) -> str:
     return next((gap.unit for gap in found if gap is not None), "")
 
 
-def _effect(effect: NamedEffect) -> Row:
+def _effect(d: Diagnosis, effect: NamedEffect) -> Row:
+    near, far = rivals(effect)
     return {
         "title": place_words(effect.name, effect.at),
         "what": effect_law(effect.name),
         "probability": probability(effect.probability),
         "evidence": effect.evidence[:1].upper() + effect.evidence[1:],
         "parameters": [_parameter(each) for each in effect.parameters],
-        "alternatives": [
-            {
-                "title": place_words(other.name, other.at),
-                "what": effect_law(other.name),
-                "probability": probability(other.probability),
-            }
-            for other in effect.alternatives
-        ],
+        "stated": "" if d.verdict == "unusable" else stated_sentence(d, effect),
+        "near": list(map(_alternative, near)),
+        "far": list(map(_alternative, far)),
+    }
+
+
+def _alternative(other: Alternative) -> Row:
+    return {
+        "title": place_words(other.name, other.at),
+        "what": effect_law(other.name),
+        "probability": probability(other.probability),
     }
 
 

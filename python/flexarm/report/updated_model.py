@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.outcome.refinement import refinements
 from flexarm.diagnosis.outcome.report_file import provenance_of
+from flexarm.diagnosis.outcome.sentences import rivals_sentence
 from flexarm.diagnosis.wording import listed, place_words, probability
 
 if TYPE_CHECKING:
@@ -52,9 +53,8 @@ def _head(d: Diagnosis) -> Iterator[str]:
     for effect in kept:
         yield f"  {place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
         yield from (f"    {_range(each)}" for each in effect.parameters)
-        if effect.alternatives:
-            rivals = [place_words(other.name, other.at) for other in effect.alternatives]
-            yield f"    the data cannot tell it from {listed(rivals, 'or')}"
+        if rivals := rivals_sentence(effect):
+            yield f"    {rivals}"
     if changed:
         yield "refined within the stated uncertainty, with 90 % intervals:"
     for each in changed:

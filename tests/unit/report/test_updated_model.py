@@ -23,7 +23,7 @@ def test_what_was_added_is_told_with_its_interval(tmp_path):
     assert "the records slow and fast tried on the record other, which no fit has seen" in told
     assert "joint compliance at hinge, probability 0.93" in told
     assert "stiffness = 140000 N m/rad, 137697 to 142303" in told  # 1 %, 1.645 sigma
-    assert "cannot tell it from link stiffness at rod" in told
+    assert "which the data cannot tell from link stiffness at rod" in told
     # 2.08e11 +- 1.645e9
     assert "youngs_modulus: 2.1e+11 -> 2.08e+11, 2.06355e+11 to 2.09645e+11 Pa" in told
 

@@ -16,6 +16,7 @@ from flexarm.comparison.subject import Placement, Subject
 from flexarm.diagnosis.checks.channel import Channel, values_at
 from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
 from flexarm.diagnosis.checks.regression import Fit
+from flexarm.diagnosis.wording import with_unit
 
 IN_ORDER = 1.6
 """Slopes between its inverse and it need no other unit."""
@@ -75,8 +76,8 @@ def _flipped(channel: Channel, fit: Fit, plain: float) -> Finding:
     bayes = log_bayes(len(channel.rows), plain, after)
     sentence = (
         f"{channel.label} moves against the model: measured = {fit.slope:.3f} x predicted "
-        f"(+- {fit.std:.1g}); with the sign turned {fit.left:.2g} {channel.signal.unit} are left "
-        f"of {plain:.2g} {channel.signal.unit}"
+        f"(+- {fit.std:.1g}); with the sign turned {with_unit(fit.left, channel.signal.unit, 2)} are left "
+        f"of {with_unit(plain, channel.signal.unit, 2)}"
     )
     return _found(channel, "sign_error", bayes, after, {}, sentence)
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.diagnosis.wording import with_unit
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -98,8 +100,8 @@ class Floor:
             at = f"{each.signal} of {each.record}"
             if each.contradicts and each.stated and each.estimated:
                 found.append(
-                    f"{at} scatters by {each.estimated:.2g} {each.unit}, {each.estimated / each.stated:.2g} "
-                    "times the stated noise"
+                    f"{at} scatters by {with_unit(each.estimated, each.unit, 2)}, "
+                    f"{each.estimated / each.stated:.2g} times the stated noise"
                     + (": more noise, or a fast gap" if each.estimated > each.stated else "")
                 )
             for name, below in each.below.items():
@@ -107,8 +109,8 @@ class Floor:
                     found.append(f"{at}: cannot be simulated with another {name}")
                 elif not below and each.total:
                     found.append(
-                        f"{at}: the simulation's {name} counts, {each.errors[name]:.2g} {each.unit} against "
-                        f"a noise of {each.total:.2g} {each.unit}"
+                        f"{at}: the simulation's {name} counts, {with_unit(each.errors[name], each.unit, 2)} "
+                        f"against a noise of {with_unit(each.total, each.unit, 2)}"
                     )
         return tuple(found)
 

@@ -13,7 +13,7 @@ from flexarm.diagnosis.choosing.evidence import above_noise
 from flexarm.diagnosis.choosing.left_out import missed
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.wording import number, place_words, with_unit
+from flexarm.diagnosis.wording import listed, number, place_words, with_unit
 
 SHRUNK = 0.95
 """Part of a gap that may be left where it is said to fall."""
@@ -25,28 +25,19 @@ def evidence_sentence(
     choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
 ) -> str:
     """What speaks for effect k of a choice, and what does not; one sentence for a person."""
-    best, member = choice.best, choice.best.members[k]
-    before = max(above_noise(choice.null.rest, observed).values())
-    after = max(above_noise(best.rest, observed).values())
-    rivals = choice.rivals[k]
-    what = place_words(member.name, member.at)
-    shrinks = (
-        f"falls from {number(before, 2)} to {number(after, 2)}"
-        if after < SHRUNK * before
-        else f"stays at {number(after, 2)}"
-    )
-    text = (
-        f"with {what} the largest gap above the noise {shrinks} times the noise (ln Bayes factor "
-        f"{choice.needed[k]:.0f} over the model without it)"
-    )
-    text += "".join(f"; without it {said}" for said in _strained(choice.null, UNUSUAL))
-    if rivals:
-        rival = rivals[0]
-        who = place_words(*rival.candidate.place)
-        text += f"; next is {who}, behind by a ln Bayes factor of {rival.behind:.1f}"
+    best = choice.best
+    text = _shrinking(choice, k, observed)
+    if choice.rivals[k]:
+        rival = choice.rivals[k][0]
+        who, behind = place_words(*rival.candidate.place), _factor(rival.behind)
+        text += f"; next is {who}, behind by a ln Bayes factor of {behind}"
     if open_gap:
         with_it, without = (number(missed(fit, observed), 2) for fit in (best, choice.null))
-        text += f"; what was left out of the fit is missed by {with_it} times the noise, by {without} without"
+        they = "it" if len(best.members) == 1 else "all of them"
+        text += (
+            f"; parts of the data that are left out of the fit are missed by {with_it} times the noise with "
+            f"{they}, by {without} without"
+        )
     if strain(best) > STRAINED:
         worst = "".join(_strained(best, FORBIDDEN))
         text += f"; even with it {worst}, so that something else may be missing"
@@ -56,6 +47,34 @@ def evidence_sentence(
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
         )
     return text + "."
+
+
+def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
+    """What an effect does to the gap: beside the others that are named, and what it spares the model."""
+    members = [place_words(each.name, each.at) for each in choice.best.members]
+    alone = len(members) == 1
+    before = max(above_noise(choice.null.rest, observed).values())
+    after = max(above_noise(choice.best.rest, observed).values())
+    over = "it" if alone else members[k]
+    gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model without {over})"
+    spared = "".join(_strained(choice.null, UNUSUAL))
+    if spared and after >= SHRUNK * before:
+        return (
+            f"with {listed(members)} or without, the largest gap above the noise is {number(after, 2)} times "
+            f"the noise, but without {'it' if alone else 'them'} {spared} {gained}"
+        )
+    shrinks = (
+        f"falls from {number(before, 2)} to {number(after, 2)}"
+        if after < SHRUNK * before
+        else f"stays at {number(after, 2)}"
+    )
+    text = f"with {listed(members)} the largest gap above the noise {shrinks} times the noise {gained}"
+    return text + (f"; without {'it' if alone else 'them'} {spared}" if spared else "")
+
+
+def _factor(log_bayes: float) -> str:
+    """A logarithm of a Bayes factor: tenths where they count."""
+    return f"{log_bayes:.1f}" if abs(log_bayes) < 10 else f"{log_bayes:.0f}"
 
 
 def _strained(fit: Fit, beyond: float) -> Iterator[str]:

@@ -26,6 +26,9 @@ CAP = 0.98
 """Greatest probability of a name: some mechanism may be in no vocabulary."""
 CONFIDENT = 0.5
 """Greatest probability of a name whose parameter moves, or beside what nothing explains."""
+IN_ITS_PLACE = "less likely in the place of a named effect"
+ON_THE_WAY = "less likely as it was tried on the way"
+"""Why a candidate was not taken."""
 LOST = "what the encoder lost between its counts may look like it, so that it is at most as likely as not"
 """Said of a name beside an encoder that counts in steps."""
 
@@ -70,18 +73,19 @@ def _moves(drift: Drift, member: Candidate) -> bool:
 
 
 def rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
-    """Rivals out of reach, and what was tried on the way."""
+    """Rivals out of reach, and what was tried on the way; alternatives are neither."""
     found: dict[tuple[str, str], Rejected] = {}
-    chosen = set(choice.best.places)
+    near = {rival.candidate.place for rivals in choice.rivals for rival in rivals if rival.within_reach}
+    chosen = {*choice.best.places, *near}
     for rivals in choice.rivals:
         for rival in rivals:
-            if not rival.within_reach:
-                place = rival.candidate.place
-                found[place] = Rejected(*place, -rival.behind, "explains less in its place")
+            place = rival.candidate.place
+            if not rival.within_reach and place not in chosen:
+                found[place] = Rejected(*place, -rival.behind, IN_ITS_PLACE)
     for fit, _ in choice.tried:
         for place in fit.places:
             if place not in chosen and place not in found:
                 behind = log_bayes_factor(fit, choice.best, observed, choice.value)
                 if behind < -REACH:
-                    found[place] = Rejected(*place, behind, "explains less")
+                    found[place] = Rejected(*place, behind, ON_THE_WAY)
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.wording import listed, number, place_words, probability, scale
+from flexarm.diagnosis.wording import listed, number, place_words, probability, scale, with_unit
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.gap.pooled_gap import PooledGap
-    from flexarm.diagnosis.named import NamedEffect
+    from flexarm.diagnosis.named import Alternative, NamedEffect
     from flexarm.diagnosis.outcome.result import Diagnosis
 
 HEADLINES = {
@@ -18,13 +18,23 @@ HEADLINES = {
     "unusable": "These data cannot be used as they are",
 }
 """A verdict in a headline."""
+RESIZED = "An effect of the model has other values than stated"
+LISTED = 3
+"""Most refined values that a verdict names; a table has all."""
+ALIKE = 20.0
+"""How many times less probable a rival may be that the data cannot tell from an effect."""
 
 
 def headline(diagnosis: Diagnosis) -> str:
-    """The verdict as a headline; several effects in the plural."""
-    if diagnosis.verdict == "effects" and len(diagnosis.effects) > 1:
-        return f"{len(diagnosis.effects)} physical effects are missing from the model"
-    return HEADLINES[diagnosis.verdict]
+    """The verdict as a headline; several effects in the plural, those that the model has already as such."""
+    if diagnosis.verdict != "effects":
+        return HEADLINES[diagnosis.verdict]
+    count, resized = len(diagnosis.effects), sum(in_model(diagnosis, each) for each in diagnosis.effects)
+    if resized == count:
+        return RESIZED if count == 1 else f"{count} effects of the model have other values than stated"
+    if resized:
+        return f"{count} physical effects are missing from the model or have other values"
+    return HEADLINES["effects"] if count == 1 else f"{count} physical effects are missing from the model"
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
@@ -41,10 +51,44 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 def named(effect: NamedEffect) -> str:
     """An effect with place, probability, and what the data cannot tell it from."""
     text = f"{place_words(effect.name, effect.at)} (probability {probability(effect.probability)})"
-    if not effect.alternatives:
-        return text
-    rivals = [place_words(other.name, other.at) for other in effect.alternatives]
-    return f"{text}, which the data cannot tell from {listed(rivals, 'or')}"
+    rivals = rivals_sentence(effect)
+    return f"{text}, {rivals}" if rivals else text
+
+
+def rivals_sentence(effect: NamedEffect) -> str:
+    """What could stand in the place of an effect; empty if nothing could."""
+    near, far = ([place_words(other.name, other.at) for other in each] for each in rivals(effect))
+    found = [f"which the data cannot tell from {listed(near, 'or')}"] if near else []
+    found += [f"where {listed(far, 'or')} {FITS_TOO}"] if far else []
+    return ", and ".join(found)
+
+
+FITS_TOO = "would fit as well, but with values that few machines have"
+
+
+def rivals(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
+    """Alternatives that are about as probable, and those that fit as well and are implausible."""
+    near = [other for other in effect.alternatives if ALIKE * other.probability >= effect.probability]
+    return near, [other for other in effect.alternatives if other not in near]
+
+
+def in_model(diagnosis: Diagnosis, effect: NamedEffect) -> bool:
+    """Whether the nominal model has an effect of that name at that place."""
+    return diagnosis.arm.effect(effect.name, effect.at) is not None
+
+
+def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
+    """What the nominal model says of a named effect; empty if it has none."""
+    old = diagnosis.arm.effect(effect.name, effect.at)
+    if old is None:
+        return ""
+    known = {name: value for name, value, _ in old.parameters()}
+    told = [
+        f"{each.name} {with_unit(known[each.name], each.unit)}"
+        for each in effect.parameters
+        if each.name in known
+    ]
+    return f"In the model as stated: {listed(told)}." if told else "The model as stated has it too."
 
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
@@ -88,8 +132,13 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:
-    names = listed([named(effect) for effect in diagnosis.effects])
-    return [f"Missing from the model: {names}.", gap_sentence(diagnosis)]
+    missing = [named(effect) for effect in diagnosis.effects if not in_model(diagnosis, effect)]
+    resized = [named(effect) for effect in diagnosis.effects if in_model(diagnosis, effect)]
+    return [
+        f"Missing from the model: {listed(missing)}." if missing else "",
+        f"In the model with other values: {listed(resized)}." if resized else "",
+        gap_sentence(diagnosis),
+    ]
 
 
 def _adequate(diagnosis: Diagnosis) -> list[str]:
@@ -98,9 +147,10 @@ def _adequate(diagnosis: Diagnosis) -> list[str]:
         return ["No effect is missing as far as these data tell: the gap is noise.", gap_sentence(diagnosis)]
     who = "a nominal value" if len(keys) == 1 else f"{len(keys)} nominal values"
     explain = "explains" if len(keys) == 1 else "explain"
+    which = f" ({listed(keys)})" if len(keys) <= LISTED else ""
     return [
-        f"No effect is missing as far as these data tell: {who} inside the stated uncertainty "
-        f"({listed(keys)}) {explain} the gap.",
+        f"No effect is missing as far as these data tell: {who} inside the stated uncertainty{which} "
+        f"{explain} the gap.",
         gap_sentence(diagnosis),
     ]
 
@@ -116,8 +166,11 @@ def _unexplained(diagnosis: Diagnosis) -> list[str]:
 
 def _unusable(diagnosis: Diagnosis) -> list[str]:
     faults = listed([place_words(effect.name, effect.at) for effect in diagnosis.effects])
-    evidence = [effect.evidence[:1].upper() + effect.evidence[1:] for effect in diagnosis.effects]
-    return [f"The sensor is at fault, not the physics: {faults}." if faults else "", *evidence]
+    who = "The sensor is" if len(diagnosis.effects) == 1 else "Sensors are"
+    return [
+        f"{who} at fault, not the physics: {faults}." if faults else "",
+        "Repair the channel or leave it out of the record, then diagnose again.",
+    ]
 
 
 def _in_one_unit(gap: PooledGap, unit: str) -> tuple[str, str, str]:

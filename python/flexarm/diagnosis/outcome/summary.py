@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.outcome.refinement import refinements
-from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, verdict_sentence
+from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, stated_sentence, verdict_sentence
 from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
@@ -43,13 +43,15 @@ def _wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
 def _effects(diagnosis: Diagnosis) -> list[str]:
     lines: list[str] = []
     for effect in diagnosis.effects:
-        lines += _effect(effect)
+        lines += _effect(diagnosis, effect)
     return lines
 
 
-def _effect(effect: NamedEffect) -> list[str]:
+def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:
     title = f"{place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
     lines = [title, *(_row(each) for each in effect.parameters)]
+    if diagnosis.verdict != "unusable":
+        lines += _wrapped(stated_sentence(diagnosis, effect), "  ")
     lines += _wrapped(effect.evidence, "  ")
     for other in effect.alternatives:
         words = place_words(other.name, other.at)
@@ -59,12 +61,12 @@ def _effect(effect: NamedEffect) -> list[str]:
 
 def _row(estimate: Estimate) -> str:
     value, low, high, unit = interval(estimate)
-    return f"  {estimate.name:<18}{value:>12} {unit:<12} 90 %: {low} to {high}"
+    return f"  {estimate.name:<18}{value:>12} {unit:<12} 90 % interval {low} to {high}"
 
 
 def _refined(diagnosis: Diagnosis) -> list[str]:
     found = list(refinements(diagnosis))
-    lines = ["nominal values refined, +- 1 sigma"] if found else []
+    lines = ["nominal values refined: from, by +- 1 sigma, of what is stated"] if found else []
     for each in found:
         if each.determined or each.changed:
             moved, std, unit = each.texts
@@ -78,7 +80,7 @@ def _refined(diagnosis: Diagnosis) -> list[str]:
 
 
 def _nuisances(diagnosis: Diagnosis) -> list[str]:
-    lines = ["fitted along, within what the records state; 90 %"] if diagnosis.nuisances else []
+    lines = ["clocks and frames, fitted along within what the records state"] if diagnosis.nuisances else []
     for nuisance in diagnosis.nuisances:
         lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
         lines += [f"  {_row(each)}" for each in nuisance.parameters]
@@ -94,13 +96,21 @@ def _gaps(diagnosis: Diagnosis) -> list[str]:
         return []
     factor, unit = scale([gap.before_rms for gap in rows.values()], diagnosis.unit)
     head = f"gap of {diagnosis.main_signal} [{unit}]"
-    lines = [f"{head:<30}{'before':>10}{'after':>10}{'noise':>10}{'max':>10}{'after':>10}"]
+    labels = {name: _labelled(diagnosis, name) for name in rows}
+    wide = max(26, *(len(label) + 2 for label in labels.values()))
+    columns = ("rms before", "rms after", "noise", "max before", "max after")
+    lines = [f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns)]
     for name, gap in rows.items():
-        label = f"  {name} (held out)" if name in diagnosis.held_out else f"  {name}"
         values = (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
         cells = [number(None if v is None else factor * v) for v in values]
-        lines.append(f"{label:<30}" + "".join(f"{cell:>10}" for cell in cells))
+        lines.append(f"{labels[name]:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
     return [*lines, *_wrapped(hold_out_sentence(diagnosis))]
+
+
+def _labelled(diagnosis: Diagnosis, name: str) -> str:
+    """A record, and that it was held out where its name does not say so."""
+    says = "held" in name
+    return f"  {name} (held out)" if name in diagnosis.held_out and not says else f"  {name}"
 
 
 def _remarks(diagnosis: Diagnosis) -> list[str]:

@@ -1,0 +1,134 @@
+"""What a reader is told is said once and does not contradict itself."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import diagnoses
+import numpy as np
+import pytest
+
+from flexarm.diagnosis.named import Alternative, NamedEffect
+from flexarm.diagnosis.outcome import evidence_sentence as sentence
+from flexarm.diagnosis.outcome import naming
+from flexarm.diagnosis.outcome.sentences import headline, verdict_sentence
+
+
+def plain(text: str) -> str:
+    """On one line."""
+    return " ".join(text.split())
+
+
+def rival(name: str, within_reach: bool, behind: float = 1.0) -> SimpleNamespace:
+    place = (name, "hinge")
+    candidate = SimpleNamespace(place=place, name=name, at="hinge")
+    return SimpleNamespace(candidate=candidate, within_reach=within_reach, behind=behind)
+
+
+def test_what_the_data_cannot_tell_from_a_named_effect_is_not_listed_as_rejected(monkeypatch):
+    """Fitted alone on the way it may have been far behind; in the place of the named effect it is near."""
+    monkeypatch.setattr(naming, "log_bayes_factor", lambda *_: -50.0)
+    tried = SimpleNamespace(places=[("backlash", "hinge"), ("payload_mass", "hinge")])
+    choice = SimpleNamespace(
+        best=SimpleNamespace(places=[("joint_compliance", "hinge")]),
+        rivals=[[rival("payload_mass", True), rival("link_mass", False, 9.0)]],
+        tried=[(tried, 0)],
+        value={},
+    )
+    found = naming.rejected(choice, None)
+    assert [(each.name, each.why) for each in found] == [
+        ("link_mass", naming.IN_ITS_PLACE),
+        ("backlash", naming.ON_THE_WAY),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("probability", "other", "said"),
+    [
+        (0.85, 0.09, "which the data cannot tell from link stiffness at rod"),
+        (0.98, 0.01, "where link stiffness at rod would fit as well, but with values that few machines have"),
+    ],
+)
+def test_a_name_that_is_nearly_sure_is_not_called_one_that_cannot_be_told(probability, other, said):
+    [effect] = diagnoses.of_effects().effects
+    alternative = Alternative("link_stiffness", "rod", other)
+    found = diagnoses.of_effects(
+        effects=(replace(effect, probability=probability, alternatives=(alternative,)),)
+    )
+    assert said in verdict_sentence(found)
+    assert ("cannot tell" in plain(found.summary())) is ("cannot tell" in said)
+
+
+def test_an_effect_that_the_model_has_is_not_called_missing():
+    """A spring of 140 kN m/rad where the model has 100 kN m/rad."""
+    stated = diagnoses.nominal().replace(effects=())
+    softer = stated.with_effect(diagnoses.JointCompliance(at="hinge", stiffness=1e5, damping=200.0))
+    found = diagnoses.of_effects(arm=softer)
+    assert headline(found) == "An effect of the model has other values than stated"
+    assert "Missing from" not in found.summary()
+    assert "In the model as stated: stiffness 100 kN m/rad and damping 200 N m s/rad." in plain(
+        found.summary()
+    )
+
+
+def test_a_fault_is_described_once_in_the_summary():
+    evidence = "in record 'a' tip x moves against the model."
+    fault = NamedEffect("sign_error", "tip", 0.999, (), (), evidence)
+    text = plain(replace(diagnoses.unusable(), effects=(fault,)).summary())
+    assert text.count("tip x moves against the model") == 1
+    assert "Repair the channel or leave it out of the record" in text
+
+
+def test_refined_values_are_listed_once_where_they_are_many():
+    found = diagnoses.adequate()
+    text = verdict_sentence(replace(found, refined=5 * found.refined))
+    assert "5 nominal values inside the stated uncertainty explain the gap" in text
+    assert "(links.rod.material.youngs_modulus) explains the gap" in verdict_sentence(found)
+
+
+def choice_of(names: list[str], before: float, after: float, monkeypatch) -> SimpleNamespace:
+    """A choice of effects that takes the largest gap above the noise from one multiple of it to another."""
+    sizes = {"null": {"tip": before}, "best": {"tip": after}}
+    monkeypatch.setattr(sentence, "above_noise", lambda rest, observed: sizes[rest])
+    monkeypatch.setattr(sentence, "strain", lambda fit: 0.0)
+    unknown = SimpleNamespace(words="value E")
+    pulls = {"null": 8.7, "best": 0.0}
+    fits = {
+        which: SimpleNamespace(
+            rest=which,
+            residual=which,
+            members=[SimpleNamespace(name=name, at="hinge") for name in names],
+            coordinates=(),
+            z=(),
+            unknowns=SimpleNamespace(each=[unknown], sigma=np.ones(1)),
+            projection=SimpleNamespace(best=lambda residual: np.array([pulls[residual]])),
+        )
+        for which in ("null", "best")
+    }
+    return SimpleNamespace(**fits, rivals=[[] for _ in names], needed=[39.4, 10865.2][: len(names)])
+
+
+def test_of_several_effects_the_gap_is_that_of_all_and_the_evidence_that_of_each(monkeypatch):
+    choice = choice_of(["joint_compliance", "backlash"], 34.0, 0.34, monkeypatch)
+    told = sentence.evidence_sentence(choice, 1, (), False, None)
+    assert told.startswith(
+        "with joint compliance at hinge and backlash at joint hinge the largest gap above the noise falls "
+        "from 34 to 0.34 times the noise (ln Bayes factor 10865 over the model without backlash at joint"
+    )
+    assert "without them the value E would be off by 8.7 times its stated sigma" in told
+
+
+def test_a_gap_that_strained_values_close_as_well_is_not_said_to_stay(monkeypatch):
+    """0.29 times the noise with the effect, 0.29 without: what differs is a modulus 8.7 sigmas off."""
+    told = sentence.evidence_sentence(choice_of(["backlash"], 0.29, 0.29, monkeypatch), 0, (), False, None)
+    assert told == (
+        "with backlash at joint hinge or without, the largest gap above the noise is 0.29 times the noise, "
+        "but without it the value E would be off by 8.7 times its stated sigma (ln Bayes factor 39 over the "
+        "model without it)."
+    )
+
+
+def test_intervals_and_columns_say_what_they_are():
+    text = diagnoses.of_effects(held_out=("other",)).summary()
+    assert "rms before" in text and "max after" in text
+    assert "other (held out)" in text
+    assert "90 % interval" in text
