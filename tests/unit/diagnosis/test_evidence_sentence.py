@@ -60,7 +60,8 @@ def _named(left, coarse=False, needed=50.0):
         best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], value={}
     )
     choice.null.rest = choice.null.residual
-    [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, None, coarse)
+    observed = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None))
+    [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, observed, coarse)
     return found
 
 

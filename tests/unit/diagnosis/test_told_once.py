@@ -85,6 +85,10 @@ def test_refined_values_are_listed_once_where_they_are_many():
     assert "(links.rod.material.youngs_modulus) explains the gap" in verdict_sentence(found)
 
 
+BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None))
+"""Records of a model without effects."""
+
+
 def choice_of(names: list[str], before: float, after: float, monkeypatch) -> SimpleNamespace:
     """A choice of effects that takes the largest gap above the noise from one multiple of it to another."""
     sizes = {"null": {"tip": before}, "best": {"tip": after}}
@@ -107,23 +111,33 @@ def choice_of(names: list[str], before: float, after: float, monkeypatch) -> Sim
     return SimpleNamespace(**fits, rivals=[[] for _ in names], needed=[39.4, 10865.2][: len(names)])
 
 
-def test_of_several_effects_the_gap_is_that_of_all_and_the_evidence_that_of_each(monkeypatch):
+def test_of_several_effects_the_gap_is_told_once_and_the_evidence_of_each(monkeypatch):
     choice = choice_of(["joint_compliance", "backlash"], 34.0, 0.34, monkeypatch)
-    told = sentence.evidence_sentence(choice, 1, (), False, None)
-    assert told.startswith(
+    first, second = (sentence.evidence_sentence(choice, k, (), False, BENCH) for k in (0, 1))
+    assert first == (
         "with joint compliance at hinge and backlash at joint hinge the largest gap above the noise falls "
-        "from 34 to 0.34 times the noise (ln Bayes factor 10865 over the model without backlash at joint"
+        "from 34 to 0.34 times the noise (ln Bayes factor 39 over the model without joint compliance at "
+        "hinge); without them the value E would be off by 8.7 times its stated sigma."
     )
-    assert "without them the value E would be off by 8.7 times its stated sigma" in told
+    assert second == (
+        "backlash at joint hinge beside joint compliance at hinge (ln Bayes factor 10865 over the model "
+        "without it)."
+    )
+
+
+def test_an_effect_that_the_model_has_is_weighed_against_it_as_stated(monkeypatch):
+    has = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: name))
+    told = sentence.evidence_sentence(choice_of(["backlash"], 34.0, 0.3, monkeypatch), 0, (), False, has)
+    assert "(ln Bayes factor 39 over the model with it as stated)" in told
 
 
 def test_a_gap_that_strained_values_close_as_well_is_not_said_to_stay(monkeypatch):
     """0.29 times the noise with the effect, 0.29 without: what differs is a modulus 8.7 sigmas off."""
-    told = sentence.evidence_sentence(choice_of(["backlash"], 0.29, 0.29, monkeypatch), 0, (), False, None)
+    told = sentence.evidence_sentence(choice_of(["backlash"], 0.29, 0.29, monkeypatch), 0, (), False, BENCH)
     assert told == (
-        "with backlash at joint hinge or without, the largest gap above the noise is 0.29 times the noise, "
-        "but without it the value E would be off by 8.7 times its stated sigma (ln Bayes factor 39 over the "
-        "model without it)."
+        "with clocks, frames and nominal values fitted along the largest gap above the noise is 0.29 times "
+        "the noise, with backlash at joint hinge or without; but without it the value E would be off by 8.7 "
+        "times its stated sigma (ln Bayes factor 39 over the model without it)."
     )
 
 

@@ -50,18 +50,24 @@ def evidence_sentence(
 
 
 def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
-    """What an effect does to the gap: beside the others that are named, and what it spares the model."""
+    """What an effect does: the first one with the gap that all close and what they spare the model."""
     members = [place_words(each.name, each.at) for each in choice.best.members]
     alone = len(members) == 1
     before = max(above_noise(choice.null.rest, observed).values())
     after = max(above_noise(choice.best.rest, observed).values())
-    over = "it" if alone else members[k]
-    gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model without {over})"
+    it = "it" if alone or k else members[k]
+    stated = observed.arm.effect(choice.best.members[k].name, choice.best.members[k].at) is not None
+    over = f"with {it} as stated" if stated else f"without {it}"
+    gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model {over})"
+    if k:
+        others = listed(members[:k] + members[k + 1 :])
+        return f"{members[k]} beside {others} {gained}"
     spared = "".join(_strained(choice.null, UNUSUAL))
     if spared and after >= SHRUNK * before:
         return (
-            f"with {listed(members)} or without, the largest gap above the noise is {number(after, 2)} times "
-            f"the noise, but without {'it' if alone else 'them'} {spared} {gained}"
+            f"with clocks, frames and nominal values fitted along the largest gap above the noise is "
+            f"{number(after, 2)} times the noise, with {listed(members)} or without; but without "
+            f"{'it' if alone else 'them'} {spared} {gained}"
         )
     shrinks = (
         f"falls from {number(before, 2)} to {number(after, 2)}"
