@@ -61,7 +61,7 @@ def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
     gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model {over})"
     if k:
         others = listed(members[:k] + members[k + 1 :])
-        return f"{members[k]} beside {others} {gained}"
+        return f"beside {others} the data ask for {members[k]} too {gained}"
     spared = "".join(_strained(choice.null, UNUSUAL))
     if spared and after >= SHRUNK * before:
         return (
