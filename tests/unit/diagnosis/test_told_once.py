@@ -120,8 +120,8 @@ def test_of_several_effects_the_gap_is_told_once_and_the_evidence_of_each(monkey
         "hinge); without them the value E would be off by 8.7 times its stated sigma."
     )
     assert second == (
-        "beside joint compliance at hinge the data ask for backlash at joint hinge too (ln Bayes factor 10865 "
-        "over the model without it)."
+        "beside joint compliance at hinge the data ask for backlash at joint hinge too (ln Bayes factor "
+        "10865 over the model without it)."
     )
 
 
