@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
-from flexarm.measurement.outliers import outliers
+from flexarm.measurement.outliers import SMOOTH, outliers
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
@@ -88,7 +88,9 @@ def align(subject: Subject, start: Placement) -> Aligned:
     start : Placement
         Where to start; clocks and frames without a prior must be near already.
     """
-    unknown, out = unknowns(subject, start), _gross_outliers(subject, start)
+    unknown = unknowns(subject, start)
+    places = {each.place for each in unknown}
+    out = _gross_outliers(subject, start, places)
     if not unknown:
         return Aligned(start, outliers=out)
     rows = _Rows(subject, start, unknown, out)
@@ -105,14 +107,19 @@ def align(subject: Subject, start: Placement) -> Aligned:
     return Aligned(placed(start, unknown, values), tuple(unknown), values, std, out)
 
 
-def _gross_outliers(subject: Subject, start: Placement) -> dict[str, NDArray[np.bool_]]:
-    """Rows of evidence that are gross outliers, by signal; only a stated noise tells them."""
+def _gross_outliers(subject: Subject, start: Placement, places: set[str]) -> dict[str, NDArray[np.bool_]]:
+    """Rows that are gross outliers, of signals that are aligned or cannot jump; a stated noise tells them."""
     found = {
         name: outliers(subject.residual(signal, start, hold=True), subject.noise(signal))
         for name, signal in subject.evidence.items()
-        if noise_is_stated(signal.noise_std)
+        if noise_is_stated(signal.noise_std) and (signal.quantity in SMOOTH or _moves(signal, places))
     }
     return {name: rows for name, rows in found.items() if rows.any()}
+
+
+def _moves(signal: Signal, places: set[str]) -> bool:
+    """Whether its clock or frame is among those that may move."""
+    return signal.clock in places or signal.frame in places
 
 
 class _Rows:
@@ -130,7 +137,7 @@ class _Rows:
         self.signals = [
             signal
             for signal in subject.evidence.values()
-            if noise_is_stated(signal.noise_std) and (signal.clock in places or signal.frame in places)
+            if noise_is_stated(signal.noise_std) and _moves(signal, places)
         ]
         self.centre = np.array([each.centre for each in unknown])
         self.sigma = np.array([each.sigma for each in unknown])

@@ -55,10 +55,11 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     """
     found = np.zeros(len(residual), dtype=bool)
     rows, off, usual = off_the_median(residual)
-    if len(rows):
-        size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
-        limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby(size))
-        found[rows] = np.any(size > limit, axis=1)
+    limit = np.maximum(NOISE * noise, SPREAD * usual)
+    if not np.any(np.abs(off) > limit):  # what most signals are spared
+        return found
+    size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
+    found[rows] = np.any(size > np.maximum(limit, NEARBY * nearby(size)), axis=1)
     return found
 
 
