@@ -21,6 +21,7 @@ from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import CannotMeasure
+from flexarm.record.doubts import outside_the_drive
 
 if TYPE_CHECKING:
     from flexarm.record import Record, Signal
@@ -167,7 +168,7 @@ def subject(
     """
     stamps = {name: signal.time for name, signal in record.signals.items()} if stamps is None else stamps
     kept: dict[str, Signal] = {}
-    skipped = dict(inputs or {})
+    skipped = {**outside_the_drive(record), **(inputs or {})}
     for name, signal in record.signals.items():
         if name in skipped:
             continue

@@ -24,6 +24,7 @@ def doubts(record: Record) -> Iterable[Problem]:
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
     yield from clocks_apart(record)
+    yield from (Problem(f"signals.{name}", what) for name, what in outside_the_drive(record).items())
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
@@ -43,7 +44,28 @@ def doubts(record: Record) -> Iterable[Problem]:
 
 
 def clocks_apart(record: Record) -> Iterable[Problem]:
-    """Signals that have no instant in common with the drive, clocks as stated."""
+    """Signals whose clock, as stated, ran when the drive's did not."""
+    for signal, times, own in _apart(record):
+        if signal.clock != own:
+            yield Problem(
+                f"signals.{signal.name}",
+                f"{times} by {own!r}: they have no instant in common; state the offset in "
+                f'clocks.{signal.clock}, or that the clock is "unknown"',
+            )
+
+
+def outside_the_drive(record: Record) -> dict[str, str]:
+    """Signals of the drive's own clock that saw nothing of its motion, and what to do about it."""
+    return {
+        signal.name: f"{times} by the same: they have no instant in common; if the stamps are not of one "
+        'clock, give the signal its own, with its offset or "unknown"'
+        for signal, times, own in _apart(record)
+        if signal.clock == own
+    }
+
+
+def _apart(record: Record) -> Iterable[tuple[Signal, str, str]]:
+    """Signals without an instant in common with the drive, the times of both, and the drive's clock."""
     drives = [record.signals[name] for name in record.drive]
     known = [s for s in drives if len(s.time) and not record.clocks[s.clock].unknown]
     if record.kind != "motion" or not known:
@@ -55,18 +77,11 @@ def clocks_apart(record: Record) -> Iterable[Problem]:
         start, end = _ran(record, [signal])
         margin = 0.0 if signal.clock == own else 3 * record.clocks[signal.clock].sigma
         if start - margin > last or end + margin < first:
-            same = signal.clock == own
-            what = (
-                "give the signal a clock of its own, with its offset"
-                if same
-                else f"state the offset in clocks.{signal.clock}"
-            )
-            yield Problem(
-                f"signals.{signal.name}",
+            times = (
                 f"runs from {start:.6g} to {end:.6g} s by clock {signal.clock!r}, the drive from {first:.6g} "
-                f"to {last:.6g} s by {'the same' if same else repr(own)}: they have no instant in common; "
-                f'{what}, or say that it is "unknown"',
+                f"to {last:.6g} s"
             )
+            yield signal, times, own
 
 
 def _ran(record: Record, signals: Sequence[Signal]) -> tuple[float, float]:
