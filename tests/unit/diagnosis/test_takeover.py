@@ -18,13 +18,14 @@ from flexarm.measurement import predict
 from flexarm.record import Clock
 
 MODULUS, DELAY = "links.rod.material.youngs_modulus", "effects.time_delay.tracker.delay"
+OWN_MASS = "payloads.load.mass"
 SCALE, LATE = 1.5, 8e-3
 
 
-def seen(truth):
+def seen(truth, **also):
     """The record of one joint as another machine makes it, whose tracker has a clock known to 2 ms."""
     run = run_of("one joint")
-    nominal = run.simulation.arm.replace(uncertainty={MODULUS: 0.01})
+    nominal = run.simulation.arm.replace(uncertainty={MODULUS: 0.01, **also})
     clocks = {**run.record.clocks, "tracker": Clock(sigma=2e-3)}
     signals = [
         s.replace(clock="tracker") if s.quantity == "position" else s for s in run.record.signals.values()
@@ -66,6 +67,17 @@ def test_its_fit_leaves_the_noise_and_the_modulus_where_it_is_stated(stiffer):
     assert spares(found, null)
     assert found.members[0].effect.scale == pytest.approx(SCALE, rel=0.03)  # the modulus is known to 1 %
     assert found.cost < 1.1 * len(found.residual)
+
+
+def test_a_mass_takes_over_what_the_model_s_own_mass_is_strained_to_do():
+    """About the mass that the fit has: from the stated one, all that was fitted would be its move."""
+    nominal = run_of("one joint").simulation.arm.payloads[0].mass
+    lighter = 0.9 * nominal
+    fitter, probed, null = seen(PayloadMass(at="load", mass=lighter), **{OWN_MASS: 0.002})
+    assert abs(fitter.at[fitter.unknowns.keys.index(OWN_MASS)]) > 30 * 0.002 * nominal
+    first = takeovers(fitter, probed, null)[0]
+    assert (first.candidate.place, set(first.values)) == (("payload_mass", "load"), {OWN_MASS})
+    assert first.member().effect.mass - nominal == pytest.approx(lighter - nominal, rel=0.02)
 
 
 def test_a_clock_takes_over_what_it_did_as_an_unknown():

@@ -18,12 +18,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
+from math import isfinite
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import SPRINGS, WAVES, Candidate
+from flexarm.diagnosis.candidates.candidate import SPRINGS, WAVES, Candidate, value_of
+from flexarm.diagnosis.candidates.candidate_probes import nulls
 from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
 from flexarm.diagnosis.choosing.screen import LONGER, Probed, in_proportion, possible
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
@@ -196,7 +198,7 @@ def _small_moves(
     there = fitter.with_effects(best.members)
     slopes = observed.slopes(there, list(strained), fitter.unknowns.steps(there))
     of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
-    nudged = [_nudged(fitter, each, best) for each in others]
+    nudged = [_nudged(fitter, _from(each, there), best) for each in others]
     observed.prepare([there, *(arm for arms in nudged for arm in arms)])
     before = observed.residual(there)
     for candidate, arms in zip(others, nudged, strict=True):
@@ -215,6 +217,23 @@ def _nudged(fitter: Fitter, candidate: Candidate, best: Fit) -> list[Arm]:
             small = replace(candidate, effect=candidate.nudged(k, SMALL))
             arms.append(fitter.with_effects((*best.members, small)))
     return arms if len(arms) == len(candidate.probes) else []
+
+
+def _from(candidate: Candidate, there: Arm) -> Candidate:
+    """The same from a model's own values, where an effect states what a fit has elsewhere than it is stated.
+
+    A small step of a load's mass would else begin with all that the fit has moved it.
+    """
+    without = there.effect(candidate.name, candidate.at)
+    null = nulls(candidate.effect, without, there)
+    away = {key: value - candidate.null[key] for key, value in null.items() if isfinite(value)}
+    if not any(away[key] for key in candidate.free if key in away):
+        return candidate
+    probes = [
+        each.with_parameters({key: value_of(each, key) + away.get(key, 0.0) for key in candidate.free})
+        for each in candidate.probes
+    ]
+    return replace(candidate, probes=tuple(probes), null=null, without=without)
 
 
 def _part(move: Floats, moves: Floats) -> float:
