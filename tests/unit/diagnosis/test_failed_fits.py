@@ -30,12 +30,12 @@ def raises(*_):
 def failing(error, at):
     """A fitter that finds everything but one thing."""
 
-    def fit(members, limit):
+    def trial(members, nearby, limit):
         if members[0] == at:
             raise error
         return SimpleNamespace(name=members[0], cost=1.0)
 
-    return SimpleNamespace(fit=fit, observed=None)
+    return SimpleNamespace(trial=trial, observed=None)
 
 
 def fitted(error, monkeypatch):
@@ -100,10 +100,11 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
     monkeypatch.setattr(ranking, "_unsettled", lambda *_: [])
     monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
 
+    def again(_, nearby):
+        return Made(nearby.name, nearby.cost / 10)
+
     def about(fit):
-        return (
-            raises() if fit.name == failing else SimpleNamespace(fit=lambda _: Made(fit.name, fit.cost / 10))
-        )
+        return raises() if fit.name == failing else SimpleNamespace(fit=again)
 
     fitter = SimpleNamespace(about=about, observed=None)
     best, there = ranking.best_of(fitter, [Made("a", 1.0), Made("b", 2.0)], None, None)
@@ -114,7 +115,7 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
 
 def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without_it(monkeypatch):
     monkeypatch.setattr(choose, "accepted", lambda *_: False)
-    fitter = SimpleNamespace(fit=lambda members: Made("b"), about=raises, observed=None)
+    fitter = SimpleNamespace(fit=lambda *_, **__: Made("b"), about=raises, observed=None)
     best, there = choose._backward(fitter, Made("ab"), None)
     assert (best.name, there) == ("b", fitter)
 

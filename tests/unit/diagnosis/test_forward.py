@@ -32,7 +32,7 @@ def fit(names):
     return SimpleNamespace(members=tuple(names), cost=COST[names], name=names)
 
 
-def fits_all(members, limit=np.inf):
+def fits_all(members, nearby=None, limit=np.inf):
     """What a fitter finds of effects that are names: a model that leaves as much as all others."""
     return SimpleNamespace(name=members[0], places=members, cost=50.0)
 
@@ -71,6 +71,7 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < 0.8 * old.cost)
     monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
     monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
+    monkeypatch.setattr(module, "far_off", lambda one, null: one.cost > 90)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
     found.observed, found.probed = (), None
@@ -108,6 +109,21 @@ def test_no_model_is_gone_on_from_twice(search):
     assert search[1] == ["a", "ab"]
 
 
+@pytest.mark.parametrize("left, gone_on_from", [(40, ["a", "ab"]), (95, ["a"])], ids=["half", "little"])
+def test_no_third_effect_is_looked_for_where_two_hardly_explain_anything(
+    search, monkeypatch, left, gone_on_from
+):
+    """It could be accepted, as it takes a tenth of what two leave."""
+    for names, cost in {"a": 97, "ac": 97, "ab": left, "abc": 0.7 * left, "abd": 0.6 * left}.items():
+        monkeypatch.setitem(COST, names, cost)
+    monkeypatch.setitem(LINEAR, 1, ["a"])
+    monkeypatch.setitem(LINEAR, 2, [])
+    monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < old.cost)
+    monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < old.cost)
+    forward(search)
+    assert search[1] == gone_on_from
+
+
 def test_nothing_is_gone_on_from_that_takes_hardly_anything(search, monkeypatch):
     """A machine with what no effect explains: each takes a hundredth, and nothing is looked for beside it."""
     monkeypatch.setitem(COST, "a", 99)
@@ -124,7 +140,7 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     monkeypatch.setitem(COST, "bd", 19)
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
     monkeypatch.setattr(module, "carries", lambda members, spring: False)
-    about = SimpleNamespace(fit=lambda members: made("".join(members)), observed=None)
+    about = SimpleNamespace(fit=lambda members, nearby: made("".join(members)), observed=None)
     about.about = lambda best: about
     ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=made("bd"))
 
@@ -176,13 +192,13 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "explained", lambda *_: False)
 
-    def fitted(members, limit):
+    def fitted(members, nearby, limit):
         if "bow" in members[0]:
             raise NotConverged("no equilibrium")
         return fits_all(members)
 
     monkeypatch.setattr(promising, "leaves_gap", lambda *_: False)
-    fitter = SimpleNamespace(fit=fitted, observed=NOTHING)
+    fitter = SimpleNamespace(trial=fitted, observed=NOTHING)
     assert names(promising.larger_fits(fitter, [], BARE, BARE, 2)) == ["friction", "tilt", "play"]
 
 
@@ -192,7 +208,7 @@ def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "explained", lambda *_: False)
     monkeypatch.setattr(promising, "leaves_gap", lambda *_: False)
-    fitter = SimpleNamespace(fit=fits_all, observed=NOTHING)
+    fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
     assert names(promising.larger_fits(fitter, [], BARE, BARE, 2)) == ["tilt"]
 
 
@@ -205,7 +221,7 @@ def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeyp
     monkeypatch.setattr(promising, "together", found)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "explained", lambda *_: False)
-    fitter = SimpleNamespace(fit=fits_all, observed=NOTHING)
+    fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
     for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
         monkeypatch.setattr(promising, "leaves_gap", lambda *_, gap=gap: gap)
         assert names(promising.larger_fits(fitter, [], BARE, BARE, 2)) == fits
@@ -227,7 +243,7 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(promising, "quiet", lambda *_: True)
     monkeypatch.setattr(promising, "explained", lambda *_: False)
     monkeypatch.setattr(promising, "leaves_gap", lambda *_: gap)
-    fitter = SimpleNamespace(fit=fits_all, observed=NOTHING)
+    fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
     found = names(promising.larger_fits(fitter, [None] * 20, BARE, BARE))
     assert len(found) == len(set(found)) == tried
 

@@ -24,7 +24,7 @@ def path(monkeypatch):
     def evaluated(one, about):
         return (one, about) if about is HONEST else (fit(one.objective + 0.5), HONEST)
 
-    def stepped(one, about, anew, part):
+    def stepped(one, about, anew, part, limit):
         if not objectives:
             raise NotConverged("no equilibrium")
         return fit(objectives.pop(0)), HONEST

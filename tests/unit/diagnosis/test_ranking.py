@@ -200,7 +200,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     monkeypatch.setattr(rivals, "_alike", lambda *_: None)
     monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
-    fitter = SimpleNamespace(observed=None, fit=lambda m, limit=0: made[m[0].place[0]] if m else nothing)
+    fitter = SimpleNamespace(observed=None, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]])
     found = rivals.rivals_of(0, made["chosen"], nothing, fitter, [], [], {})
     assert [rival.candidate.place[0] for rival in found] == fitted
 

@@ -18,6 +18,8 @@ something else must be there if
 
     max_c s_c > max(LEFT, LEFT_SHARE max_c s_c0).                                                      (4)
 
+Where two effects explain less than half of the gap, and of the strain, a third is not looked for.
+
 An effect is accepted if the evidence for it is strong and it matters; none that is a clock or a frame within
 `FORBIDDEN` sigmas of what the records state, as the smaller model has it there too. If it leaves a gap all
 the same, it must also take a part of the whole one, C of `fitting.fit`, that is worth a name,
@@ -59,6 +61,8 @@ STRAINED, FORBIDDEN = 1.0, 2.0
 """Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
 DENT = 0.03
 """Least part of a gap that an effect takes if it leaves one, eq. (5): less is chance or disguise."""
+HALF = 0.5
+"""Part of the gap, and of the strain, of which two effects must leave less for a third to be looked for."""
 LEFT = 1.0
 """What may be left above the noise of a model that explains a record, over the noise."""
 LEFT_SHARE = 0.07
@@ -123,6 +127,11 @@ def worth_a_name(new: Fit, old: Fit) -> bool:
 def spares(new: Fit, old: Fit) -> bool:
     """Whether a larger model spares clocks, frames and nominal values a strain."""
     return strain(old) - strain(new) > STRAINED
+
+
+def far_off(fit: Fit, null: Fit) -> bool:
+    """Whether a model leaves most of the gap, and of the strain, that there is without effects."""
+    return fit.cost > HALF * null.cost and strain(fit) > HALF * strain(null)
 
 
 def implausibility(fit: Fit) -> float:

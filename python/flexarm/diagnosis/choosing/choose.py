@@ -17,11 +17,18 @@ from dataclasses import dataclass, field, replace
 
 from flexarm.diagnosis.candidates.candidate import SPRINGS, carries
 from flexarm.diagnosis.candidates.companions import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.choosing.acceptance import accepted, explained, leaves_gap, quiet, worth_a_name
+from flexarm.diagnosis.choosing.acceptance import (
+    accepted,
+    explained,
+    far_off,
+    leaves_gap,
+    quiet,
+    worth_a_name,
+)
 from flexarm.diagnosis.choosing.awake import THROUGH_SPRINGS, awakened, new_springs
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.choosing.polish import about_or_here, settled, without_effects
-from flexarm.diagnosis.choosing.promising import larger_fits, other_springs
+from flexarm.diagnosis.choosing.promising import TWIN, larger_fits, other_springs
 from flexarm.diagnosis.choosing.ranking import best_of
 from flexarm.diagnosis.choosing.rivals import Rival, rivals_of, without
 from flexarm.diagnosis.choosing.screen import Probed
@@ -32,12 +39,12 @@ from flexarm.diagnosis.residuals.drive_noise import allow_for_drives
 
 MOST = 3
 """Effects in one diagnosis."""
+TWO = 2
+"""Effects that must explain half of a gap for a third one to be looked for."""
 AGAIN = 2
 """Times that the search goes forward and back."""
 NEAR = 4.0
 """Mean square, over the noise, below which what noise of the drives does beside a model may be all of it."""
-TWIN = 1.1
-"""Most that a model with a spring elsewhere may leave, over the best one, to be gone on from too."""
 OVERTAKEN = 3
 """Times that a rival may take the place of what was chosen."""
 
@@ -119,7 +126,7 @@ class _Search:
 
     def forward(self, best: Fit, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
         """The largest model of which each effect is accepted, and about which."""
-        while (count := causes(best.members, self.places)) < MOST and not self._explained(best):
+        while (count := causes(best.members, self.places)) < self._most(best) and not self._explained(best):
             tell(f"looking for effect {count + 1}", count / (MOST + 1))
             larger = self._larger(best, about)
             if larger is None or not accepted(larger[0], best, self.null, self.observed):
@@ -142,7 +149,7 @@ class _Search:
             if best.members or self._explained(better):
                 break
             sets = self._sets(about, size, better)
-            if len(better.members) == size - 1 and worth_a_name(better, best):
+            if len(better.members) == size - 1 < self._most(better) and worth_a_name(better, best):
                 sets += self._one_more(better, there)
                 self.complete = better
             if not sets:
@@ -211,6 +218,11 @@ class _Search:
         better, there = best_of(about, nearer, old, self.null)
         return (better, there) if better.cost < best.cost else (best, about)
 
+    def _most(self, fit: Fit) -> int:
+        """Effects in one diagnosis; no third one where two are far off."""
+        two = causes(fit.members, self.places) == TWO
+        return TWO if two and far_off(fit, self.null) else MOST
+
     def _explained(self, fit: Fit) -> bool:
         return explained(fit, self.null, self.observed)
 
@@ -265,7 +277,7 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
             k += 1
             continue
         try:
-            fewer = fitter.fit(rest)
+            fewer = fitter.fit(rest, nearby=best)
         except FAILED:
             k += 1
             continue

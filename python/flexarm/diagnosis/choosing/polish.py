@@ -49,7 +49,7 @@ def about_itself(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     """A fit once more with derivatives of its own, and where; as it is if they cannot be taken."""
     try:
         about = fitter.about(fit)
-        return about.fit(fit.members), about
+        return about.fit(fit.members, nearby=fit), about
     except FAILED:
         return fit, fitter
 
@@ -118,7 +118,7 @@ def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
     far = foretold(here) > sigma_squared(here)
     for part in SHORTER if far else SHORTER[:1]:
         with suppress(*FAILED):
-            ahead, there = stepped(here, at, anew, part)
+            ahead, there = stepped(here, at, anew, part, objective(here))
             if objective(ahead) < objective(here):
                 return ahead, there
     again = at.fit(stepped_over(here, at))

@@ -40,6 +40,8 @@ FAINT = 0.3
 """Candidates that promise less than this part of the best are left out once one explains everything."""
 HALFWAY = 0.5
 """Part of what the best one explains that one is not finished without."""
+TWIN = 1.1
+"""Most that a model with a spring elsewhere may leave, over the best one, to be gone on from too."""
 AHEAD = 0.9
 """What a set of three may leave of what the best one leaves that only adds to a smaller set."""
 
@@ -101,7 +103,8 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
             if spring.name not in SPRINGS or place in best.places or carries(others, spring):
                 continue
             with suppress(*FAILED):
-                found.append(fitter.fit((candidate.as_soft_as(spring), *others)))
+                members = (candidate.as_soft_as(spring), *others)
+                found.append(fitter.trial(members, best, TWIN * best.cost))
     return found
 
 
@@ -135,7 +138,8 @@ def _fitted(
             break
         near = limit_beside([*before, *found], best, HALFWAY)
         try:
-            found.append(fitter.fit((*map(_relaxed, best.members), *share.members), limit=near))
+            members = (*map(_relaxed, best.members), *share.members)
+            found.append(fitter.trial(members, best, near))
         except FAILED:
             continue
     return found

@@ -109,9 +109,9 @@ def rivals_of(
     found = []
     for candidate in wanted:
         try:
-            fit = known.get(candidate.place) or fitter.fit((candidate, *others), limit=limit)
+            fit = known.get(candidate.place) or fitter.trial((candidate, *others), best, limit)
             if (alike := _alike(candidate, chosen)) is not None:
-                fit = min(fit, fitter.fit((alike, *others), limit=limit), key=lambda f: f.cost)
+                fit = min(fit, fitter.trial((alike, *others), best, limit), key=lambda f: f.cost)
             fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
         except FAILED:
             continue
@@ -238,7 +238,7 @@ def _caught_up(
     if behind >= CLOSE and log_bayes_factor(peer, fit, observed, value) >= CLOSE:
         return fit, behind
     about = fitter.about(fit)
-    fit = about.fit(fit.members) if open_gap else about.evaluated(fit.members)
+    fit = about.fit(fit.members, nearby=fit) if open_gap else about.evaluated(fit.members)
     behind = log_bayes_factor(best, fit, observed, value)
     for _ in range(0 if open_gap else ROUNDS):
         if foretold(fit) / 2 < max(NEARER, behind - WITHIN_SIGHT):  # no step would bring it near

@@ -80,9 +80,9 @@ def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]
     for each in takeovers(fitter, probed, best):
         with suppress(*FAILED):
             members = (*best.members, _matched(fitter, each, best))
-            fit = fitter.as_stated(each.values, members).fit(members)
+            fit = fitter.as_stated(each.values, members).fit(members, nearby=best)
             if fit.cost > best.cost:
-                fit = fitter.about(fit).fit(fit.members)
+                fit = fitter.about(fit).fit(fit.members, nearby=fit)
             found.append(fit)
     return found
 

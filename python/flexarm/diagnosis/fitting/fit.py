@@ -60,3 +60,8 @@ class Fit:
     def places(self) -> tuple[tuple[str, str], ...]:
         """Name and place of each effect."""
         return tuple(member.place for member in self.members)
+
+    def key(self, k: int) -> tuple[str, str, str]:
+        """Name and place of the effect of coordinate k, and its parameter."""
+        coordinate = self.coordinates[k]
+        return (*self.members[coordinate.candidate].place, coordinate.name)

@@ -23,7 +23,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidates.candidate import Candidate, with_members
 from flexarm.diagnosis.fitting.coordinate import coordinates_of
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
-from flexarm.diagnosis.fitting.least_squares import LeastSquares
+from flexarm.diagnosis.fitting.least_squares import EVALUATIONS, TOLERANCE, LeastSquares
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import Unknowns
 from flexarm.diagnosis.fitting.weighed import tempered
@@ -203,25 +203,41 @@ class Fitter:
     def fit(
         self,
         members: Sequence[Candidate],
-        evaluations: int = 8,
-        tolerance: float = 2e-3,
+        evaluations: int = EVALUATIONS,
+        tolerance: float = TOLERANCE,
         limit: float = inf,
+        nearby: Fit | None = None,
     ) -> Fit:
         """The least of (1) of `least_squares`, for a set of effects that start at their own values.
 
-        A fit that would stay above the limit is not finished.
+        A fit that would stay above the limit is not finished. The first derivatives are those of a model
+        `nearby`, where that has them.
 
         Raises
         ------
         NotConverged, InvalidParameter
             If not even the start can be simulated.
         """
-        members = tuple(members)
-        problem = self.problem(members)
+        problem = self.problem(tuple(members), nearby)
         if not problem.coordinates:
-            return self._as_it_is(members)
+            return self._as_it_is(problem.members)
         z = problem.solved(problem.z_of(members), evaluations, tolerance, limit)
-        return self._found(problem, z, problem.members_at(z))
+        slopes = problem.slopes_at(z) if problem.given_up else problem.differences(z)
+        return self._found(problem, z, problem.members_at(z), slopes)
+
+    def trial(self, members: Sequence[Candidate], nearby: Fit, limit: float = inf) -> Fit:
+        """A fit that is one of several: its derivatives are those that led there.
+
+        Raises
+        ------
+        NotConverged, InvalidParameter
+            If not even the start can be simulated.
+        """
+        problem = self.problem(tuple(members), nearby)
+        if not problem.coordinates:
+            return self._as_it_is(problem.members)
+        z = problem.solved(problem.z_of(members), limit=limit)
+        return self._found(problem, z, problem.members_at(z), problem.slopes_at(z))
 
     def evaluated(self, members: Sequence[Candidate]) -> Fit:
         """A model with effects as they are, and its derivatives."""
@@ -229,16 +245,16 @@ class Fitter:
         problem = self.problem(members)
         if not problem.coordinates:
             return self._as_it_is(members)
-        return self._found(problem, problem.z_of(members), members)
+        z = problem.z_of(members)
+        return self._found(problem, z, members, problem.differences(z))
 
-    def problem(self, members: tuple[Candidate, ...]) -> LeastSquares:
+    def problem(self, members: tuple[Candidate, ...], nearby: Fit | None = None) -> LeastSquares:
         """The least squares of a set of effects."""
         coordinates = coordinates_of(members, self.with_effects(members))
-        return LeastSquares(self, members, coordinates, self.eliminated(members)[1])
+        return LeastSquares(self, members, coordinates, self.eliminated(members)[1], nearby)
 
-    def _found(self, problem: LeastSquares, z: Floats, members: tuple[Candidate, ...]) -> Fit:
-        """The fit at z, which `members` have."""
-        slopes = problem.slopes_at(z) if problem.given_up else problem.differences(z)
+    def _found(self, problem: LeastSquares, z: Floats, members: tuple[Candidate, ...], slopes: Floats) -> Fit:
+        """The fit at z, which `members` have, with derivatives there."""
         residual, projection = problem.raw(z), problem.projection
         rest, left = projection.rest(residual), self.eliminated(members)[0]
         return Fit(members, problem.coordinates, z, residual, rest, slopes, left, projection)

@@ -7,8 +7,9 @@ that clocks, frames and nominal values cannot explain (`projection`). The prior 
 weight and has Student's wide tails, since it need not know this machine: it keeps what the data do not
 determine, such as a damping, at plausible values, and hardly moves what they do.
 
-SciPy's least_squares solves (1) within bounds. Its derivatives come from finite steps, as laws that are not
-smooth need them, and from there on from Broyden's update [Broyden1965] while that foretells what a step does,
+SciPy's least_squares solves (1) within bounds. Its derivatives come from a model that was fitted nearby, or
+from finite steps, as laws that are not smooth need them, and from there on from Broyden's update
+[Broyden1965] while that foretells what a step does,
 
     J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                          (2)
 
@@ -32,10 +33,15 @@ from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
+    from flexarm.diagnosis.fitting.fit import Fit
     from flexarm.diagnosis.fitting.fitter import Fitter
 
 FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
+EVALUATIONS, TOLERANCE = 8, 2e-3
+"""Most evaluations of a fit besides differences; relative tolerance of its steps, of (1) a tenth of it."""
+NEARBY = 1.0
+"""Sigmas of its prior by which a parameter may lie elsewhere in a model whose derivatives are taken over."""
 MORE = 2.0
 """Times the last fall of (1), or the next one as foretold, that a fit is still trusted to fall."""
 
@@ -51,6 +57,8 @@ class LeastSquares:
 
     Attributes
     ----------
+    nearby : Fit, optional
+        A model with some of the effects, of which the first derivatives are taken over.
     given_up : bool
         Whether the fit ended above its limit, before its least.
     """
@@ -61,16 +69,23 @@ class LeastSquares:
         members: tuple[Candidate, ...],
         coordinates: tuple[Coordinate, ...],
         projection: Projection,
+        nearby: Fit | None = None,
     ) -> None:
         self.fitter, self.members = fitter, members
-        self.coordinates, self.projection = coordinates, projection
+        self.coordinates, self.projection, self.nearby = coordinates, projection, nearby
         self._raw: dict[bytes, Floats] = {}
         self._slopes: dict[bytes, Floats] = {}
         self._differences: dict[bytes, Floats] = {}
         self._last: Floats | None = None
         self._least, self._limit, self.given_up = inf, inf, False
 
-    def solved(self, start: Floats, evaluations: int, tolerance: float, limit: float = inf) -> Floats:
+    def solved(
+        self,
+        start: Floats,
+        evaluations: int = EVALUATIONS,
+        tolerance: float = TOLERANCE,
+        limit: float = inf,
+    ) -> Floats:
         """Where (1) is least within the bounds, or where it was found to stay above the limit.
 
         Raises
@@ -146,16 +161,42 @@ class LeastSquares:
         """Derivatives of the residuals by z, eq. (2) where that is enough."""
         key = z.tobytes()
         if key not in self._slopes:
-            self._slopes[key] = found if (found := self._updated(z)) is not None else self.differences(z)
+            found = self._at_start(z) if self._last is None else self._updated(z)
+            self._slopes[key] = self.differences(z) if found is None else found
         self._last = z.copy()
         return self._slopes[key]
 
+    def _at_start(self, z: Floats) -> Floats | None:
+        """The first derivatives, of the model nearby where it has them; None where it has none."""
+        taken = self._taken_over(z)
+        fresh = [k for k in range(len(z)) if k not in taken]
+        if not taken or (found := self._exact(z)) is not None:
+            return found if taken else None
+        found = np.empty((len(self.fitter.observed), len(z)))
+        for k, column in taken.items():
+            found[:, k] = column
+        found[:, fresh] = self._columns(z, fresh)
+        return found
+
+    def _taken_over(self, z: Floats) -> dict[int, Floats]:
+        """Derivatives by parameters that are the same, or nearly, in the model nearby."""
+        if self.nearby is None:
+            return {}
+        there = {self.nearby.key(k): k for k in range(len(self.nearby.z))}
+        found = {}
+        for k, coordinate in enumerate(self.coordinates):
+            i = there.get((*self.members[coordinate.candidate].place, coordinate.name))
+            if i is not None and abs(z[k] - self.nearby.z[i]) < NEARBY:
+                found[k] = self.nearby.slopes[:, i]
+        return found
+
     def _updated(self, z: Floats) -> Floats | None:
-        """Eq. (2) from the last derivatives; None if there are none or they foretold too little.
+        """Eq. (2) from the last derivatives; None where they foretold too little.
 
         A single difference costs as little.
         """
-        if self._last is None or len(z) == 1:
+        assert self._last is not None
+        if len(z) == 1:
             return None
         slopes, dz = self._slopes[self._last.tobytes()], z - self._last
         step = self.raw(z) - self.raw(self._last)
@@ -173,12 +214,17 @@ class LeastSquares:
             if exact is not None:
                 self._differences[key] = exact
                 return exact
-            here = self.raw(z)
-            ahead = z + np.diag(self._steps(z))
-            self.fitter.observed.prepare(arm for there in ahead if (arm := self._arm(there)) is not None)
-            columns = [self._column(z, k, float(step), here) for k, step in enumerate(self._steps(z))]
-            self._differences[key] = np.stack(columns, axis=1)
+            self._differences[key] = self._columns(z, range(len(z)))
         return self._differences[key]
+
+    def _columns(self, z: Floats, which: Sequence[int]) -> Floats:
+        """Differences by some parameters, shape (n, len(which))."""
+        here, steps = self.raw(z), self._steps(z)
+        ahead = z + np.diag(steps)
+        models = (self._arm(ahead[k]) for k in which)
+        self.fitter.observed.prepare(arm for arm in models if arm is not None)
+        columns = [self._column(z, k, float(steps[k]), here) for k in which]
+        return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
 
     def _arm(self, z: Floats) -> Arm | None:
         try:

@@ -14,6 +14,7 @@ what bends beside the straight step is mended where it costs least.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,10 +36,13 @@ def evaluated(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     return fitter.evaluated(fit.members), fitter
 
 
-def stepped(fit: Fit, fitter: Fitter, anew: bool = True, part: float = 1.0) -> tuple[Fit, Fitter]:
+def stepped(
+    fit: Fit, fitter: Fitter, anew: bool = True, part: float = 1.0, limit: float = inf
+) -> tuple[Fit, Fitter]:
     """The fit after a step of (1), or a part of it, from an evaluated one, and the fitter that made it.
 
-    Its derivatives by unknowns are taken `anew`, or kept where they foretell the step.
+    Its derivatives by unknowns are taken `anew`, or kept where they foretell the step. A fit that would stay
+    above the limit is not finished.
 
     Raises
     ------
@@ -49,7 +53,7 @@ def stepped(fit: Fit, fitter: Fitter, anew: bool = True, part: float = 1.0) -> t
     members = members_at(fit.members, fit.coordinates, fit.z + part * dz)
     ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)  # where x is after dz
     about = fitter.about(ahead, part) if anew else fitter.towards(ahead, part)
-    return about.fit(members), about
+    return about.fit(members, limit=limit, nearby=fit), about
 
 
 def foretold(fit: Fit) -> float:
