@@ -5,6 +5,8 @@ from planted import run_of
 
 from flexarm.diagnosis.at_once import at_once
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects import JointCompliance, PayloadMass
+from flexarm.errors import NotConverged
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])
@@ -25,3 +27,22 @@ def test_residuals_do_not_depend_on_the_number_of_jobs():
     arm = run.simulation.arm
     one, two = (Observed(arm, records, step=4e-3, jobs=jobs).residual(arm) for jobs in (1, 2))
     assert (one == two).all()
+
+
+def test_models_prepared_at_once_are_what_they_are_alone():
+    """All of them but one that cannot be simulated, which is an error of its own where it is asked for."""
+    run = run_of("one joint")
+    records = {name: run.showing({}, seed).record for name, seed in (("a", 1), ("b", 2))}
+    arm = run.simulation.arm
+    [load] = arm.payloads
+    masses = [PayloadMass(at=load.name, mass=part * load.mass) for part in (0.9, 1.0, 1.1)]
+    soft = JointCompliance(at="hinge", stiffness=1e-3, damping=1e-6)  # hangs far down
+    models = [arm.with_effect(each) for each in (*masses, soft)]
+    one, two = (Observed(arm, records, step=4e-3, jobs=jobs) for jobs in (1, 2))
+    two.prepare(models)
+    made = two.runs.made
+    for model in models[:3]:
+        assert (two.residual(model) == one.residual(model)).all()
+    assert two.runs.made == made
+    with pytest.raises(NotConverged):
+        two.residual(models[3])

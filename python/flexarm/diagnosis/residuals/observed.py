@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import product
 from types import MappingProxyType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -141,21 +141,21 @@ class Observed:
 
     def residual(self, arm: Arm) -> Floats:
         """Eq. (1) for a model, shape (len(self),)."""
-        return self._residual(arm, self.jobs)
-
-    def _residual(self, arm: Arm, jobs: int) -> Floats:
-        parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points, arm.motors, arm.controllers)
-        key = (*parts, arm.effects)
+        key = _key(arm)
         if key not in self._residuals:
             found = np.empty(len(self))
             beside = partial(self.runs.beside, arm=arm)
-            for name, pair in zip(self.records, at_once(beside, self.records, jobs), strict=True):
+            for name, pair in zip(self.records, at_once(beside, self.records, self.jobs), strict=True):
                 self.put(found, name, pair)
-            found.setflags(write=False)
-            self._residuals[key] = found
-            while len(self._residuals) > KEPT_RESIDUALS:
-                self._residuals.popitem(last=False)
+            self._keep(key, found)
         return self._residuals[key]
+
+    def _keep(self, key: Any, found: Floats) -> None:
+        """Remembers a residual, and forgets the oldest ones."""
+        found.setflags(write=False)
+        self._residuals[key] = found
+        while len(self._residuals) > KEPT_RESIDUALS:
+            self._residuals.popitem(last=False)
 
     def put(self, found: Floats, name: str, pair: Subject, rows: Iterable[Rows] | None = None) -> None:
         """Writes the rows of one record into a residual, or some of them."""
@@ -171,14 +171,23 @@ class Observed:
         put_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
 
     def prepare(self, arms: Iterable[Arm]) -> None:
-        """Computes residuals of many models, `jobs` at once; `residual` says later which of them failed."""
-        wanted = list(arms)
-        if self.jobs > 1 and len(wanted) > 1:
-            at_once(self._tried, wanted, self.jobs)
+        """Computes residuals of many models, `jobs` runs at once; `residual` says later which failed."""
+        wanted = {key: arm for arm in arms if (key := _key(arm)) not in self._residuals}
+        if self.jobs == 1 or len(wanted) < 2:
+            return
+        found = {key: np.empty(len(self)) for key in wanted}
+        failed = set()
 
-    def _tried(self, arm: Arm) -> None:
-        with suppress(InvalidParameter, NotConverged):
-            self._residual(arm, 1)
+        def put(run: tuple[Any, str]) -> None:
+            key, name = run
+            try:
+                self.put(found[key], name, self.runs.beside(name, wanted[key]))
+            except (InvalidParameter, NotConverged):
+                failed.add(key)
+
+        at_once(put, product(wanted, self.records), self.jobs)
+        for key in (key for key in wanted if key not in failed):
+            self._keep(key, found[key])
 
     def correction(self, arm: Arm) -> Floats:
         """What (1) misses of its value for vanishing time steps h, shape (len(self),).
@@ -216,3 +225,9 @@ class Observed:
     def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
         """The same from the derivatives of equilibria; None where they have none."""
         return pose_slopes(self, arm, keys)
+
+
+def _key(arm: Arm) -> tuple[Any, ...]:
+    """What residuals depend on."""
+    parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points, arm.motors, arm.controllers)
+    return (*parts, arm.effects)
