@@ -7,7 +7,7 @@ import pytest
 from flexarm.diagnosis.choosing import polish
 from flexarm.errors import NotConverged
 
-ABOUT = SimpleNamespace(observed=None)
+ABOUT = SimpleNamespace(observed=None, with_effects=lambda members: members)
 HONEST = SimpleNamespace(observed=None, fit=lambda members: fit(1e9))
 """A fitter about a fit, which finds nothing better."""
 
@@ -36,6 +36,7 @@ def path(monkeypatch):
     monkeypatch.setattr(polish, "foretold", lambda one: 0.0)
     monkeypatch.setattr(polish, "sigma_squared", lambda one: 1.0)
     monkeypatch.setattr(polish, "_quiet", lambda one, about: False)
+    monkeypatch.setattr(polish, "has_corners", lambda arm: True)
     return objectives
 
 
@@ -52,6 +53,15 @@ def test_what_is_better_by_its_own_account_than_all_that_follows_stays(path, mon
     path += [95.0, 94.99, 94.98]
     start = fit(90.0)
     assert polish.settled(start, ABOUT) == polish.polished(start, ABOUT) == (start, ABOUT)
+
+
+def test_without_corners_what_steps_lead_to_is_believed(path, monkeypatch):
+    """There C is smooth, and 90 was only what unknowns would do in proportion from afar."""
+    evaluated = lambda one, about: (one, about) if about is HONEST else (fit(100.0), HONEST)  # noqa: E731
+    monkeypatch.setattr(polish, "evaluated", evaluated)
+    monkeypatch.setattr(polish, "has_corners", lambda arm: False)
+    path += [95.0, 94.99]
+    assert polish.settled(fit(90.0), ABOUT)[0].objective == 94.99
 
 
 def test_steps_end_where_they_bring_less_than_a_tenth_of_sigma_squared(path):

@@ -16,6 +16,7 @@ from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.newton import evaluated, foretold, objective, stepped
 from flexarm.diagnosis.fitting.pattern import stepped_over
+from flexarm.diagnosis.residuals.corners import has_corners
 
 ROUNDS = 6
 """Most steps of `settled`."""
@@ -87,7 +88,8 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
     they act alike, and rivals that are compared before they have come to rest seem apart that are not. All
     derivatives are of one model, or what acts alike would seem known apart. Only beside corners a fit may be
-    so much better by its own account, in which unknowns act in proportion, that it stays as it is.
+    so much better by its own account, in which unknowns act in proportion, that it stays as it is: elsewhere
+    steps lead to where C is least, and what unknowns would do in proportion from afar is no better than that.
     """
     here, at = fit, about
     with suppress(*FAILED):
@@ -100,7 +102,7 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
             if fell < SETTLED * sigma_squared(here):
                 break
     rests = objective(here) < objective(fit) + STILL * sigma_squared(fit)
-    return (here, at) if rests else (fit, about)
+    return (here, at) if rests or not has_corners(about.with_effects(fit.members)) else (fit, about)
 
 
 def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
