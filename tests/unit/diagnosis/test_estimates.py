@@ -1,9 +1,11 @@
 """Intervals of what was fitted, by a block bootstrap."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.choosing.left_out import blocks
@@ -97,24 +99,55 @@ def test_same_seed_same_answer():
     assert estimates(fit, observed(), 4).effects == estimates(fit, observed(), 4).effects
 
 
-def test_static_records_that_are_off_as_a_whole_count_once_each():
-    """A mean of G records with errors t of their own: its sigma is t/sqrt(G - 1), whatever their poses.
-
-    With the mean left out r_g becomes r_g G/(G - 1); the mean of forty s^2 with 7 freedoms scatters by 8 %.
-    """
-    records, each = 8, 50
+def static_records(records, each):
+    """Records of poses, all of one sensor."""
     rows = [
         SimpleNamespace(record=f"{k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)),
                         time=np.arange(float(each)))
         for k in range(records)
     ]  # fmt: skip
     named = {row.record: SimpleNamespace(kind="static") for row in rows}
-    given = SimpleNamespace(rows=rows, records=named, channels=lambda: [(row, row.where) for row in rows])
-    variance = []
-    for _ in range(40):
-        noise = np.repeat(RNG.normal(size=records), each)
-        variance.append(draws(fitted(noise, np.ones(N)), given, RNG, 0.0)[:, 0].var())
-    assert np.mean(variance) == pytest.approx(1 / (records - 1), rel=0.25)
+    return SimpleNamespace(rows=rows, records=named, channels=lambda: [(row, row.where) for row in rows])
+
+
+def test_static_records_that_are_off_as_a_whole_count_once_each():
+    """A mean of G records with errors t of their own: its interval is Student's with G - 1, t s/sqrt(G)."""
+    records, means = 8, []
+    noise = RNG.normal(size=(40, records))
+    noise /= noise.std(axis=1, ddof=1, keepdims=True)  # s = 1, all that scatters is the bootstrap
+    for row in noise:
+        fit = fitted(np.repeat(row, N // records), np.ones(N))
+        means.append(draws(fit, static_records(records, N // records), RNG, 0.0)[:, 0].std())
+    assert np.mean(means) == pytest.approx(student.ppf(0.95, 7) / 1.645 / np.sqrt(records), rel=0.02)
+
+
+def bursts(noise):
+    """A ringing after three stops tells the mass; a load, an offset and slow motions are fitted along."""
+    ringing = sum(
+        np.where(TIME > t, np.exp(-(TIME - t)) * np.sin(9.0 * (TIME - t)), 0.0) for t in (5.0, 17.0, 29.0)
+    )
+    others = np.column_stack([np.ones(N), TIME / 40.0, *(np.sin(k * 0.3 * TIME + k) for k in (1, 2, 3, 5, 7))])
+    every = np.column_stack([ringing, others])
+    found = np.linalg.lstsq(every, -noise, rcond=None)[0]
+    fit = fitted(np.zeros(N), ringing)
+    unknowns = SimpleNamespace(each=(), keys=[])
+    return replace(
+        fit,
+        z=found[:1],
+        residual=noise + ringing * found[0],
+        unknowns=unknowns,
+        projection=Projection(others, np.full(others.shape[1], 1e6)),
+    )
+
+
+def test_nine_of_ten_intervals_hold_the_truth_where_few_blocks_tell_it():
+    """Three ringings: residuals as they are with normal quantiles held it in 73 %; 300 trials know 1.7 %."""
+    inside = 0
+    for seed in range(300):
+        fit = bursts(np.random.default_rng(seed).normal(size=N))
+        low, high = np.quantile(draws(fit, observed(), np.random.default_rng(seed), 0.0)[:, 0], [0.05, 0.95])
+        inside += low <= -fit.z[0] <= high
+    assert 0.85 <= inside / 300 <= 0.95
 
 
 @pytest.mark.parametrize(("phase", "shown"), [(3.1, 3.1), (3.2, 3.2 - 2 * np.pi), (-9.5, -9.5 + 4 * np.pi)])

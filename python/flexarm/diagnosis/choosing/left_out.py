@@ -94,14 +94,6 @@ def blocks(observed: Observed) -> list[NDArray[np.int_]]:
     return [np.concatenate(parts) for parts in found.values()]
 
 
-def poses(observed: Observed) -> NDArray[np.bool_]:
-    """Which rows are poses."""
-    found = [
-        np.full(len(each.time), observed.records[each.record].kind == "static") for each in observed.rows
-    ]
-    return np.concatenate(found)
-
-
 def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
     """J, r and the diagonal of Lambda of (1), at the optimum."""
     x = fit.projection.best(fit.residual)
