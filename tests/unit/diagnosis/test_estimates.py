@@ -123,10 +123,10 @@ def test_static_records_that_are_off_as_a_whole_count_once_each():
 
 def bursts(noise):
     """A ringing after three stops tells the mass; a load, an offset and slow motions are fitted along."""
-    ringing = sum(
-        np.where(TIME > t, np.exp(-(TIME - t)) * np.sin(9.0 * (TIME - t)), 0.0) for t in (5.0, 17.0, 29.0)
-    )
-    others = np.column_stack([np.ones(N), TIME / 40.0, *(np.sin(k * 0.3 * TIME + k) for k in (1, 2, 3, 5, 7))])
+    after = [np.maximum(TIME - stop, 0.0) for stop in (5.0, 17.0, 29.0)]
+    ringing = sum(np.exp(-t) * np.sin(9.0 * t) for t in after)
+    slow = [np.sin(k * 0.3 * TIME + k) for k in (1, 2, 3, 5, 7)]
+    others = np.column_stack([np.ones(N), TIME / 40.0, *slow])
     every = np.column_stack([ringing, others])
     found = np.linalg.lstsq(every, -noise, rcond=None)[0]
     fit = fitted(np.zeros(N), ringing)

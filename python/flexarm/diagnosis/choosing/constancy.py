@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from flexarm.diagnosis.choosing.evidence import Channel
-from flexarm.diagnosis.choosing.left_out import joint_slopes
 from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.normal import Normal, joint_slopes
 from flexarm.diagnosis.residuals.observed import Observed
 
 UNLIKELY = 1e-3
@@ -86,11 +86,9 @@ def _alone(
             weight[where] = 1.0 / value[each.record, each.signal, each.channel]
     prior = prior.copy()
     prior[: len(fit.z)] = 1e-4  # the record alone shall say it
-    scale = 1.0 / np.sqrt(np.maximum(weight @ slopes**2 + prior, 1e-300))
-    hessian = (slopes * scale).T @ (weight[:, None] * slopes * scale) + np.diag(prior * scale**2)
-    inverse = np.linalg.pinv(hessian, hermitian=True)
+    inverse = Normal.of(slopes, prior, weight).inverse()
     gradient = slopes.T @ (weight * residual) + prior * best
-    return -scale * (inverse @ (scale * gradient)), scale * np.sqrt(np.diag(inverse))
+    return -inverse @ gradient, np.sqrt(np.diag(inverse))
 
 
 def moves_with(observed: Observed, values: Mapping[str, tuple[float, float]]) -> str:

@@ -26,27 +26,23 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.normal import Normal, joint_slopes
 from flexarm.diagnosis.residuals.observed import Observed
 
 BLOCKS = 24
 """Blocks a record."""
 CLEARLY, ODDS = 0.2, log(200.0)
 """What is clearly better: part of what is missed, and least ln B of (2); for 24 blocks the same."""
-HELD = 1.0 / 9.0
-"""Weight of an effect's prior, as in `least_squares`."""
 
 
 def left_out(fit: Fit, observed: Observed) -> Floats:
     """e of (1): of every row, over the noise, what is missed if its group is left out; shape (n,)."""
     slopes, residual, prior = joint_slopes(fit)
-    scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes**2, axis=0) + prior, 1e-300))
-    scaled = slopes * scale
-    hessian = scaled.T @ scaled + np.diag(prior * scale**2)
+    normal = Normal.of(slopes, prior)
     found = residual.copy()
     for rows in groups(observed):
-        own = scaled[rows]
-        rest = np.linalg.pinv(hessian - own.T @ own, rcond=1e-10, hermitian=True)
-        found[rows] += own @ (rest @ (own.T @ residual[rows]))  # eq. (1)
+        own = slopes[rows]
+        found[rows] += own @ normal.without(own).solved(own.T @ residual[rows])  # eq. (1)
     return found
 
 
@@ -92,12 +88,3 @@ def blocks(observed: Observed) -> list[NDArray[np.int_]]:
         for j in np.unique(number):
             found.setdefault((each.record, int(j)), []).append(index[number == j])
     return [np.concatenate(parts) for parts in found.values()]
-
-
-def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
-    """J, r and the diagonal of Lambda of (1), at the optimum."""
-    x = fit.projection.best(fit.residual)
-    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
-    residual = fit.residual + fit.projection.slopes @ x
-    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.coordinates]
-    return slopes, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.choosing.left_out import joint_slopes
 from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.normal import Normal, joint_slopes
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.residuals.observed import Observed
 
@@ -48,9 +48,8 @@ def carried(fit: Fit, null: Fit, stated: Floats, observed: Observed) -> float:
     after, before = [], []
     for rows in parts(observed):
         other = np.setdiff1d(np.arange(len(observed)), rows)
-        hessian = slopes[other].T @ slopes[other] + np.diag(held)
         gradient = slopes[other].T @ residual[other] + held * centred
-        moved = best - np.linalg.lstsq(hessian, gradient, rcond=None)[0]  # eq. (1)
+        moved = best - Normal.of(slopes[other], held).solved(gradient)  # eq. (1)
         model = ~_placed(fit)
         there = fit.residual[rows] + slopes[np.ix_(rows, np.flatnonzero(model))] @ moved[model]
         after.append(_aligned(there, fit, rows))

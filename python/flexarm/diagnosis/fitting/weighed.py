@@ -19,6 +19,10 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fitting.coordinate import prior_rows
 from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.normal import Normal
+
+UNKNOWN = 1e-12
+"""Of `Normal`: what rows of little weight and no prior hardly know stays where it is."""
 
 
 def weighed(fit: Fit, weight: Floats) -> tuple[Floats, Floats]:
@@ -45,8 +49,4 @@ def _least(fit: Fit, slopes: Floats, weight: Floats) -> Floats:
     rows, bends = prior_rows(fit.coordinates, fit.z)
     held = np.concatenate([bends**2, 1.0 / fit.projection.sigma**2])
     pull = np.concatenate([bends * rows, np.zeros_like(fit.projection.sigma)])
-    hessian = slopes.T @ (weight[:, None] * slopes) + np.diag(held)
-    gradient = slopes.T @ (weight * fit.residual) + pull
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
-    found = np.linalg.lstsq(scale[:, None] * hessian * scale, -scale * gradient, rcond=1e-12)[0]
-    return np.asarray(scale * found)
+    return -Normal.of(slopes, held, weight, UNKNOWN).solved(slopes.T @ (weight * fit.residual) + pull)

@@ -10,9 +10,9 @@ drawn with replacement, and the fit is repeated to first order [Kuensch1989]:
 w_jb is how often group j was drawn. J are the derivatives by effects' parameters and unknowns together,
 Lambda their priors' weights. A fit follows the errors of a group, the more so the more of what determines a
 parameter lies there, and leaves residuals r_j that are too small: of independent errors of one size the
-covariance is 1 - J_j H^-1 J_j^T. The root in g_j takes that back, so that the variance of p_b is then without
-bias [Bell2002]. What a prior contributes is uncertain by the prior's own sigma, xi ~ N(0, 1), so that what the
-data leave open keeps the width of its prior.
+covariance is 1 - J_j H^-1 J_j^T. The root in g_j takes that back, and leaves the variance of p_b without
+bias [Bell2002]. What a prior contributes is uncertain by the prior's own sigma, xi ~ N(0, 1), so that what
+the data leave open keeps the width of its prior.
 
 A variance from few groups is itself uncertain. Often few of them tell a parameter: a damping rings after
 some stops. With c_j what g_j contributes to it, and d_ij the covariance of c_i and c_j in independent errors,
@@ -46,14 +46,13 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.choosing.evidence import DISCREPANCY
-from flexarm.diagnosis.choosing.left_out import groups, joint_slopes
+from flexarm.diagnosis.choosing.left_out import groups
 from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.fitting.normal import Normal, joint_slopes
 from flexarm.diagnosis.named import Estimate, Nuisance, Refined
 from flexarm.diagnosis.residuals.observed import Observed
 
 DRAWS = 600
-UNKNOWN = 1e-15
-"""Part of the greatest eigenvalue of H, in its own units, below which it knows nothing."""
 LEAST_LEFT = 0.01
 """Least part of an error that a group's residual is taken to show: what it alone tells leaves none there."""
 
@@ -89,52 +88,40 @@ def estimates(fit: Fit, observed: Observed, seed: int = 0) -> Estimates:
 def draws(fit: Fit, observed: Observed, rng: np.random.Generator, discrepancy: float = DISCREPANCY) -> Floats:
     """p_b - p of (1), shape (DRAWS, k + m)."""
     slopes, residual, prior = joint_slopes(fit)
-    count = slopes.shape[1]
-    scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes**2, axis=0) + prior, 1e-300))
-    scaled = slopes * scale
-    root = _root_of_inverse(scaled.T @ scaled + np.diag(prior * scale**2))
-    pulls, freedom = _pulls(scaled, residual, [rows for rows in groups(observed) if len(rows)], root)
+    root = Normal.of(slopes, prior).root()
+    inverse = root @ root.T
+    pulls, freedom = _pulls(slopes, residual, [rows for rows in groups(observed) if len(rows)], root)
     weights = rng.multinomial(len(pulls), np.full(len(pulls), 1.0 / len(pulls)), size=DRAWS) - 1.0
-    xi = rng.standard_normal((DRAWS, count))
-    by_data = -(weights @ pulls) @ root * _wider(freedom)
-    by_priors = (xi * np.sqrt(prior) * scale) @ root @ root
-    errors = discrepancy * surrogates(observed, slopes, scale[:, None] * (root @ root) * scale)
-    moved: Floats = scale * (by_data + by_priors) + errors * rng.standard_normal((DRAWS, count))  # eq. (1)
-    return moved
-
-
-def _root_of_inverse(hessian: Floats) -> Floats:
-    """H^-1/2, symmetric; nothing along what H does not know."""
-    values, vectors = np.linalg.eigh(hessian)
-    known = values > UNKNOWN * values[-1]
-    found: Floats = (vectors[:, known] / np.sqrt(values[known])) @ vectors[:, known].T
+    xi, error = rng.standard_normal((2, DRAWS, len(prior)))
+    moved = (xi * np.sqrt(prior)) @ inverse - (weights @ pulls) * _wider(freedom)  # eq. (1)
+    found: Floats = moved + discrepancy * surrogates(observed, slopes, inverse) * error
     return found
 
 
 def _pulls(
     slopes: Floats, residual: Floats, of_groups: Sequence[NDArray[np.int_]], root: Floats
 ) -> tuple[Floats, Floats]:
-    """H^-1/2 g_j of (1), shape (groups, k + m), and nu of (2), shape (k + m,); root: H^-1/2.
+    """H^-1 g_j of (1), shape (groups, k + m), and nu of (2), shape (k + m,); H^-1 = root root^T.
 
-    With A = J_j H^-1/2 and N = A^T A, the root of (1) passes to the parameters' side: A^T (1 - A A^T)^-1/2 =
-    (1 - N)^-1/2 A^T, and eigenvalues of N are leverages. Parameter p is row p of H^-1/2 times all pulls.
+    With A = J_j root and N = A^T A, of which eigenvalues are leverages, the root of (1) passes to the
+    parameters' side: A^T (1 - A A^T)^-1/2 = (1 - N)^-1/2 A^T.
     """
     pulls, own, shared = [], [], []
     for rows in of_groups:
         mine = slopes[rows] @ root
         leverage, vectors = np.linalg.eigh(mine.T @ mine)
         grown = 1.0 / np.sqrt(np.maximum(1.0 - leverage, LEAST_LEFT))
-        pulls.append(vectors @ (grown * (vectors.T @ (mine.T @ residual[rows]))))
-        turned = vectors.T @ root
-        own.append((leverage * grown**2) @ turned**2)
-        shared.append(vectors @ ((leverage * grown)[:, None] * turned))
+        turned = root @ vectors
+        pulls.append(turned @ (grown * (vectors.T @ (mine.T @ residual[rows]))))
+        own.append(turned**2 @ (leverage * grown**2))
+        shared.append(vectors @ (turned * (leverage * grown)).T)
     return np.array(pulls), _freedom(np.array(own), np.array(shared))
 
 
 def _freedom(own: Floats, shared: Floats) -> Floats:
-    """nu of (2), at least 1, for d_ij = own_i (i = j) - shared_i . shared_j of shapes (G, p), (G, m, p)."""
+    """nu of (2), at least 1, for d_ij = own_i (i = j) - shared_i . shared_j of shapes (G, p), (G, q, p)."""
     each = np.sum(shared**2, axis=1)
-    products = np.einsum("gmp,gnp->pmn", shared, shared)
+    products = np.einsum("gqp,grp->pqr", shared, shared)
     squares = np.sum(own**2 - 2 * own * each, axis=0) + np.sum(products**2, axis=(1, 2))
     found: Floats = np.maximum(np.sum(own - each, axis=0) ** 2 / np.maximum(squares, 1e-300), 1.0)
     return found
