@@ -318,7 +318,7 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     found.tried = [far, twin]
     monkeypatch.setattr(module, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(module, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name})
-    monkeypatch.setattr(found, "_beside", lambda fit, about: [rubs, other])
+    monkeypatch.setattr(found, "_awakened", lambda fit, about: [rubs, other])
     asked = []
     monkeypatch.setattr(module, "larger_fits", lambda about, laws, fit, null: asked.append((laws, fit)) or [])
     assert beside_a_twin(found, best, None) == []

@@ -13,23 +13,31 @@ from flexarm.diagnosis.choosing.takeover import _matched, taken_over, takeovers
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.effects import LinkStiffness, PayloadMass, TimeDelay
+from flexarm.effects import LinkLength, LinkStiffness, PayloadMass, TimeDelay
 from flexarm.measurement import predict
 from flexarm.record import Clock
 
 MODULUS, DELAY = "links.rod.material.youngs_modulus", "effects.time_delay.tracker.delay"
 OWN_MASS = "payloads.load.mass"
+TIP, MIDDLE = "points.tip.position", "points.middle.position"
 SCALE, LATE = 1.5, 8e-3
 
 
-def seen(truth, **also):
-    """The record of one joint as another machine makes it, whose tracker has a clock known to 2 ms."""
+def seen(truth, half_way=False, **also):
+    """The record of one joint as another machine makes it, whose tracker has a clock known to 2 ms.
+
+    It may see a second point, half way along the rod.
+    """
     run = run_of("one joint")
-    nominal = run.simulation.arm.replace(uncertainty={MODULUS: 0.01, **also})
+    nominal = run.simulation.arm
+    [tip] = nominal.points
+    middle = tip.replace(name="middle", position=tuple(x / 2 for x in tip.position))
+    nominal = nominal.replace(points=(tip, middle), uncertainty={MODULUS: 0.01, **also})
     clocks = {**run.record.clocks, "tracker": Clock(sigma=2e-3)}
-    signals = [
-        s.replace(clock="tracker") if s.quantity == "position" else s for s in run.record.signals.values()
-    ]
+    signals = list(run.record.signals.values())
+    if half_way:
+        signals.append(run.record.signals["tip"].replace(name="middle", point="middle"))
+    signals = [s.replace(clock="tracker") if s.quantity == "position" else s for s in signals]
     record = run.record.replace(signals=signals, clocks=clocks)
     machine = nominal.with_effect(truth)
     simulation = flexarm.simulate(machine, record, step=1e-3)
@@ -78,6 +86,21 @@ def test_a_mass_takes_over_what_the_model_s_own_mass_is_strained_to_do():
     first = takeovers(fitter, probed, null)[0]
     assert (first.candidate.place, set(first.values)) == (("payload_mass", "load"), {OWN_MASS})
     assert first.member().effect.mass - nominal == pytest.approx(lighter - nominal, rel=0.02)
+
+
+def test_a_longer_rod_takes_over_two_points_that_are_off_along_it():
+    """Each of them does what its reflector does, and what a longer rod does only together with the other."""
+    error, known = 2e-3, 1e-4
+    about, probed, null = seen(
+        LinkLength(at="rod", error=error), half_way=True, **{f"{TIP}_m": known, f"{MIDDLE}_m": known}
+    )
+    first, *others = takeovers(about, probed, null)
+    assert (first.candidate.place, set(first.values)) == (("link_length", "rod"), {f"{TIP}.z", f"{MIDDLE}.z"})
+    assert first.member().effect.error == pytest.approx(error, rel=0.05)
+    assert [each.candidate.place for each in others] == [
+        ("reflector_offset", "tip"),
+        ("reflector_offset", "middle"),
+    ]
 
 
 def test_a_clock_takes_over_what_it_did_as_an_unknown():

@@ -41,11 +41,11 @@ def awakened(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]
     if not sleeping:
         return list(probed)
     coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
-    found = {id(each): _probed_beside(coarse, each, fit) for each in sleeping}
+    found = {id(each): probed_beside(coarse, each, fit) for each in sleeping}
     return [found.get(id(each), each) for each in probed]
 
 
-def _probed_beside(fitter: Fitter, probed: Probed, fit: Fit) -> Probed:
+def probed_beside(fitter: Fitter, probed: Probed, fit: Fit) -> Probed:
     """A candidate about a model; as it was where that cannot be simulated."""
     observed = fitter.observed
     with suppress(*FAILED):

@@ -27,6 +27,7 @@ from flexarm.diagnosis.choosing.acceptance import (
 )
 from flexarm.diagnosis.choosing.awake import THROUGH_SPRINGS, awakened, new_springs
 from flexarm.diagnosis.choosing.evidence import Channel, log_bayes_factor, worth
+from flexarm.diagnosis.choosing.nearby import nearby
 from flexarm.diagnosis.choosing.polish import about_or_here, settled, without_effects
 from flexarm.diagnosis.choosing.promising import TWIN, larger_fits, other_springs
 from flexarm.diagnosis.choosing.ranking import best_of
@@ -113,6 +114,7 @@ class _Search:
         self.tried: list[Fit] = []
         self.complete: Fit | None = None  # nothing beside it was accepted
         self._awake: dict[frozenset[str], Sequence[Probed]] = {frozenset(): probed}
+        self._near: dict[frozenset[tuple[str, str]], Sequence[Probed]] = {}
 
     def through(self, tell: Note) -> tuple[Fit, Fitter]:
         """Forward and backward; forward once more where what is left after that is not all."""
@@ -175,6 +177,15 @@ class _Search:
         return found
 
     def _beside(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
+        """Candidates as they are beside the effects of a fit: where these leave a gap, probed about it."""
+        if not fit.members or not leaves_gap(fit, self.null, self.observed):
+            return self._awakened(fit, about)
+        places = frozenset(fit.places)
+        if places not in self._near:
+            self._near[places] = nearby(about, self.probed, fit)
+        return self._near[places]
+
+    def _awakened(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
         """Candidates, those awake that act through springs which a fit has and the nominal model has not."""
         joints = new_springs(fit)
         if joints not in self._awake:
@@ -191,7 +202,7 @@ class _Search:
             return []
         twin = min(twins, key=lambda f: f.cost)
         joints = new_springs(twin) - new_springs(best)
-        laws = [p for p in self._beside(twin, about) if p.candidate.at in joints]
+        laws = [p for p in self._awakened(twin, about) if p.candidate.at in joints]
         laws = [p for p in laws if p.candidate.name in THROUGH_SPRINGS]
         return larger_fits(about, laws, twin, self.null) if laws else []
 

@@ -10,6 +10,10 @@ over the move :math:`J_u x_u` of an unknown u where
 
 and with it what else it is the `SAME` as, such as all of a frame. Its fit starts with these unknowns back
 where they are stated, and with the size that makes up for them.
+
+What one effect moves may be told as several unknowns at once: a longer link as two points off along it, each
+of which moves a part of that. The moves of unknowns are added up, the most alike first, while each leaves at
+most `HALVED` of what (1) misses. An effect that does better so than with any of them goes before all others.
 """
 
 from __future__ import annotations
@@ -18,15 +22,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
-from math import isfinite
 
 import numpy as np
 
-from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidates.candidate import SPRINGS, WAVES, Candidate, value_of
-from flexarm.diagnosis.candidates.candidate_probes import nulls
+from flexarm.diagnosis.candidates.candidate import WAVES, Candidate
 from flexarm.diagnosis.choosing.acceptance import FORBIDDEN, STRAINED, strain
+from flexarm.diagnosis.choosing.nearby import same_in_small_steps, small_steps
 from flexarm.diagnosis.choosing.screen import LONGER, Probed, in_proportion, possible
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
@@ -34,8 +36,10 @@ from flexarm.diagnosis.fitting.projection import Projection
 
 ALIKE, SAME = 0.8, 0.98
 """Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
-SMALL = 1e-3
-"""Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
+HALVED = 0.5
+"""Most of what (1) misses that is left beside one unknown more: a half by chance is rare."""
+TOGETHER = ""
+"""Instead of the key of one unknown: several of them."""
 PART = 1 / 3
 """Least part of what would be left without strained unknowns that they explain."""
 TAKEN = 3
@@ -88,9 +92,12 @@ def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]
 
 
 def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
-    """Of each strained unknown what is most alike, then what is so next, the most strained ones first."""
+    """What is most alike of several strained unknowns together and of each, then what is so next.
+
+    The most strained ones come first.
+    """
     strained = _strained(fitter, best) if strain(best) > STRAINED and _stand_in(best) else {}
-    alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in strained}
+    alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in (TOGETHER, *strained)}
     for candidate, moves, of in _moves(fitter, probed, best, strained) if strained else ():
         for key, part, takeover in _takes_over(candidate, moves, of):
             alike[key].append((part, takeover))
@@ -140,7 +147,7 @@ def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
 
     Waves have frequencies of their own, and a spring that another law needs moves the arm by itself.
     """
-    again = candidate.name in SPRINGS and candidate.place in {other.place for other in others}
+    again = same_in_small_steps(candidate, others)
     return candidate.name in WAVES or candidate.needs is not None or again
 
 
@@ -149,11 +156,29 @@ def _takes_over(
 ) -> Iterator[tuple[str, float, Takeover]]:
     """Unknowns that an effect takes over, R^2 of (1), and how."""
     parts = {key: _part(move, moves) for key, (move, _) in strained.items()}
-    for key in (key for key, part in parts.items() if part > ALIKE):
-        taken = {other: at for other, (_, at) in strained.items() if other == key or parts[other] > SAME}
-        alphas = _alphas(moves, np.sum([strained[other][0] for other in taken], axis=0))
-        if possible(candidate, alphas):
-            yield key, parts[key], Takeover(candidate, alphas, taken)
+    found = [
+        (key, part, [other for other in parts if other == key or parts[other] > SAME])
+        for key, part in parts.items()
+    ]
+    for key, part, keys in [_together(moves, strained, parts), *found]:
+        if part > ALIKE and possible(candidate, alphas := _alphas(moves, _moved(strained, keys))):
+            yield key, part, Takeover(candidate, alphas, {other: strained[other][1] for other in keys})
+
+
+def _together(moves: Floats, strained: Strained, parts: Mapping[str, float]) -> tuple[str, float, list[str]]:
+    """Unknowns that an effect does better for all at once than for any of them, and R^2 of (1)."""
+    first, *others = sorted(parts, key=lambda key: -parts[key])
+    part, keys = parts[first], [first]
+    for key in others:
+        more = _part(_moved(strained, [*keys, key]), moves)
+        if 1.0 - more < HALVED * (1.0 - part):
+            part, keys = more, [*keys, key]
+    return TOGETHER, part if len(keys) > 1 else 0.0, keys
+
+
+def _moved(strained: Strained, keys: Sequence[str]) -> Floats:
+    """What some unknowns move together."""
+    return np.asarray(np.sum([strained[key][0] for key in keys], axis=0))
 
 
 def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
@@ -198,42 +223,9 @@ def _small_moves(
     there = fitter.with_effects(best.members)
     slopes = observed.slopes(there, list(strained), fitter.unknowns.steps(there))
     of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
-    nudged = [_nudged(fitter, _from(each, there), best) for each in others]
-    observed.prepare([there, *(arm for arms in nudged for arm in arms)])
-    before = observed.residual(there)
-    for candidate, arms in zip(others, nudged, strict=True):
-        with suppress(*FAILED):
-            after = [observed.residual(arm) for arm in arms]
-            moves = np.array([(r - before) / SMALL for r in after]).T
-            if moves.any():
-                yield candidate, moves, of
-
-
-def _nudged(fitter: Fitter, candidate: Candidate, best: Fit) -> list[Arm]:
-    """Models with a small part of each probe of an effect; none where one of them cannot be."""
-    arms = []
-    for k in range(len(candidate.probes)):
-        with suppress(*FAILED):
-            small = replace(candidate, effect=candidate.nudged(k, SMALL))
-            arms.append(fitter.with_effects((*best.members, small)))
-    return arms if len(arms) == len(candidate.probes) else []
-
-
-def _from(candidate: Candidate, there: Arm) -> Candidate:
-    """The same from a model's own values, where an effect states what a fit has elsewhere than it is stated.
-
-    A small step of a load's mass would else begin with all that the fit has moved it.
-    """
-    without = there.effect(candidate.name, candidate.at)
-    null = nulls(candidate.effect, without, there)
-    away = {key: value - candidate.null[key] for key, value in null.items() if isfinite(value)}
-    if not any(away[key] for key in candidate.free if key in away):
-        return candidate
-    probes = [
-        each.with_parameters({key: value_of(each, key) + away.get(key, 0.0) for key in candidate.free})
-        for each in candidate.probes
-    ]
-    return replace(candidate, probes=tuple(probes), null=null, without=without)
+    for candidate, steps in zip(others, small_steps(fitter, others, best), strict=True):
+        if steps is not None:
+            yield candidate, steps.moves, of
 
 
 def _part(move: Floats, moves: Floats) -> float:
