@@ -109,10 +109,22 @@ def test_what_a_fit_has_stays_as_it_was(heavier):
     assert rod is before
 
 
-def test_of_springs_that_are_probed_several_times_one_small_step_is_enough(heavier):
+def test_springs_take_one_small_step_and_softer_ones_are_as_soft_as_they_were_probed(heavier):
     fitter, probed, fit, _ = heavier
-    base = of(probed, ("base_compliance", "base"))
-    assert len(nearby(fitter, 3 * base, fit)) == 1
+    [base] = of(probed, ("base_compliance", "base"))
+    soft = base.candidate.probes[0].replace(stiffness=1e4)
+    small, full = nearby(
+        fitter, [base, replace(base, candidate=replace(base.candidate, probes=(soft,)))], fit
+    )
+    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
+    there = fitter.with_effects(fit.members)
+    np.testing.assert_allclose(
+        full.moves[:, 0], observed.residual(there.with_effect(soft)) - observed.residual(there)
+    )
+    moved = there.with_effect(base.candidate.nudged(0, SMALL))
+    np.testing.assert_allclose(
+        small.moves[:, 0] * SMALL, observed.residual(moved) - observed.residual(there), atol=1e-9
+    )
 
 
 def test_a_law_stays_as_it_was_where_its_steps_cannot_be_made(heavier, monkeypatch):

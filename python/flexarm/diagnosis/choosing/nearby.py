@@ -4,8 +4,8 @@ Beside a soft joint or a rod of twice its mass an arm rings at another frequency
 load's inertia moves there is another thing than about the nominal model, where it was screened, and least
 squares on those moves give it the wrong size, even the wrong sign. Beside effects that leave a gap, probes
 are therefore taken anew: in small steps of laws that have derivatives, as the fit is near by then, and at
-full size of waves and of laws with corners. Clocks, frames and points move as they do where they are
-eliminated.
+full size of waves, of soft springs and of laws with corners. Clocks, frames and points move as they do where
+they are eliminated.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ SMALL = 1e-3
 def nearby(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
     """The same candidates, probed about the model of a fit; as they were where that cannot be simulated.
 
-    A law on a spring that the fit has not comes with that spring, and stays as it was. In small steps a
-    spring moves the same however soft it was probed: one variant is enough.
+    A law on a spring that the fit has not comes with that spring, and stays as it was. Small steps of a
+    spring are of one variant; softer ones, which move modes by themselves, are no small steps.
     """
     coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
     there = {None, *fit.places}
@@ -46,10 +46,9 @@ def nearby(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
         if moves is not None:
             each = replace(each, moves=moves)
         elif candidate.place not in fit.places and candidate.stands_on in there:
-            if candidate.needs is not None or candidate.name in (*CORNERS, *WAVES):
+            again = same_in_small_steps(candidate, [other.candidate for other in smooth.values()])
+            if again or candidate.needs is not None or candidate.name in (*CORNERS, *WAVES):
                 each = probed_beside(coarse, each, fit)
-            elif same_in_small_steps(candidate, [other.candidate for other in smooth.values()]):
-                continue
             else:
                 smooth[len(found)] = each
         found.append(each)
