@@ -325,6 +325,20 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     assert asked == [([rubs], twin)]
 
 
+def test_candidates_are_probed_once_about_effects_that_are_not_all(search, monkeypatch):
+    """About the same effects as they are taken further, too: what others move beside them is the same."""
+    found, beside, asked = search[0], module._Search._beside, []
+    found.probed, found._near = ["nominal"], {}
+    monkeypatch.setattr(found, "_awakened", lambda fit, about: ["awake"])
+    monkeypatch.setattr(module, "quiet", lambda one, *_: one.cost < 30)
+    monkeypatch.setattr(module, "nearby", lambda *given: asked.append(given) or ["near"])
+    assert beside(found, fit(""), "about") == ["awake"]
+    assert beside(found, made("ab"), "about") == ["awake"]  # which explains all
+    gap = made("cd")
+    assert beside(found, gap, "about") == beside(found, made("cd"), "further") == ["near"]
+    assert asked == [("about", ["nominal"], gap)]
+
+
 def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     """And a spring that another one stands on against that without effects."""
     found = search[0]

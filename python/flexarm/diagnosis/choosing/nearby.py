@@ -2,7 +2,7 @@
 
 Beside a soft joint or a rod of twice its mass an arm rings at another frequency and hangs otherwise. What a
 load's inertia moves there is another thing than about the nominal model, where it was screened, and least
-squares on those moves give it the wrong size, even the wrong sign. Beside effects that leave a gap, probes
+squares on those moves give it the wrong size, even the wrong sign. Beside effects that are not all, probes
 are therefore taken anew: in small steps of laws that have derivatives, as the fit is near by then, and at
 full size of waves, of soft springs and of laws with corners. Clocks, frames and points move as they do where
 they are eliminated.
