@@ -1,14 +1,14 @@
 """Which effects: one after the other while they explain something real, then every one against its rivals.
 
-*Forward*: the most promising effects are fitted beside those that are there (`choosing.promising`), as
-probes about their fit show it where that is not all (`nearby`), after those that do what unknowns are strained
-to do (`takeover`), and the best of them (`ranking`) is taken if it is accepted (`acceptance`). Where one
-explains too little, sets of two and three compete with what goes on from the best smaller one: sets are put
-in their order to first order about the nominal model, which may be far from what one effect makes of it.
-After each step derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the
-others have made needless is dropped, and what that leaves is gone on from once more. *Rivals*: every rival of
-every effect that is left is fitted in its place (`rivals`); one that comes out ahead takes it, and may make
-others needless in its turn.
+*Forward*: the most promising effects are fitted beside those that are there (`choosing.promising`), as probes
+about their fit show it where that is not all (`nearby`), after those that do what unknowns are strained to do
+(`takeover`), and the best of them (`ranking`) is taken if it is accepted (`acceptance`). Where one explains
+too little, sets of two and three compete with what goes on from the best smaller one: sets are put in their
+order to first order about the nominal model, which may be far from what one effect makes of it. After each
+step derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the others have
+made needless is dropped, and what that leaves is gone on from once more. *Rivals*: every rival of every
+effect that is left is fitted in its place (`rivals`); one that comes out ahead takes it, and may make others
+needless in its turn.
 """
 
 from __future__ import annotations
