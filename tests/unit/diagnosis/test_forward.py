@@ -339,6 +339,17 @@ def test_candidates_are_probed_once_about_effects_that_are_not_all(search, monke
     assert asked == [("about", ["nominal"], gap)]
 
 
+def test_sizes_of_what_takes_over_unknowns_count_from_stated_values(search, monkeypatch):
+    """There the unknowns go back to; candidates probed about a fit count from where that has them."""
+    found, asked = search[0], []
+    found.probed = ["stated"]
+    monkeypatch.setattr(found, "_beside", lambda fit, about: ["fitted"])
+    monkeypatch.setattr(module, "taken_over", lambda about, probed, fit: asked.append(probed) or [])
+    monkeypatch.setattr(module, "larger_fits", lambda about, probed, *_, **__: asked.append(probed) or [])
+    found._one_more(made("ab"), None)
+    assert asked == [["stated"], ["fitted"]]
+
+
 def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     """And a spring that another one stands on against that without effects."""
     found = search[0]

@@ -169,7 +169,7 @@ class _Search:
         """
         here, at = (best, about) if best.members else (self.null, self.about_null)
         probed = self._beside(best, about)
-        found = taken_over(at, probed, here)
+        found = taken_over(at, self.probed, here)  # whose sizes count from stated values
         if not (found and quiet(here, self.null, self.observed)):
             here = best if best.members else self.start
             found += larger_fits(about, probed, here, self.null, places=self.places, found=found)
