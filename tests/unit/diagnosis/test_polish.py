@@ -64,6 +64,14 @@ def test_without_corners_what_steps_lead_to_is_believed(path, monkeypatch):
     assert polish.settled(fit(90.0), ABOUT)[0].objective == 94.99
 
 
+def test_a_model_without_effects_takes_no_steps_and_stays_where_it_is_better(path, monkeypatch):
+    """Springs a third of their tolerance off: about the model that they make more is left than they said."""
+    monkeypatch.setattr(polish, "has_corners", lambda arm: False)
+    monkeypatch.setattr(polish, "evaluated", lambda one, about: (fit(100.0), HONEST))
+    start = SimpleNamespace(objective=90.0, members=())
+    assert polish.settled(start, ABOUT) == (start, ABOUT)
+
+
 def test_steps_end_where_they_bring_less_than_a_tenth_of_sigma_squared(path):
     path += [95.0, 94.95, 1.0]
     assert polish.settled(fit(99.0), ABOUT)[0].objective == 94.95

@@ -87,9 +87,10 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
 
     What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
     they act alike, and rivals that are compared before they have come to rest seem apart that are not. All
-    derivatives are of one model, or what acts alike would seem known apart. Only beside corners a fit may be
-    so much better by its own account, in which unknowns act in proportion, that it stays as it is: elsewhere
-    steps lead to where C is least, and what unknowns would do in proportion from afar is no better than that.
+    derivatives are of one model, or what acts alike would seem known apart. Beside corners, or without
+    effects, for which no steps are taken, a fit may be so much better by its own account, in which unknowns
+    act in proportion, that it stays as it is. Elsewhere steps lead to where C is least, and what unknowns
+    would do in proportion from afar is no better than that.
     """
     here, at = fit, about
     with suppress(*FAILED):
@@ -102,7 +103,8 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
             if fell < SETTLED * sigma_squared(here):
                 break
     rests = objective(here) < objective(fit) + STILL * sigma_squared(fit)
-    return (here, at) if rests or not has_corners(about.with_effects(fit.members)) else (fit, about)
+    smooth = fit.members and not has_corners(about.with_effects(fit.members))
+    return (here, at) if rests or smooth else (fit, about)
 
 
 def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
