@@ -45,6 +45,14 @@ def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatc
     assert acceptance.accepted(new, old, old, None) is taken
 
 
+@pytest.mark.parametrize(("cost", "strained", "far"), [(51, 5.1, True), (49, 9, False), (99, 4.9, False)])
+def test_a_model_is_far_off_that_leaves_most_of_the_gap_and_of_the_strain(monkeypatch, cost, strained, far):
+    """Half of either is enough to go on: of the gap of 100, or of the 10 sigmas that unknowns are off."""
+    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
+    fit, null = (SimpleNamespace(cost=c, strain=s) for c, s in ((cost, strained), (100, 10)))
+    assert acceptance.far_off(fit, null) is far
+
+
 def test_no_effect_at_all_takes_part_in_the_odds():
     """Two names alike and odds of two over nothing: 2/5 each; strong evidence leaves nothing no part."""
     rivals = [SimpleNamespace(behind=0.0)]

@@ -25,6 +25,7 @@ def path(monkeypatch):
         return (one, about) if about is HONEST else (fit(one.objective + 0.5), HONEST)
 
     def stepped(one, about, anew, part, limit):
+        assert limit == one.objective  # what is not less is not taken
         if not objectives:
             raise NotConverged("no equilibrium")
         return fit(objectives.pop(0)), HONEST

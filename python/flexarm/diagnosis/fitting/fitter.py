@@ -219,8 +219,6 @@ class Fitter:
             If not even the start can be simulated.
         """
         problem = self.problem(tuple(members), nearby)
-        if not problem.coordinates:
-            return self._as_it_is(problem.members)
         z = problem.solved(problem.z_of(members), evaluations, tolerance, limit)
         slopes = problem.slopes_at(z) if problem.given_up else problem.differences(z)
         return self._found(problem, z, problem.members_at(z), slopes)
@@ -234,19 +232,14 @@ class Fitter:
             If not even the start can be simulated.
         """
         problem = self.problem(tuple(members), nearby)
-        if not problem.coordinates:
-            return self._as_it_is(problem.members)
         z = problem.solved(problem.z_of(members), limit=limit)
         return self._found(problem, z, problem.members_at(z), problem.slopes_at(z))
 
     def evaluated(self, members: Sequence[Candidate]) -> Fit:
         """A model with effects as they are, and its derivatives."""
-        members = tuple(members)
-        problem = self.problem(members)
-        if not problem.coordinates:
-            return self._as_it_is(members)
+        problem = self.problem(tuple(members))
         z = problem.z_of(members)
-        return self._found(problem, z, members, problem.differences(z))
+        return self._found(problem, z, problem.members, problem.differences(z))
 
     def problem(self, members: tuple[Candidate, ...], nearby: Fit | None = None) -> LeastSquares:
         """The least squares of a set of effects."""
@@ -258,13 +251,6 @@ class Fitter:
         residual, projection = problem.raw(z), problem.projection
         rest, left = projection.rest(residual), self.eliminated(members)[0]
         return Fit(members, problem.coordinates, z, residual, rest, slopes, left, projection)
-
-    def _as_it_is(self, members: tuple[Candidate, ...]) -> Fit:
-        """A model in which nothing is free but what is eliminated."""
-        left, projection = self.eliminated(members)
-        residual = self.residual(members)
-        rest, nothing = projection.rest(residual), np.empty((len(residual), 0))
-        return Fit(members, (), np.array([]), residual, rest, nothing, left, projection)
 
     def with_effects(self, members: Sequence[Candidate]) -> Arm:
         """The nominal model with effects, and with what they need."""

@@ -40,7 +40,7 @@ FORETOLD = 0.25
 """Part of a step's effect that (2) may have missed before differences are taken anew."""
 EVALUATIONS, TOLERANCE = 8, 2e-3
 """Most evaluations of a fit besides differences; relative tolerance of its steps, of (1) a tenth of it."""
-NEARBY = 1.0
+TAKEN_OVER = 1.0
 """Sigmas of its prior by which a parameter may lie elsewhere in a model whose derivatives are taken over."""
 MORE = 2.0
 """Times the last fall of (1), or the next one as foretold, that a fit is still trusted to fall."""
@@ -96,6 +96,8 @@ class LeastSquares:
         from scipy.optimize import least_squares
 
         self.raw(start)  # an error here is the caller's
+        if not self.coordinates:
+            return start
         bounds = np.array([c.bound for c in self.coordinates])
         finest = float(min(self._steps(start) / [c.widest_step for c in self.coordinates]))
         self._limit = limit
@@ -167,16 +169,15 @@ class LeastSquares:
         return self._slopes[key]
 
     def _at_start(self, z: Floats) -> Floats | None:
-        """The first derivatives, of the model nearby where it has them; None where it has none."""
+        """The first derivatives, of the model nearby where it has some; None where it has none."""
         taken = self._taken_over(z)
+        if not taken:
+            return None
+        if (exact := self._exact(z)) is not None:
+            return exact
         fresh = [k for k in range(len(z)) if k not in taken]
-        if not taken or (found := self._exact(z)) is not None:
-            return found if taken else None
-        found = np.empty((len(self.fitter.observed), len(z)))
-        for k, column in taken.items():
-            found[:, k] = column
-        found[:, fresh] = self._columns(z, fresh)
-        return found
+        columns = taken | dict(zip(fresh, self._columns(z, fresh).T, strict=True))
+        return np.stack([columns[k] for k in range(len(z))], axis=1)
 
     def _taken_over(self, z: Floats) -> dict[int, Floats]:
         """Derivatives by parameters that are the same, or nearly, in the model nearby."""
@@ -186,7 +187,7 @@ class LeastSquares:
         found = {}
         for k, coordinate in enumerate(self.coordinates):
             i = there.get((*self.members[coordinate.candidate].place, coordinate.name))
-            if i is not None and abs(z[k] - self.nearby.z[i]) < NEARBY:
+            if i is not None and abs(z[k] - self.nearby.z[i]) < TAKEN_OVER:
                 found[k] = self.nearby.slopes[:, i]
         return found
 
@@ -236,7 +237,7 @@ class LeastSquares:
         """The same of laws without corners in poses, which have derivatives of their own."""
         names = [(self.members[c.candidate], c.name) for c in self.coordinates]
         arm = self._arm(z)
-        if arm is None or not all(c.smooth for c in self.coordinates):
+        if not names or arm is None or not all(c.smooth for c in self.coordinates):
             return None
         keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
         found = self.fitter.observed.pose_slopes(arm, keys)
