@@ -48,6 +48,23 @@ def test_backlash_friction_and_hysteresis_cost_no_smaller_steps(usual):
     assert usual.solver["iterations"] / usual.solver["steps"] < 5
 
 
+@pytest.mark.parametrize("width", [3e-4, 2e-5, 1e-6, 1e-7])
+@pytest.mark.parametrize("torque", [30.0, 300.0, 2000.0])
+def test_however_sharply_hysteresis_turns_no_step_is_halved(torque, width):
+    """Corrections of a step follow the law itself: corners far narrower than a step take no iterations."""
+    model = paper_arm(2, damping_ratio=0.01).replace(
+        effects=(
+            JointCompliance(at="hinge", stiffness=1.5e5, damping=300.0),
+            JointHysteresis(at="hinge", torque=torque, width=width),
+        )
+    )
+    swing = drive({"hinge": lambda t: 0.6 * np.sin(2 * np.pi * t / 5) * smooth_step(t / 2)}, 10.0, 2001)
+    counts = flexarm.simulate(model, swing, step=4e-3).solver
+    assert counts["halvings"] == 0
+    assert counts["iterations"] < 2.2 * counts["steps"]
+    assert counts["factorisations"] <= 5
+
+
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 @pytest.mark.parametrize(
     ("width", "value"), [("fade_width", 2e-5), ("loose_stiffness", 1e-4), ("loose_damping", 1e-2)]

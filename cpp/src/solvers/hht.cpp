@@ -15,12 +15,6 @@ constexpr long trusted_steps = 16;
 // Increments below this are rounding: they neither shrink nor matter.
 constexpr double rounding_floor = 1e-14;
 
-template <int D>
-bool has_memory(const SystemIn<D>& system) {
-  return std::any_of(system.laws().begin(), system.laws().end(),
-                     [](const assembly::PlacedLaw& law) { return !joints::acts_at_rest(law.law); });
-}
-
 }  // namespace
 
 HhtCoefficients HhtCoefficients::from_alpha(double alpha) {
@@ -219,7 +213,7 @@ template <int D>
 bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   const double beta_h2 = coefficients_.beta * h * h;
   const double tolerance = std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2);
-  const bool cautious = has_memory(system_) || memory_.steps % trusted_steps == 0;
+  const bool cautious = memory_.steps % trusted_steps == 0;
   bool fresh = false;
   double previous = 0;
   for (int k = 0; k < options_.max_iterations; ++k) {

@@ -1,7 +1,7 @@
 #include "flexarm/solvers/tangent_changes.hpp"
 
-#include <Eigen/LU>
-#include <algorithm>
+#include <array>
+#include <type_traits>
 
 #include "flexarm/solvers/elimination.hpp"
 
@@ -14,8 +14,8 @@ using Eigen::VectorXd;
 
 // More turning joints than this make (1) dearer than the iterations it saves.
 constexpr std::size_t most_turning_joints = 3;
-// Of a tangent: rounding.
-constexpr double unchanged = 1e-12;
+// Up to so many laws need no memory of their own at every correction.
+constexpr int few_laws = 8;
 
 /// Whether the tangent of a law is the same in all states.
 bool is_linear(const assembly::PlacedLaw& law) {
@@ -45,9 +45,10 @@ TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const
     : system_(system) {
   find_turning_joints(welds);
   find_laws(welds);
-  const auto columns = static_cast<Eigen::Index>(2 * across * joints_.size() + laws_.size());
+  const auto n_laws = static_cast<Eigen::Index>(laws_.size());
+  const Eigen::Index columns = 2 * across * static_cast<Eigen::Index>(joints_.size()) + n_laws;
   W_.resize(welds.n_unknowns(), columns);
-  C_ = MatrixXd::Zero(columns, columns);
+  C_ = MatrixXd::Zero(columns - n_laws, columns - n_laws);
   correct_ = correction(joints_.size(), laws_.size());
 }
 
@@ -94,7 +95,7 @@ typename TangentChangesIn<D>::Turned TangentChangesIn<D>::turned(const TurningJo
   if constexpr (D == 2) {
     return adjoint<2>(exponential<2>(-theta * constraint.twist()));
   } else {
-    Turned T = Turned::Identity();  // eq. (4)
+    Turned T = Turned::Identity();  // eq. (3)
     if (constraint.type() == joints::JointType::revolute) {
       const double c = std::cos(theta), s = std::sin(theta);
       T << c, s, 0, 0, -s, c, 0, 0, 0, 0, c, s, 0, 0, -s, c;
@@ -111,12 +112,12 @@ void TangentChangesIn<D>::directions(MatrixXd& U) const {
   U.setZero();
   Eigen::Index column = 0;
   for (const TurningJoint& joint : joints_) {
-    U.template block<n, across>(joint.node_row, column) = joint.on_parent;  // eq. (3)
+    U.template block<n, across>(joint.node_row, column) = joint.on_parent;  // eq. (2)
     U.template block<n, across>(joint.first_row, column + across) = joint.P;
     column += 2 * across;
   }
   for (int k : laws_) {
-    if (law_rows_[k].plus >= 0) U(law_rows_[k].plus, column) += 1;  // eq. (2)
+    if (law_rows_[k].plus >= 0) U(law_rows_[k].plus, column) += 1;  // eq. (4)
     if (law_rows_[k].minus >= 0) U(law_rows_[k].minus, column) -= 1;
     ++column;
   }
@@ -140,31 +141,33 @@ void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly
   Wy_.resize(packed_W_.filled_rows());
 }
 
-/// C of this state. @return whether anything has changed
+/// C of this state, and its laws. @return whether anything may have changed
 template <int D>
 bool TangentChangesIn<D>::update(const assembly::StateIn<D>& state) {
-  bool any = false;
+  bool any = !laws_.empty();
   Eigen::Index at = 0;
   for (const TurningJoint& joint : joints_) {
     const double theta = state.s[system_.constraints()[joint.constraint].coordinate()];
     any = any || theta != joint.kept_angle;
     const Turned E = factors_.constraint * (joint.kept - turned(joint, theta));
-    C_.template block<across, across>(at + across, at) = E;  // eq. (3)
+    C_.template block<across, across>(at + across, at) = E;  // eq. (2)
     C_.template block<across, across>(at, at + across) = E.transpose();
     at += 2 * across;
   }
-  if (laws_.empty()) return any;
-  const VectorXd tangents = system_.law_tangents(state, factors_, true);
+  laws_here_.clear();
   for (int k : laws_) {
-    const double change = tangents[k] - kept_laws_[k];
-    any = any || std::abs(change) > unchanged * std::abs(kept_laws_[k]);
-    C_(at, at) = change;  // eq. (2)
-    ++at;
+    const assembly::PlacedLaw& law = system_.laws()[k];
+    laws_here_.push_back({.law = &law.law,
+                          .memory = state.laws[k],
+                          .x = system_.deflection(law, state.s),
+                          .rate = system_.deflection(law, state.v.tail(system_.n_scalars())),
+                          .rate_by_x = factors_.damping,
+                          .kept = kept_laws_[k]});
   }
   return any;
 }
 
-/// u·x of a law, eq. (2).
+/// u·x of a law, eq. (4).
 template <int D>
 double TangentChangesIn<D>::along_law(int k, const VectorXd& x) const {
   const auto entry = [&](int row) { return row >= 0 ? x[row] : 0.0; };
@@ -184,39 +187,55 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
   return Ux;
 }
 
-/// The readable one, for any numbers of joints and laws.
+/// Eq. (5) and (6) with C of (2) without its zeros. @param joints, laws numbers of them; laws may be
+/// Eigen::Dynamic, for up to `most`
 template <int D>
-void TangentChangesIn<D>::correct_for_any(VectorXd& x) {
-  MatrixXd A = C_ * G_;
-  A.diagonal().array() += 1;
-  x.noalias() -= W_ * A.partialPivLu().solve(C_ * along(x));  // eq. (1)
-}
-
-/// The same for few, as most arms have: C of (2) and (3) without its zeros, sizes known when compiled.
-template <int D>
-template <int joints, int laws>
-void TangentChangesIn<D>::correct_for_few(VectorXd& x) {
-  constexpr int of_joints = 2 * across * joints, size = of_joints + laws;
-  const Eigen::Map<const Eigen::Matrix<double, size, size>> G(G_.data());
-  Eigen::Matrix<double, size, size, Eigen::RowMajor> A;  // I + C G
-  Eigen::Matrix<double, size, 1> y;                      // C Uᵀ x
-  for (int k = 0; k < joints; ++k) {
-    const TurningJoint& joint = joints_[k];
-    const int on_node = 2 * across * k, on_row = on_node + across;
-    const Turned E = C_.template block<across, across>(on_row, on_node);
-    A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G.template middleRows<across>(on_row));
-    A.template middleRows<across>(on_row) = E.lazyProduct(G.template middleRows<across>(on_node));
-    y.template segment<across>(on_node) =
-        E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
-    y.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
+template <int joints, int laws, int most>
+void TangentChangesIn<D>::correct_for(VectorXd& x) {
+  constexpr int n_j = 2 * across * joints;
+  constexpr auto beside = [](int n, int more) { return more < 0 ? Eigen::Dynamic : n + more; };
+  constexpr int size = beside(n_j, laws);
+  const auto n_l = static_cast<Eigen::Index>(laws_.size());
+  const Eigen::Map<const Eigen::Matrix<double, size, size>> G(G_.data(), n_j + n_l, n_j + n_l);
+  Eigen::Matrix<double, size, 1, 0, beside(n_j, most), 1> f(n_j + n_l);
+  Eigen::Matrix<double, n_j, beside(1, laws), 0, n_j, beside(1, most)> B(n_j, 1 + n_l);
+  if constexpr (joints > 0) {
+    Eigen::Matrix<double, n_j, n_j, Eigen::RowMajor> A;  // I + C G
+    for (int k = 0; k < joints; ++k) {
+      const TurningJoint& joint = joints_[k];
+      const int on_node = 2 * across * k, on_row = on_node + across;
+      const Turned E = C_.template block<across, across>(on_row, on_node);
+      const auto G_node = G.template middleRows<across>(on_node),
+                 G_row = G.template middleRows<across>(on_row);
+      A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.template leftCols<n_j>());
+      A.template middleRows<across>(on_row) = E.lazyProduct(G_node.template leftCols<n_j>());
+      B.template block<across, 1>(on_node, 0) =
+          E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
+      B.template block<across, 1>(on_row, 0) =
+          E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
+      B.template block<across, laws>(on_node, 1, across, n_l) =
+          E.transpose().lazyProduct(G_row.template rightCols<laws>(n_l));
+      B.template block<across, laws>(on_row, 1, across, n_l) =
+          E.lazyProduct(G_node.template rightCols<laws>(n_l));
+    }
+    A.diagonal().array() += 1;
+    eliminate(A, B);
+    f.template head<n_j>() = B.col(0);
   }
-  for (int k = of_joints; k < size; ++k) {
-    A.row(k) = C_(k, k) * G.row(k);
-    y[k] = C_(k, k) * along_law(laws_[k - of_joints], x);
+  if constexpr (laws != 0) {
+    LawMatrix<laws, most> G_l = G.template bottomRightCorner<laws, laws>(n_l, n_l);
+    LawVector<laws, most> z(n_l);
+    for (Eigen::Index k = 0; k < n_l; ++k) z[k] = along_law(laws_[k], x);
+    if constexpr (joints > 0) {
+      const auto G_lj = G.template bottomLeftCorner<laws, n_j>(n_l, n_j);
+      G_l -= G_lj.lazyProduct(B.template rightCols<laws>(n_l));  // eq. (6)
+      z -= G_lj.lazyProduct(B.col(0));
+    }
+    const LawVector<laws, most> f_l = law_forces(G_l, z, laws_here_);
+    f.tail(Eigen::fix<laws>(n_l)) = f_l;
+    if constexpr (joints > 0) f.template head<n_j>() -= B.template rightCols<laws>(n_l).lazyProduct(f_l);
   }
-  A.diagonal().array() += 1;
-  eliminate(A, y);
-  packed_W_.multiply(y.data(), Wy_.data());
+  packed_W_.multiply(f.data(), Wy_.data());
   x -= Wy_.head(x.size());  // eq. (1)
 }
 
@@ -224,12 +243,15 @@ template <int D>
 typename TangentChangesIn<D>::Correction TangentChangesIn<D>::correction(std::size_t joints,
                                                                          std::size_t laws) {
   using Self = TangentChangesIn<D>;
-  static constexpr Correction few[4][3] = {
-      {&Self::correct_for_any, &Self::correct_for_few<0, 1>, &Self::correct_for_few<0, 2>},
-      {&Self::correct_for_few<1, 0>, &Self::correct_for_few<1, 1>, &Self::correct_for_few<1, 2>},
-      {&Self::correct_for_few<2, 0>, &Self::correct_for_few<2, 1>, &Self::correct_for_few<2, 2>},
-      {&Self::correct_for_few<3, 0>, &Self::correct_for_few<3, 1>, &Self::correct_for_few<3, 2>}};
-  return joints < std::size(few) && laws < std::size(few[0]) ? few[joints][laws] : &Self::correct_for_any;
+  constexpr auto for_joints = []<int n>(std::integral_constant<int, n>) {
+    return std::array<Correction, 4>{&Self::correct_for<n, 0, 0>, &Self::correct_for<n, 1, 1>,
+                                     &Self::correct_for<n, Eigen::Dynamic, few_laws>,
+                                     &Self::correct_for<n, Eigen::Dynamic, Eigen::Dynamic>};
+  };
+  static constexpr std::array by_numbers = {
+      for_joints(std::integral_constant<int, 0>{}), for_joints(std::integral_constant<int, 1>{}),
+      for_joints(std::integral_constant<int, 2>{}), for_joints(std::integral_constant<int, 3>{})};
+  return by_numbers[joints][laws < 2 ? laws : laws <= few_laws ? 2 : 3];
 }
 
 template <int D>

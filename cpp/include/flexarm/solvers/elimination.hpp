@@ -1,9 +1,9 @@
 /// @file
-/// A x = b for a few unknowns, as many as are known when compiled: Gaussian elimination with partial
-/// pivoting,
+/// A X = B for a few unknowns and right sides, their number best known when compiled:
+/// Gaussian elimination with partial pivoting,
 ///
 ///     row_i −= (a_ik/a_kk) row_k,  i > k,  a_kk the largest of what is left of its column             (1)
-///     x_k = (b_k − Σ a_kj x_j)/a_kk,  j > k                                                          (2)
+///     X_k = (B_k − Σ a_kj X_j)/a_kk,  j > k,  with rows X_k, B_k                                     (2)
 ///
 /// Eigen's factorisation has sizes of run time within, which takes longer than the elimination itself where
 /// it is done once a step. Source: [Golub2013], section 3.4.
@@ -19,25 +19,29 @@ namespace flexarm::solvers {
 /// compiler knows; beyond, code grows more than time falls.
 inline constexpr int most_written_out = 10;
 
-/// Calls column(0), ..., column(N − 1).
+/// Calls column(0), ..., column(n − 1). @param N n, or Eigen::Dynamic
 template <int N, class Column>
-[[gnu::always_inline]] inline void for_each_column(const Column& column) {
-  if constexpr (N <= most_written_out) {
+[[gnu::always_inline]] inline void for_each_column(int n, const Column& column) {
+  if constexpr (N >= 0 && N <= most_written_out) {
     [&]<int... k>(std::integer_sequence<int, k...>)
         __attribute__((always_inline)) { (column(k), ...); }(std::make_integer_sequence<int, N>{});
   } else {
-    for (int k = 0; k < N; ++k) column(k);
+    for (int k = 0; k < n; ++k) column(k);
   }
 }
 
-/// x replaces b, and A is lost. A singular matrix leaves what is not a finite number.
-template <int N>
-void eliminate(Eigen::Matrix<double, N, N, Eigen::RowMajor>& A, Eigen::Matrix<double, N, 1>& b) {
-  double inverse[N];
-  for_each_column<N>([&](int k) __attribute__((always_inline)) {
+/// X replaces B, and A is lost. A singular matrix leaves what is not a finite number.
+template <class Square, class RightSides>
+void eliminate(Square& A, RightSides& B) {
+  constexpr int N = Square::RowsAtCompileTime;
+  const int n = N >= 0 ? N : static_cast<int>(A.rows());
+  const int columns =
+      RightSides::ColsAtCompileTime >= 0 ? RightSides::ColsAtCompileTime : static_cast<int>(B.cols());
+  Eigen::Matrix<double, N, 1, 0, Square::MaxRowsAtCompileTime, 1> inverse(n);
+  for_each_column<N>(n, [&](int k) __attribute__((always_inline)) {
     int pivot = k;
     double largest = std::abs(A(k, k));
-    for (int i = k + 1; i < N; ++i) {
+    for (int i = k + 1; i < n; ++i) {
       const double size = std::abs(A(i, k));
       if (size > largest) {
         largest = size;
@@ -46,19 +50,21 @@ void eliminate(Eigen::Matrix<double, N, N, Eigen::RowMajor>& A, Eigen::Matrix<do
     }
     if (pivot != k) {
       A.row(k).swap(A.row(pivot));
-      std::swap(b[k], b[pivot]);
+      B.row(k).swap(B.row(pivot));
     }
     inverse[k] = 1 / A(k, k);
-    for (int i = k + 1; i < N; ++i) {
+    for (int i = k + 1; i < n; ++i) {
       const double factor = A(i, k) * inverse[k];
-      for (int j = k + 1; j < N; ++j) A(i, j) -= factor * A(k, j);  // eq. (1)
-      b[i] -= factor * b[k];
+      for (int j = k + 1; j < n; ++j) A(i, j) -= factor * A(k, j);  // eq. (1)
+      for (int j = 0; j < columns; ++j) B(i, j) -= factor * B(k, j);
     }
   });
-  for_each_column<N>([&](int from_last) __attribute__((always_inline)) {
-    const int k = N - 1 - from_last;
-    b[k] *= inverse[k];
-    for (int i = 0; i < k; ++i) b[i] -= A(i, k) * b[k];  // eq. (2), a column at a time
+  for_each_column<N>(n, [&](int from_last) __attribute__((always_inline)) {
+    const int k = n - 1 - from_last;
+    for (int j = 0; j < columns; ++j) B(k, j) *= inverse[k];
+    for (int i = 0; i < k; ++i) {
+      for (int j = 0; j < columns; ++j) B(i, j) -= A(i, k) * B(k, j);  // eq. (2), a column at a time
+    }
   });
 }
 

@@ -14,8 +14,9 @@
 ///
 /// with constraints scaled by s = m/(β h²) so that conditioning does not depend on the step [Bottasso2008].
 /// In local frames S hardly changes while the arm swings, so its factors are kept as long as the iteration
-/// contracts. The tangents of joint laws (friction) that do change enter by the Woodbury identity,
-/// with one kept solve a law.
+/// contracts. What else changes has few directions: angles between links, and joint laws that are not linear
+/// (friction, backlash), which every correction follows as they are, not by their tangents
+/// (solvers/tangent_changes.hpp). Teeth that meet and friction that turns so cost no further iterates.
 ///
 /// The iteration stops when the error left, estimated from the contraction as in [HairerWanner1996], is below
 /// two tolerances: one for positions, and one for accelerations, to which an error δ of a position

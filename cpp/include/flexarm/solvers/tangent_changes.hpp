@@ -1,33 +1,42 @@
 /// @file
 /// What changes in a kept iteration matrix while an arm moves: few directions of it, so that the kept factors
-/// still serve by the Woodbury identity.
+/// still serve by the Woodbury identity, and few forces.
 ///
-///     S = S₀ + U C Uᵀ,   S⁻¹ b = x − W (I + C Uᵀ W)⁻¹ C Uᵀ x,   x = S₀⁻¹ b,  W = S₀⁻¹ U              (1)
-///
-/// A joint law between two scalar coordinates, κ its tangent, has one column of U,
-///
-///     u = e₊ − e₋,   C = κ − κ₀                                                                      (2)
+///     S Δ = b,  S = S₀ + U C Uᵀ:   Δ = x − W f,  x = S₀⁻¹ b,  W = S₀⁻¹ U,  f = C Uᵀ Δ                (1)
 ///
 /// A joint between two links that move turns one link's axes against the other's: of its constraint (eq. (2)
 /// of joints/joint_constraint.hpp) Φ_a = −Ad(exp(−ξ θ)) Ad_a follows θ. Only directions across the joint's
 /// axis turn; with P a base of their translations and rotations, s the scale of the constraints, and e_a, e_λ
 /// the places of the parent's node and of the multipliers,
 ///
-///     U = [e_a Ad_aᵀ P,  e_λ P],   C = [0  Eᵀ; E  0],   E = −s Pᵀ (Ad(exp(−ξ θ)) − Ad(exp(−ξ θ₀))) P (3)
+///     U_J = [e_a Ad_aᵀ P,  e_λ P],   C = [0  Eᵀ; E  0],   E = −s Pᵀ (Ad(exp(−ξ θ)) − Ad(exp(−ξ θ₀))) P (2)
 ///
 /// Of these directions, T = Pᵀ Ad(exp(−ξ θ)) P is a turn or a slide, with J = [0 1; −1 0]
 ///
-///     revolute: T = diag(t, t), t = cos θ I + sin θ J          prismatic: T = [I  θ J; 0  I]         (4)
+///     revolute: T = diag(t, t), t = cos θ I + sin θ J          prismatic: T = [I  θ J; 0  I]         (3)
 ///
-/// Without (3) the iteration of an arm with an inner hinge contracts by some 0.3 a radian that the hinge has
-/// turned since the factors were made. A joint on the base has no such term. Sources: [Hager1989] for (1);
-/// docs/theory.md, section "Time stepping".
+/// Without (2) the iteration of an arm with an inner hinge contracts by some 0.3 a radian that the hinge has
+/// turned since the factors were made. A joint on the base has no such term.
+///
+/// A joint law between two scalar coordinates has one column u and one force f, which is not C times its
+/// deflection but follows the law itself (q of solvers/law_equations.hpp):
+///
+///     u = e₊ − e₋,   f_L = q(u·Δ)                                                                    (4)
+///
+/// With G = Uᵀ W, the forces of the joints are linear in those of the laws, which leaves equations in the
+/// laws' deflections alone, w + Ĝ f_L = z:
+///
+///     (I + C G_JJ) f_J = C (U_Jᵀ x − G_JL f_L)                                                       (5)
+///     Ĝ = G_LL − G_LJ (I + C G_JJ)⁻¹ C G_JL,   z = U_Lᵀ x − G_LJ (I + C G_JJ)⁻¹ C U_Jᵀ x            (6)
+///
+/// Sources: [Hager1989] for (1); docs/theory.md, section "Time stepping".
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "flexarm/assembly/equations.hpp"
+#include "flexarm/solvers/law_equations.hpp"
 #include "flexarm/solvers/packed_matrix.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
 #include "flexarm/solvers/welds.hpp"
@@ -44,7 +53,7 @@ class TangentChangesIn {
   void keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c, const Eigen::VectorXd& laws,
             const SparseFactor& factor);
 
-  /// Equation (1): S₀⁻¹ b becomes S⁻¹ b.
+  /// Equation (1): S₀⁻¹ b becomes what turned joints and all of the laws make of it.
   void correct(const assembly::StateIn<D>& state, Eigen::VectorXd& x);
 
  private:
@@ -60,7 +69,7 @@ class TangentChangesIn {
     Turned kept = Turned::Zero();  // T(θ₀)
   };
 
-  /// Rows of u in (2); none where a coordinate is prescribed.
+  /// Rows of u in (4); none where a coordinate is prescribed.
   struct LawRows {
     int plus, minus;
   };
@@ -75,13 +84,13 @@ class TangentChangesIn {
 
   using Correction = void (TangentChangesIn::*)(Eigen::VectorXd&);
   static Correction correction(std::size_t joints, std::size_t laws);
-  void correct_for_any(Eigen::VectorXd& x);
-  template <int joints, int laws>
-  void correct_for_few(Eigen::VectorXd& x);
+  template <int joints, int laws, int most>
+  void correct_for(Eigen::VectorXd& x);
 
   const assembly::SystemIn<D>& system_;
   std::vector<TurningJoint> joints_;
-  std::vector<int> laws_;  // whose tangents are not constant
+  std::vector<int> laws_;  // that are not linear
+  std::vector<LawHere> laws_here_;
   Correction correct_;
   std::vector<LawRows> law_rows_;  // of all laws
   assembly::TangentFactors factors_{};
