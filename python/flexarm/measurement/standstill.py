@@ -62,23 +62,24 @@ class _Blocks:
     """Sums of blocks, from which (1) follows for any stretch of them."""
 
     def __init__(self, time: Floats, scaled: Floats) -> None:
+        from scipy.special import chdtri
+
         self.count = len(time) // BLOCK
         n = self.count * BLOCK
         t, y = time[:n] - time[0], scaled[:n] - scaled[0]
         powers = np.stack([t, t * t, y, y * y, t * y]).reshape(5, self.count, BLOCK).sum(axis=2)
         self._sums = np.concatenate([np.zeros((5, 1)), np.cumsum(powers, axis=1)], axis=1)
+        self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, ALARM)  # of 1, 2, ... blocks
 
     def grown(self, begin: int) -> int:
         """End of the longest stretch of blocks from one on that stands at all its lengths."""
-        from scipy.special import chdtri
-
         ends = np.arange(begin + 1, self.count + 1)
         n = BLOCK * (ends - begin).astype(float)
         t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, [begin]]
         scatter = yy - y * y / n
         spread = np.maximum(tt - t * t / n, 1e-300)
         slope = (ty - t * y / n) / np.sqrt(spread)
-        moves = (scatter > chdtri(n - 1, ALARM)) | (np.abs(slope) > DRIFT)  # eq. (1)
+        moves = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > DRIFT)  # eq. (1)
         return int(ends[np.argmax(moves)]) - 1 if moves.any() else self.count
 
 
