@@ -25,8 +25,9 @@ different poses of a record, over all static records of a signal, n_c poses are 
 
 .. math:: T_c = \max(1, \gamma_0 + (n_c - 1) \max(\gamma_w, 0))                                     (2a)
 
-and s^2 = gamma_0 - 1 of the record alone. With nothing in common every pose counts, with all in common the
-record counts once.
+and s^2 = (gamma_0 - 1 - d)/(1 + d) of the record alone, or none where noise alone makes so large a gamma_0 of
+so few poses by a chance of more than `CHANCE`. With nothing in common every pose counts, with all in common
+the record counts once.
 
 No simulation agrees with a machine to better than a part `DISCREPANCY` of the noise, and its error is not
 noise: it lasts. If two models differ by v over N samples, an error of that size along v adds to the variance
@@ -61,6 +62,8 @@ LAGS = 12
 """L of (3), in samples."""
 DISCREPANCY = 0.2
 """delta of (4)."""
+CHANCE = 1e-3
+"""Of noise alone, within which a few poses of one channel are not above it."""
 WINDOW = 0.1
 """Width of Bartlett's window in (2), share of the record."""
 
@@ -116,6 +119,8 @@ def _in_time(rows: Rows, observed: Observed) -> bool:
 
 def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
     """s_c of (3) for every channel, over the noise."""
+    from scipy.special import chdtri
+
     found = {}
     for each, where in observed.channels():
         values = rest[where]
@@ -123,6 +128,8 @@ def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
         square = gamma[0] - 1.0 - each.shaken
         if _in_time(each, observed):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
+        elif len(values) * gamma[0] / (1 + each.shaken) < chdtri(len(values), CHANCE):
+            square = 0.0
         found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + each.shaken)))
     return found
 

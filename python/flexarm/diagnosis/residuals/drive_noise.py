@@ -6,7 +6,8 @@ smoothed drive,
 
     y'_i = f(t_i) + n_i,    n_i white, as large as the record states,                                  (1)
 
-smoothed anew, is as far from f as f is from the truth. The difference of the simulations along both is an
+smoothed anew, is as far from f as f is from the truth. Angles of poses are taken as they were read: n is as
+far from them as they are from the truth. The difference of the simulations along both is an
 error of each channel. Its mean square over `DRAWS` of n, for the models that a search comes by, is no gap
 (`choosing.evidence.above_noise`): a machine whose encoder shakes a model by more than a tracker sees would
 else seem to lack something.
@@ -75,8 +76,6 @@ def _squared_error(observed: Observed, arm: Arm, rng: np.random.Generator) -> Fl
 
 def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:
     """A record whose encoders that drive read (1)."""
-    if record.kind == "static":
-        return record
     noisy = {
         name: record.signals[name].replace(values=_reading(record, name, arm, rng))
         for name in record.drive
@@ -91,7 +90,10 @@ def _reading(record: Record, name: str, arm: Arm, rng: np.random.Generator) -> F
 
     signal = record.signals[name]
     noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
-    breaks, coefficients = smooth(signal.time, signal.values[:, 0], noise)
-    values = PPoly(coefficients, breaks)(signal.time) + noise * rng.standard_normal(len(signal))  # eq. (1)
+    values = signal.values[:, 0]
+    if record.kind == "motion":
+        breaks, coefficients = smooth(signal.time, values, noise)
+        values = PPoly(coefficients, breaks)(signal.time)
+    values = values + noise * rng.standard_normal(len(signal))  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     return np.asarray(values[:, None])
