@@ -8,7 +8,7 @@ import pytest
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import Unknown
 from flexarm.diagnosis.outcome import evidence_sentence, naming
-from flexarm.diagnosis.outcome.evidence_sentence import _strained
+from flexarm.diagnosis.outcome.evidence_sentence import _behind, _strained
 
 
 def null_of(delay: float, modulus: float = 0.0):
@@ -83,3 +83,16 @@ def test_a_name_beside_a_coarse_encoder_is_doubted_and_the_reader_is_told_why(na
 def test_a_name_is_as_sure_as_the_model_with_it_is_ahead_of_the_one_without(named):
     """e^1.6 to one, however much all effects together explain."""
     assert named((0.0, 0.0), needed=1.6).probability == pytest.approx(1 / (1 + np.exp(-1.6)))
+
+
+@pytest.mark.parametrize(
+    ("rival", "gained", "told"),
+    [
+        (12.4, 50.0, "behind by a ln Bayes factor of 12"),
+        (0.42, 50.0, "behind by a ln Bayes factor of 0.4"),
+        (4010.0, 234.0, "far behind"),
+    ],
+)
+def test_a_rival_is_told_no_farther_behind_than_no_effect_at_all(rival, gained, told):
+    """Factors of pairs do not add up; a rival that may be neutral cannot be worse than none."""
+    assert _behind(rival, gained) == told

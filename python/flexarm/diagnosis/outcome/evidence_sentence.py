@@ -29,8 +29,7 @@ def evidence_sentence(
     text = _shrinking(choice, k, observed)
     if choice.rivals[k]:
         rival = choice.rivals[k][0]
-        who, behind = place_words(*rival.candidate.place), _factor(rival.behind)
-        text += f"; next is {who}, behind by a ln Bayes factor of {behind}"
+        text += f"; next is {place_words(*rival.candidate.place)}, {_behind(rival.behind, choice.needed[k])}"
     if open_gap:
         with_it, without = (number(missed(fit, observed), 2) for fit in (best, choice.null))
         they = "it" if len(best.members) == 1 else "all of them"
@@ -76,6 +75,15 @@ def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
     )
     text = f"with {listed(members)} the largest gap above the noise {shrinks} times the noise {gained}"
     return text + (f"; without {'it' if alone else 'them'} {spared}" if spared else "")
+
+
+def _behind(rival: float, gained: float) -> str:
+    """How far behind a rival is: no number beyond what the effect gains over none.
+
+    Factors of pairs do not add up. The more two models differ, the more of it an error of the simulation may
+    be (eq. (4) of `choosing.evidence`), and no effect at all differs most.
+    """
+    return f"behind by a ln Bayes factor of {_factor(rival)}" if rival <= gained else "far behind"
 
 
 def _factor(log_bayes: float) -> str:
