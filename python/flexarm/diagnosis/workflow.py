@@ -39,7 +39,7 @@ from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
 from flexarm.diagnosis.outcome.swings import swings
 from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed
 from flexarm.diagnosis.outcome.verified import Bench, verified
-from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals
+from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals, weighed_by_drives
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.errors import InvalidParameter
 
@@ -115,7 +115,8 @@ def diagnose(
         arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
     )
     allow_for_drives(observed, observed.arm)
-    observed, coarse = with_coarse_encoders(observed, seed)
+    shaken = shaken_signals(observed)
+    observed, coarse = with_coarse_encoders(weighed_by_drives(observed), seed)
     choice = _chosen(observed, tell)
     tell(0.8, "intervals")
     found = _conclusion(choice, coarse, observed, seed)
@@ -153,7 +154,7 @@ def diagnose(
             *parted.remarks,
             *unfitted(observed, checked.compared),
             *unweighed(observed),
-            *shaken_signals(observed),
+            *(shaken | shaken_signals(observed)).values(),
             *swings(choice.best, observed),
             *seen.remarks,
         ),

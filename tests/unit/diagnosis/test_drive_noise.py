@@ -7,7 +7,7 @@ from arms import crane, hinge, smooth_step, tracker
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.choosing.evidence import above_noise
-from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals
+from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals, weighed_by_drives
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Frame
@@ -50,7 +50,7 @@ def test_the_right_model_leaves_no_gap_but_the_noise_that_is_foretold(arm):
     assert left(there, residual).max() > 1.0
     allow_for_drives(there, arm)
     assert left(there, residual).max() < 1.0  # a mode is shaken by a few independent values
-    [said] = shaken_signals(there)
+    [said] = shaken_signals(there).values()
     assert said.startswith("noise of hinge, as stated, moves tip by up to ")
 
 
@@ -67,7 +67,7 @@ def test_a_good_encoder_changes_nothing(arm):
     rows = there.rows
     allow_for_drives(there, arm)
     assert there.rows is rows
-    assert shaken_signals(there) == []
+    assert shaken_signals(there) == {}
 
 
 def test_the_same_model_is_allowed_the_same_and_never_less(arm):
@@ -86,6 +86,24 @@ def test_noise_that_is_larger_is_shaken_by_less_of_it(arm):
     allow_for_drives(there, arm)
     noisier = there.with_noise(np.full(len(there.rows), 2.0))
     assert [row.shaken for row in noisier.rows] == pytest.approx([row.shaken / 4 for row in there.rows])
+
+
+def test_a_signal_that_reads_little_but_the_drive_weighs_by_what_it_scatters():
+    """A milliradian moves the tip of a rod of 2 m by 20 times its noise; across the plane it stays."""
+    rod, there = posed(1e-3, 4)
+    allow_for_drives(there, rod)
+    weighed = weighed_by_drives(there)
+    assert weighed is not there
+    residual = there.residual(rod)
+    for before, after in zip(there.rows, weighed.rows, strict=True):
+        loud = before.shaken > 25.0
+        expected = before.sigma * np.sqrt(1.0 + before.shaken) if loud else before.sigma
+        assert after.sigma == pytest.approx(expected)
+        assert (after.shaken == 0.0) == loud or before.shaken == 0.0
+        scatter = np.std(residual[before.where]) * before.sigma / after.sigma
+        assert scatter < 2.0  # of its new size
+    calm = posed(1e-5, 4)[1]
+    assert weighed_by_drives(calm) is calm
 
 
 def posed(angle_noise, seed, count=12):

@@ -35,6 +35,8 @@ COUNTS = 0.3
 """Least error of some channel, over its noise, that counts: a smaller one is 4 % of it."""
 SAID = 0.5
 """The same of one that is said."""
+LOUD = 5.0
+"""The same of one that is weighed by it: its own noise is a fifth of what it scatters by."""
 SEED = 0
 """Of n: the same for all models, so that they are judged alike."""
 
@@ -52,17 +54,35 @@ def allow_for_drives(observed: Observed, arm: Arm) -> None:
         observed.rows = tuple(replace(each, shaken=max(each.shaken, s)) for each, s in rows)
 
 
-def shaken_signals(observed: Observed) -> list[str]:
-    """Sentences on signals that noise of the drives moves by more than `SAID` times their own."""
+def shaken_signals(observed: Observed) -> dict[str, str]:
+    """Sentences on signals that noise of the drives moves by more than `SAID` times their own, by signal."""
     most: dict[str, float] = {}
     for each in observed.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.shaken))
-    drives = " and ".join(dict.fromkeys(n for r in observed.records.values() for n in r.drive))
-    return [
-        f"noise of {drives}, as stated, moves {signal} by up to {size:.2g} times its own, which is no gap"
+    names = dict.fromkeys(n for r in observed.records.values() for n in r.drive)
+    noise = f"noise of {' and '.join(names)}, as stated,"
+    return {
+        signal: f"{noise} moves {signal} by up to {size:.2g} times its own, which is no gap"
         for signal, size in most.items()
         if size > SAID
-    ]
+    }
+
+
+def weighed_by_drives(observed: Observed) -> Observed:
+    """The same, with rows that noise of the drives moves by more than `LOUD` as noisy as that makes them.
+
+    On a stiff arm a torque sensor reads little else at the beginnings and ends of moves, and by its own noise
+    it would outweigh all other signals.
+    """
+    times = [sqrt(1.0 + each.shaken) if each.shaken > LOUD**2 else 1.0 for each in observed.rows]
+    if max(times, default=1.0) == 1.0:
+        return observed
+    found = observed.with_step(observed.step)
+    found.rows = tuple(
+        replace(each, sigma=each.sigma * t, shaken=each.shaken if t == 1.0 else 0.0)
+        for each, t in zip(observed.rows, times, strict=True)
+    )
+    return found
 
 
 def _squared_error(observed: Observed, arm: Arm, rng: np.random.Generator) -> Floats:
