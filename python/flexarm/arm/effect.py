@@ -117,7 +117,11 @@ class Effect(Table):
         return {"name": self.name, **super().to_plain()}
 
     def __str__(self) -> str:
-        values = [f"{name} = {value:g} {unit}" for name, value, unit in self.parameters()]
+        return self.told(self.parameters())
+
+    def told(self, parameters: Iterable[tuple[str, float, str]]) -> str:
+        """Name, place and such parameters, in a line."""
+        values = [f"{name} = {value:g} {unit}" for name, value, unit in parameters]
         return f"{self.name} at {self.at}" + (f": {', '.join(values)}" if values else "")
 
 

@@ -13,6 +13,7 @@ from math import isinf
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.joint_units import unit_at
 from flexarm.arm.link import Beam
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
@@ -164,6 +165,8 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
                 where="sensitivities",
             )
         unit = unit_of(type(owner).model_fields[path.fields[-1]])
+        if isinstance(owner, Effect):
+            unit = unit_at(arm, owner.at, path.fields[-1], unit)
         found.append(Parameter(name, path.get(arm), unit, rule == "one-sided"))
     return found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexarm.arm.joint_units import parameters_in
 from flexarm.arm.link import Beam, Link, RigidLink
 from flexarm.arm.uncertainty import owner_of
 
@@ -20,7 +21,7 @@ def summary(arm: Arm) -> str:
     lines += [f"  gear {gear.name}: {gear.input} = {gear.ratio:g} x {gear.output}" for gear in arm.gears]
     lines += [f"  link {link.name}: {_link(link)}" for link in arm.links]
     lines += [f"  payload {load.name}: {load.mass:g} kg on {load.link}" for load in arm.payloads]
-    lines += [f"  effect {effect}" for effect in arm.effects]
+    lines += [f"  effect {effect.told(parameters_in(effect, arm))}" for effect in arm.effects]
     if arm.sensors:
         lines.append(f"  sensors: {', '.join(f'{s.name} ({s.quantity})' for s in arm.sensors)}")
     lines += [f"  uncertain: {_uncertain(arm, key, sigma)}" for key, sigma in arm.uncertainty.items()]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from flexarm.arm.joint_units import parameters_in
 from flexarm.cli.options import Json, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
@@ -138,7 +139,8 @@ def _outline(arm: Arm) -> dict[str, Any]:
                 "name": effect.name,
                 "at": effect.at,
                 "parameters": [
-                    {"name": name, "value": value, "unit": unit} for name, value, unit in effect.parameters()
+                    {"name": name, "value": value, "unit": unit}
+                    for name, value, unit in parameters_in(effect, arm)
                 ],
             }
             for effect in arm.effects

@@ -96,7 +96,7 @@ def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str
         ax.plot(where, values, ls="none", ms=2.4, mew=0, alpha=0.7, label=name, **LOOKS[name])
     ax.set_ylabel(f"{direction} [{unit}]" if direction != "total" else f"gap [{unit}]")
     states = _of(rows.states, joint)
-    ax.set_xlabel("time [s]" if kind == "time" else f"{kind} of {joint} [{states.units[kind]}]")
+    ax.set_xlabel("time [s]" if kind == "time" else states.label(kind))
 
 
 def located_sides(d: Diagnosis, signal: str) -> dict[str, GapRows]:
@@ -128,10 +128,13 @@ def rotations(d: Diagnosis) -> Figure | None:
     if found is None or len(found.joints) < 2:
         return None
     shown = list(zip(found.joints, found.states, strict=True))[:MOST_JOINTS]
-    factor, unit = scale([float(np.abs(each.angle).max()) for each, _ in shown], shown[0][0].unit)
     kinds = states_drawn([states for _, states in shown])
-    figure, axes = sheet(len(shown), len(kinds), 1.1, between=(0.3, BOTTOM), legend=False, sharey=True)
+    alike = len({each.unit for each, _ in shown}) == 1  # or some slide and some turn
+    shared = True if alike else "row"
+    figure, axes = sheet(len(shown), len(kinds), 1.1, between=(0.3, BOTTOM), legend=False, sharey=shared)
     for row, (rotation, states) in zip(axes, shown, strict=True):
+        beside = [each for each, _ in shown if each.unit == rotation.unit]
+        factor, unit = scale([float(np.abs(each.angle).max()) for each in beside], rotation.unit)
         _draw_rotation(dict(zip(kinds, row, strict=True)), rotation, states, factor)
         row[0].set_ylabel(f"{rotation.joint} [{unit}]")
     return figure
@@ -143,7 +146,7 @@ def _draw_rotation(axes: Mapping[str, Axes], rotation: JointRotation, states: St
         ax.plot(
             getattr(states, kind), factor * rotation.angle, ls="none", ms=2.2, mew=0, **LOOKS["nominal model"]
         )
-        ax.set_xlabel(f"{kind} of {rotation.joint} [{states.units[kind]}]")
+        ax.set_xlabel(states.label(kind))
 
 
 def turned_most(located: Located, rows: GapRows) -> States:

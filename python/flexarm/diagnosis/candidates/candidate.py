@@ -18,6 +18,7 @@ from math import atan2, hypot, isinf
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
+from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior
 from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
@@ -83,7 +84,7 @@ class Candidate:
 
     def priors_in(self, arm: Arm) -> dict[str, Prior]:
         """Of all parameters in a model."""
-        return {**self.effect.priors(arm), **self.priors}
+        return {**priors_in(self.effect, arm), **self.priors}
 
     def base(self, arm: Arm) -> Arm:
         """The model that a probe differs from: with what the effect needs, unless that is there."""

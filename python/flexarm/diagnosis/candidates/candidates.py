@@ -8,6 +8,7 @@ from math import isinf
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
+from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.diagnosis.candidates.candidate import SPRINGS, Candidate, value_of
@@ -106,7 +107,7 @@ def _at_place(
     for fixed in variants(name, typical, arm, rhythm, softer if without is None else ()):
         effect = typical.with_parameters(fixed)
         held = {key for key, value in fixed.items() if key not in STARTS or value == 0}
-        priors = {**effect.priors(there), **stated}
+        priors = {**priors_in(effect, there), **stated}
         free = tuple(key for key in priors if key not in held and _has(effect, key))
         null = nulls(effect, without, arm)
         steps = tuple(probes(name, effect, without, free, null, priors))

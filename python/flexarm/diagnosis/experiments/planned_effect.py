@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from math import inf, sqrt
 from typing import TYPE_CHECKING
 
+from flexarm.arm.joint_units import parameters_in
 from flexarm.diagnosis.candidates.candidate import SPRINGS, value_of
 from flexarm.diagnosis.choosing.acceptance import STRONG
 from flexarm.diagnosis.experiments.plan_result import FAR, PlannedEffect
@@ -42,7 +43,7 @@ def planned_effect(
     """
     size = candidate.probes[shown.probe]
     own = signals.get(candidate.at, "")
-    units = {name: own if unit == "SI" else unit for name, _, unit in size.parameters()}
+    units = {name: own if unit == "SI" else unit for name, _, unit in parameters_in(size, arm)}
     name = _parameter(candidate, size)
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
     times = sqrt(STRONG / seen) if seen > 0 else inf

@@ -59,6 +59,11 @@ class States:
             "torque": force,
         }
 
+    def label(self, state: str) -> str:
+        """Of an axis: the state as a joint that turns or slides has it, with its unit."""
+        word = {"angle": "position", "torque": "force"}.get(state, state) if self.slides else state
+        return f"{word} of {self.joint} [{self.units[state]}]"
+
     @property
     def stands(self) -> Mask:
         """Where it does not move."""

@@ -44,6 +44,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.joint_units import parameters_in
 from flexarm.arrays import Floats
 from flexarm.diagnosis.choosing.evidence import DISCREPANCY
 from flexarm.diagnosis.choosing.left_out import groups
@@ -152,7 +153,7 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
     member = fit.members[i]
     places = {c.name: j for j, c in enumerate(fit.coordinates) if c.candidate == i}
     found = []
-    for name, value, unit in member.effect.parameters():
+    for name, value, unit in parameters_in(member.effect, fit.unknowns.arm):
         if name not in places:
             continue
         j = places[name]

@@ -1,0 +1,46 @@
+"""Units of effects where they act: metres for radians, newtons for newton metres where a joint slides."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexarm.arm.prior import Prior
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arm.effect import Effect
+
+SLIDING = {
+    "rad": "m",
+    "rad/s": "m/s",
+    "N m": "N",
+    "N m/rad": "N/m",
+    "N m/rad3": "N/m3",
+    "N m s/rad": "N s/m",
+}
+"""Units along a prismatic joint by those about a revolute one."""
+
+
+def unit_at(arm: Arm, at: str, parameter: str, unit: str) -> str:
+    """Unit of a parameter of an effect at a place; phases of waves are angles everywhere."""
+    return SLIDING.get(unit, unit) if _slides(arm, at) and parameter != "phase" else unit
+
+
+def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
+    """Parameters of an effect as (name, value, unit), in the units of its place in an arm."""
+    return [(name, value, unit_at(arm, effect.at, name, unit)) for name, value, unit in effect.parameters()]
+
+
+def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
+    """What is plausible of an effect, in the units of its place in an arm."""
+    return {
+        name: replace(prior, unit=unit_at(arm, effect.at, name, prior.unit))
+        for name, prior in effect.priors(arm).items()
+    }
+
+
+def _slides(arm: Arm, at: str) -> bool:
+    """Whether a place is a joint that slides, or an encoder or torque sensor of one."""
+    joint = next((sensor.joint for sensor in arm.sensors if sensor.name == at), at)
+    return any(each.name == joint and each.type == "prismatic" for each in arm.joints)

@@ -1,0 +1,78 @@
+"""Along a joint that slides, effects are told in metres and newtons."""
+
+import numpy as np
+import pytest
+from arms import hinge
+
+import flexarm
+from flexarm.arm.joint_units import parameters_in, priors_in
+from flexarm.arm.parameter import parameters
+from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.gap.joint_states import States
+from flexarm.effects import (
+    Backlash,
+    CableTorque,
+    CoulombFriction,
+    EncoderOffset,
+    JointCompliance,
+    JointHysteresis,
+    JointStiffening,
+    TransmissionError,
+    ViscousFriction,
+)
+
+UNITS = [
+    (JointCompliance, {"stiffness": 2e5, "damping": 10.0}, "stiffness", "N m/rad", "N/m"),
+    (JointCompliance, {"stiffness": 2e5, "damping": 10.0}, "damping", "N m s/rad", "N s/m"),
+    (JointStiffening, {"cubic_stiffness": 1e9}, "cubic_stiffness", "N m/rad3", "N/m3"),
+    (Backlash, {"gap": 1e-3}, "gap", "rad", "m"),
+    (JointHysteresis, {"torque": 5.0, "width": 1e-3}, "torque", "N m", "N"),
+    (CoulombFriction, {"torque": 5.0}, "torque", "N m", "N"),
+    (ViscousFriction, {"coefficient": 5.0}, "coefficient", "N m s/rad", "N s/m"),
+    (CableTorque, {"stiffness": 5.0, "rest_angle": 0.1}, "rest_angle", "rad", "m"),
+    (TransmissionError, {"amplitude": 1e-4, "multiple": 1.0, "phase": 0.3}, "amplitude", "rad", "m"),
+    (TransmissionError, {"amplitude": 1e-4, "multiple": 1.0, "phase": 0.3}, "phase", "rad", "rad"),
+]
+
+
+@pytest.fixture(scope="module")
+def lift():
+    """A mast that slides, and an arm on it that turns; an encoder of the lift."""
+    arm = flexarm.Arm.from_dict(
+        {
+            "joints": [
+                {"name": "lift", "type": "prismatic", "parent": "base", "child": "mast", "axis": [0, 0, 1]},
+                hinge("slew", "boom", "mast"),
+            ],
+            "links": [
+                {"name": "mast", "type": "rigid", "mass": 20.0},
+                {"name": "boom", "type": "rigid", "mass": 5.0},
+            ],
+        }
+    )
+    return arm.replace(sensors=(Sensor(name="height", quantity="joint_angle", joint="lift", rate_hz=100),))
+
+
+@pytest.mark.parametrize(("effect", "values", "parameter", "turning", "sliding"), UNITS)
+def test_a_parameter_has_the_unit_of_its_joint(lift, effect, values, parameter, turning, sliding):
+    for joint, unit in (("slew", turning), ("lift", sliding)):
+        here = effect(at=joint, **values)
+        assert {name: told for name, _, told in parameters_in(here, lift)}[parameter] == unit
+        if parameter in priors_in(here, lift):
+            assert priors_in(here, lift)[parameter].unit == unit
+
+
+def test_so_have_an_encoder_and_a_key_of_the_model(lift):
+    [(_, _, unit)] = parameters_in(EncoderOffset(at="height", offset=1e-3), lift)
+    assert unit == "m"
+    soft = lift.with_effect(JointCompliance(at="lift", stiffness=2e5, damping=10.0))
+    [found] = parameters(soft, ["effects.joint_compliance.lift.stiffness"])
+    assert (found.value, found.unit) == (2e5, "N/m")
+    assert "joint_compliance at lift: stiffness = 200000 N/m, damping = 10 N s/m" in str(soft.summary())
+
+
+@pytest.mark.parametrize(("slides", "label"), [(True, "force of lift [N]"), (False, "torque of lift [N m]")])
+def test_axes_of_its_states_are_of_position_and_force(slides, label):
+    none = np.zeros(2)
+    states = States("lift", none, none, none, none, none, none, np.zeros(2, dtype=np.intp), slides=slides)
+    assert states.label("torque") == label
