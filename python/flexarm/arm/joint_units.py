@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flexarm.arm.prior import Prior
-
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.arm.effect import Effect
+    from flexarm.arm.prior import Prior
 
 SLIDING = {
     "rad": "m",

@@ -10,6 +10,7 @@ from flexarm.arm.uncertainty import owner_of
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
+    from flexarm.arm.effect import Effect
 
 
 def summary(arm: Arm) -> str:
@@ -21,11 +22,17 @@ def summary(arm: Arm) -> str:
     lines += [f"  gear {gear.name}: {gear.input} = {gear.ratio:g} x {gear.output}" for gear in arm.gears]
     lines += [f"  link {link.name}: {_link(link)}" for link in arm.links]
     lines += [f"  payload {load.name}: {load.mass:g} kg on {load.link}" for load in arm.payloads]
-    lines += [f"  effect {effect.told(parameters_in(effect, arm))}" for effect in arm.effects]
+    lines += [f"  effect {_effect(arm, effect)}" for effect in arm.effects]
     if arm.sensors:
         lines.append(f"  sensors: {', '.join(f'{s.name} ({s.quantity})' for s in arm.sensors)}")
     lines += [f"  uncertain: {_uncertain(arm, key, sigma)}" for key, sigma in arm.uncertainty.items()]
     return "\n".join(lines)
+
+
+def _effect(arm: Arm, effect: Effect) -> str:
+    """As it tells itself, in the units of its joint."""
+    here = parameters_in(effect, arm)
+    return str(effect) if here == effect.parameters() else effect.told(here)
 
 
 def _uncertain(arm: Arm, key: str, sigma: float) -> str:

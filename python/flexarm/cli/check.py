@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.arm.joint_units import parameters_in
 from flexarm.cli.options import Json, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
@@ -125,6 +124,8 @@ def _weight(arm: Arm) -> WeightStatement:
 
 
 def _outline(arm: Arm) -> dict[str, Any]:
+    from flexarm.arm.joint_units import parameters_in
+
     return {
         "name": arm.name,
         "gravity": list(arm.gravity),

@@ -36,7 +36,7 @@ def fitted(noise, slope):
     member = SimpleNamespace(effect=effect, place=("payload_mass", "load"), free=("mass",))
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
-    unknowns = SimpleNamespace(each=(), keys=[])
+    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=()))
     return Fit(
         (member,), (Coordinate(0, "mass", PRIOR),), z, residual, residual, column, unknowns, projection
     )
@@ -130,7 +130,7 @@ def bursts(noise):
     every = np.column_stack([ringing, others])
     found = np.linalg.lstsq(every, -noise, rcond=None)[0]
     fit = fitted(np.zeros(N), ringing)
-    unknowns = SimpleNamespace(each=(), keys=[])
+    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=()))
     return replace(
         fit,
         z=found[:1],
