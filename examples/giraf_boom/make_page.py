@@ -4,12 +4,14 @@
 
 makes the records of `make_records.py` in OUT_DIR/records and then, as `flexarm diagnose` does,
 
-    OUT_DIR/static      seven lengths, 2013 mm held out
-    OUT_DIR/ringdown    551 and 1065 mm, 1639 mm held out
+    OUT_DIR/static              seven lengths, 2013 mm held out
+    OUT_DIR/static_with_hand    the same with something at the tip of which only the order is known
+    OUT_DIR/ringdown            551 and 1065 mm, 1639 mm held out
 
 each with report.html, report.json, updated.toml and figures, and `ringdown.png`: frequency and damping of the
-tip against its amplitude. With --leave-one-out every length is held out once: OUT_DIR/static_MMMM, and a
-table. Nothing of it may be committed: the data states no licence.
+tip against its amplitude. With --leave-one-out every length is held out once, with each of both models:
+OUT_DIR/static_MMMM, OUT_DIR/static_with_hand_MMMM, and tables. Nothing of it may be committed: the data state
+no licence.
 """
 
 from __future__ import annotations
@@ -30,10 +32,24 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from data_script import diagnosed, exit_code, page_command_line
 from make_records import make_records
 
+PAGES = {"boom.toml": "static", "boom_with_hand.toml": "static_with_hand"}
+"""Models of the pulls, and where their pages are."""
+
 
 def without(model: Path, folders: Sequence[Path], held: Path, jobs: int | None, page: Path) -> Diagnosis:
     """The diagnosis of all but one, which is held out."""
     return diagnosed(model, [folder for folder in folders if folder != held], held, page, jobs)
+
+
+def held_out_once(
+    model: Path, folders: Sequence[Path], jobs: int | None, every: bool, page: Path
+) -> dict[str, Diagnosis]:
+    """Diagnoses of a model with the longest boom held out and, if asked for, with every other length."""
+    found = {folders[-1].name: without(model, folders, folders[-1], jobs, page)}
+    for held in folders[:-1] if every else ():
+        length = held.name.removeprefix("static_")
+        found[held.name] = without(model, folders, held, jobs, page.with_name(f"{page.name}_{length}"))
+    return found
 
 
 def left_out_table(found: Mapping[str, Diagnosis]) -> str:
@@ -90,12 +106,9 @@ def make_page(data: Path, out: Path, jobs: int | None, every: bool, force: bool)
         records = directory / "records"
         static = [records / folder.name for folder in folders if folder.name.startswith("static")]
         swings = [records / folder.name for folder in folders if folder.name.startswith("ringdown")]
-        found = {
-            static[-1].name: without(records / "boom.toml", static, static[-1], jobs, directory / "static")
-        }
-        for held in static[:-1] if every else ():
-            found[held.name] = without(records / "boom.toml", static, held, jobs, directory / held.name)
-        print(left_out_table(found))
+        for model, page in PAGES.items():
+            found = held_out_once(records / model, static, jobs, every, directory / page)
+            print(f"{model}\n{left_out_table(found)}")
         if swings:
             without(records / "ringdown.toml", swings, swings[-1], jobs, directory / "ringdown")
             arm = Arm.from_toml(records / "ringdown.toml")

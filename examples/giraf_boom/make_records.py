@@ -4,7 +4,7 @@
 
 reads `static.csv` and, where they are, `ringdown_*.csv` of DATA_DIR, and writes
 
-    OUT_DIR/boom.toml, ringdown.toml    of this folder
+    OUT_DIR/boom.toml, boom_with_hand.toml, ringdown.toml   of this folder
     OUT_DIR/static_MMMM                 poses at one length, MMMM millimetres, one for each pull at the tip
     OUT_DIR/ringdown_MMMM               a step of the pitch at one length: see ring_downs.py
 
@@ -39,6 +39,7 @@ from ring_downs import length_of, ring_down_record
 Rows = NDArray[np.float64]
 
 HEADINGS = ("Boom Extension (mm)", "Applied Force (N)", "Endpoint Height (mm)", "Deflection (mm)")
+MODELS = ("boom.toml", "boom_with_hand.toml", "ringdown.toml")
 LEVEL = 0.375
 """Height of a level boom [m]."""
 READING = 1e-3
@@ -90,7 +91,7 @@ def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
     rows = read_static(data / "static.csv")
     found = []
     with output_directory(out, force) as directory:
-        for model in ("boom.toml", "ringdown.toml"):
+        for model in MODELS:
             shutil.copy(Path(__file__).with_name(model), directory / model)
         for length in np.unique(rows[:, 0]):
             name = f"static_{1e3 * length:04.0f}"
