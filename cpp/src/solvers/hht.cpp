@@ -218,7 +218,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   double previous = 0;
   for (int k = 0; k < options_.max_iterations; ++k) {
     system_.evaluate(state, loads_, r_, phi_, welds_.joints());
-    solve(state, h);  // eq. (5)
+    solve(state, h, k > 0 && !fresh);  // eq. (5)
     ++statistics_.iterations;
     if (!std::isfinite(dx_.sum())) return false;  // as is the sum of what is not
     const double size = increment_norm(system_, dx_);
@@ -291,19 +291,19 @@ bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
   return true;
 }
 
-/// dx := S⁻¹ (−r, −s Φ), with what has changed in S since it was factored.
+/// dx := S⁻¹ (−r, −s Φ), with what has changed in S since it was factored. @param again in this step
 template <int D>
-void HhtStepperIn<D>::solve(const StateIn<D>& state, double h) {
+void HhtStepperIn<D>::solve(const StateIn<D>& state, double h, bool again) {
   dx_.head(system_.n_free()) = -r_.head(system_.n_free());
   dx_.tail(system_.n_constraints()) = -mass_scale_ / (coefficients_.beta * h * h) * phi_;
   if (!welds_.any()) {
     factor_.solve(dx_);
-    changes_.correct(state, dx_);
+    changes_.correct(state, dx_, again);
     return;
   }
   welds_.fold(dx_, reduced_);
   factor_.solve(reduced_);
-  changes_.correct(state, reduced_);
+  changes_.correct(state, reduced_, again);
   welds_.unfold(reduced_, dx_);
 }
 

@@ -3,8 +3,6 @@
 #include <array>
 #include <type_traits>
 
-#include "flexarm/solvers/elimination.hpp"
-
 namespace flexarm::solvers {
 namespace {
 
@@ -12,8 +10,6 @@ using namespace geometry;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// More turning joints than this make (1) dearer than the iterations it saves.
-constexpr std::size_t most_turning_joints = 3;
 // Up to so many laws need no memory of their own at every correction.
 constexpr int few_laws = 8;
 
@@ -25,6 +21,17 @@ bool is_linear(const assembly::PlacedLaw& law) {
   return std::holds_alternative<joints::CableTorque>(law.law) ||
          std::holds_alternative<joints::ViscousFriction>(law.law);
 }
+
+/// A number of laws more, of which there may be Eigen::Dynamic.
+constexpr int sum(int n, int more) { return more < 0 ? Eigen::Dynamic : n + more; }
+
+/// G of a number of rows that belong to joints, and of laws; a part of it; factors.
+template <int n_j, int laws>
+using Numbers = Eigen::Matrix<double, sum(n_j, laws), sum(n_j, laws)>;
+template <int n_j, int laws>
+using InJoints = Eigen::Matrix<double, n_j, laws>;
+template <int n_j>
+using ByRows = Eigen::Matrix<double, n_j, n_j, Eigen::RowMajor>;
 
 /// Translations and rotations across the axis of a joint.
 Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
@@ -49,7 +56,10 @@ TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const
   const Eigen::Index columns = 2 * across * static_cast<Eigen::Index>(joints_.size()) + n_laws;
   W_.resize(welds.n_unknowns(), columns);
   C_ = MatrixXd::Zero(columns - n_laws, columns - n_laws);
-  correct_ = correction(joints_.size(), laws_.size());
+  LU_.resize(columns - n_laws, columns - n_laws);
+  C_G_.resize(columns - n_laws, n_laws);
+  G_l_.resize(n_laws, n_laws);
+  for_numbers_ = for_numbers(joints_.size(), laws_.size());
 }
 
 template <int D>
@@ -141,10 +151,10 @@ void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly
   Wy_.resize(packed_W_.filled_rows());
 }
 
-/// C of this state, and its laws. @return whether anything may have changed
+/// C of this state. @return whether it is not zero
 template <int D>
-bool TangentChangesIn<D>::update(const assembly::StateIn<D>& state) {
-  bool any = !laws_.empty();
+bool TangentChangesIn<D>::turn_joints(const assembly::StateIn<D>& state) {
+  bool any = false;
   Eigen::Index at = 0;
   for (const TurningJoint& joint : joints_) {
     const double theta = state.s[system_.constraints()[joint.constraint].coordinate()];
@@ -154,6 +164,11 @@ bool TangentChangesIn<D>::update(const assembly::StateIn<D>& state) {
     C_.template block<across, across>(at, at + across) = E.transpose();
     at += 2 * across;
   }
+  return any;
+}
+
+template <int D>
+void TangentChangesIn<D>::find_laws_here(const assembly::StateIn<D>& state) {
   laws_here_.clear();
   for (int k : laws_) {
     const assembly::PlacedLaw& law = system_.laws()[k];
@@ -164,7 +179,6 @@ bool TangentChangesIn<D>::update(const assembly::StateIn<D>& state) {
                           .rate_by_x = factors_.damping,
                           .kept = kept_laws_[k]});
   }
-  return any;
 }
 
 /// u·x of a law, eq. (4).
@@ -187,76 +201,103 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
   return Ux;
 }
 
-/// Eq. (5) and (6) with C of (2) without its zeros. @param joints, laws numbers of them; laws may be
-/// Eigen::Dynamic, for up to `most`
+/// Factors of (5), and Ĝ of (6), with C of (2) without its zeros. @param joints, laws numbers of them; laws
+/// may be Eigen::Dynamic
 template <int D>
-template <int joints, int laws, int most>
-void TangentChangesIn<D>::correct_for(VectorXd& x) {
+template <int joints, int laws>
+void TangentChangesIn<D>::prepare_for() {
   constexpr int n_j = 2 * across * joints;
-  constexpr auto beside = [](int n, int more) { return more < 0 ? Eigen::Dynamic : n + more; };
-  constexpr int size = beside(n_j, laws);
   const auto n_l = static_cast<Eigen::Index>(laws_.size());
-  const Eigen::Map<const Eigen::Matrix<double, size, size>> G(G_.data(), n_j + n_l, n_j + n_l);
-  Eigen::Matrix<double, size, 1, 0, beside(n_j, most), 1> f(n_j + n_l);
-  Eigen::Matrix<double, n_j, beside(1, laws), 0, n_j, beside(1, most)> B(n_j, 1 + n_l);
+  const Eigen::Map<const Numbers<n_j, laws>> G(G_.data(), n_j + n_l, n_j + n_l);
+  G_l_ = G.template bottomRightCorner<laws, laws>(n_l, n_l);
   if constexpr (joints > 0) {
-    Eigen::Matrix<double, n_j, n_j, Eigen::RowMajor> A;  // I + C G
+    Eigen::Map<ByRows<n_j>> A(LU_.data());
+    Eigen::Map<InJoints<n_j, laws>> C_G(C_G_.data(), n_j, n_l);
     for (int k = 0; k < joints; ++k) {
-      const TurningJoint& joint = joints_[k];
       const int on_node = 2 * across * k, on_row = on_node + across;
       const Turned E = C_.template block<across, across>(on_row, on_node);
       const auto G_node = G.template middleRows<across>(on_node),
                  G_row = G.template middleRows<across>(on_row);
       A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.template leftCols<n_j>());
       A.template middleRows<across>(on_row) = E.lazyProduct(G_node.template leftCols<n_j>());
-      B.template block<across, 1>(on_node, 0) =
-          E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
-      B.template block<across, 1>(on_row, 0) =
-          E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
-      B.template block<across, laws>(on_node, 1, across, n_l) =
+      C_G.template middleRows<across>(on_node) =
           E.transpose().lazyProduct(G_row.template rightCols<laws>(n_l));
-      B.template block<across, laws>(on_row, 1, across, n_l) =
-          E.lazyProduct(G_node.template rightCols<laws>(n_l));
+      C_G.template middleRows<across>(on_row) = E.lazyProduct(G_node.template rightCols<laws>(n_l));
     }
     A.diagonal().array() += 1;
-    eliminate(A, B);
-    f.template head<n_j>() = B.col(0);
+    factor_in_place(A, pivots_);
+    substitute(A, pivots_, C_G);
+    G_l_ -= G.template bottomLeftCorner<laws, n_j>(n_l, n_j).lazyProduct(C_G);  // eq. (6)
+  }
+}
+
+/// Equations (5) and (6), with what `prepare_for` made. @param most laws, if they are Eigen::Dynamic
+template <int D>
+template <int joints, int laws, int most>
+void TangentChangesIn<D>::correct_for(VectorXd& x) {
+  constexpr int n_j = 2 * across * joints;
+  const auto n_l = static_cast<Eigen::Index>(laws_.size());
+  Eigen::Matrix<double, sum(n_j, laws), 1, 0, sum(n_j, most), 1> f(n_j + n_l);
+  if constexpr (joints > 0) {
+    Eigen::Matrix<double, n_j, 1> C_x;
+    for (int k = 0; k < joints; ++k) {
+      const TurningJoint& joint = joints_[k];
+      const int on_node = 2 * across * k, on_row = on_node + across;
+      const Turned E = C_.template block<across, across>(on_row, on_node);
+      C_x.template segment<across>(on_node) =
+          E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
+      C_x.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
+    }
+    substitute(Eigen::Map<const ByRows<n_j>>(LU_.data()), pivots_, C_x);
+    f.template head<n_j>() = C_x;
   }
   if constexpr (laws != 0) {
-    LawMatrix<laws, most> G_l = G.template bottomRightCorner<laws, laws>(n_l, n_l);
+    const LawMatrix<laws, most> G_l = Eigen::Map<const Numbers<0, laws>>(G_l_.data(), n_l, n_l);
     LawVector<laws, most> z(n_l);
     for (Eigen::Index k = 0; k < n_l; ++k) z[k] = along_law(laws_[k], x);
     if constexpr (joints > 0) {
-      const auto G_lj = G.template bottomLeftCorner<laws, n_j>(n_l, n_j);
-      G_l -= G_lj.lazyProduct(B.template rightCols<laws>(n_l));  // eq. (6)
-      z -= G_lj.lazyProduct(B.col(0));
+      const Eigen::Map<const Numbers<n_j, laws>> G(G_.data(), n_j + n_l, n_j + n_l);
+      z -= G.template bottomLeftCorner<laws, n_j>(n_l, n_j).lazyProduct(f.template head<n_j>());  // eq. (6)
     }
     const LawVector<laws, most> f_l = law_forces(G_l, z, laws_here_);
     f.tail(Eigen::fix<laws>(n_l)) = f_l;
-    if constexpr (joints > 0) f.template head<n_j>() -= B.template rightCols<laws>(n_l).lazyProduct(f_l);
+    if constexpr (joints > 0) {
+      const Eigen::Map<const InJoints<n_j, laws>> C_G(C_G_.data(), n_j, n_l);
+      f.template head<n_j>() -= C_G.lazyProduct(f_l);
+    }
   }
   packed_W_.multiply(f.data(), Wy_.data());
   x -= Wy_.head(x.size());  // eq. (1)
 }
 
 template <int D>
-typename TangentChangesIn<D>::Correction TangentChangesIn<D>::correction(std::size_t joints,
-                                                                         std::size_t laws) {
+typename TangentChangesIn<D>::ForNumbers TangentChangesIn<D>::for_numbers(std::size_t joints,
+                                                                          std::size_t laws) {
   using Self = TangentChangesIn<D>;
-  constexpr auto for_joints = []<int n>(std::integral_constant<int, n>) {
-    return std::array<Correction, 4>{&Self::correct_for<n, 0, 0>, &Self::correct_for<n, 1, 1>,
-                                     &Self::correct_for<n, Eigen::Dynamic, few_laws>,
-                                     &Self::correct_for<n, Eigen::Dynamic, Eigen::Dynamic>};
+  constexpr auto of = []<int n, int l, int most>(std::integer_sequence<int, n, l, most>) {
+    return ForNumbers{&Self::prepare_for<n, l>, &Self::correct_for<n, l, most>};
+  };
+  constexpr auto for_joints = [of]<int n>(std::integer_sequence<int, n>) {
+    return std::array<ForNumbers, 4>{of(std::integer_sequence<int, n, 0, 0>{}),
+                                     of(std::integer_sequence<int, n, 1, 1>{}),
+                                     of(std::integer_sequence<int, n, Eigen::Dynamic, few_laws>{}),
+                                     of(std::integer_sequence<int, n, Eigen::Dynamic, Eigen::Dynamic>{})};
   };
   static constexpr std::array by_numbers = {
-      for_joints(std::integral_constant<int, 0>{}), for_joints(std::integral_constant<int, 1>{}),
-      for_joints(std::integral_constant<int, 2>{}), for_joints(std::integral_constant<int, 3>{})};
+      for_joints(std::integer_sequence<int, 0>{}), for_joints(std::integer_sequence<int, 1>{}),
+      for_joints(std::integer_sequence<int, 2>{}), for_joints(std::integer_sequence<int, 3>{})};
   return by_numbers[joints][laws < 2 ? laws : laws <= few_laws ? 2 : 3];
 }
 
 template <int D>
-void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x) {
-  if (W_.cols() > 0 && update(state)) (this->*correct_)(x);
+void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
+  if (W_.cols() == 0) return;
+  if (!again) {
+    turned_ = turn_joints(state);
+    if (turned_ || !laws_.empty()) (this->*for_numbers_.prepare)();
+  }
+  find_laws_here(state);
+  if (turned_ || !laws_.empty()) (this->*for_numbers_.correct)(x);
 }
 
 template class TangentChangesIn<2>;

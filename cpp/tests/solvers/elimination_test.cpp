@@ -32,6 +32,22 @@ TEST_CASE("Elimination solves as Eigen's factors do") {
   }
 }
 
+TEST_CASE("Factors serve right sides that come later") {
+  Random random(8);
+  Square<16> A;
+  for (int k = 0; k < 16; ++k) A.row(k) = random.vector(16);
+  Square<16> LU = A;
+  flexarm::solvers::Pivots<24> pivots;
+  factor_in_place(LU, pivots);
+  for (int trial = 0; trial < 3; ++trial) {
+    Eigen::Matrix<double, 16, 2> B;
+    B << random.vector(16), random.vector(16);
+    Eigen::Matrix<double, 16, 2> X = B;
+    substitute(LU, pivots, X);
+    CHECK(relative_error(A * X, B) < 1e-11);
+  }
+}
+
 TEST_CASE("A pivot of zero is exchanged for the largest below it") {
   Square<3> A;
   A << 0, 1, 2, 1e-20, 1, 1, 4, 0, 8;

@@ -62,6 +62,9 @@ std::pair<double, double> compare(const SystemIn<D>& system, const StateIn<D>& t
   changes.correct(now, x);
   REQUIRE(present.factor(matrix.assemble(now, weightless, factors, chords(system, now, x))));
   present.solve(exact);
+  VectorXd again = uncorrected;
+  changes.correct(now, again, true);
+  CHECK(again == x);
   return {relative_error(x, exact), relative_error(uncorrected, exact)};
 }
 

@@ -2,8 +2,10 @@
 /// A X = B for a few unknowns and right sides, their number best known when compiled:
 /// Gaussian elimination with partial pivoting,
 ///
-///     row_i −= (a_ik/a_kk) row_k,  i > k,  a_kk the largest of what is left of its column             (1)
-///     X_k = (B_k − Σ a_kj X_j)/a_kk,  j > k,  with rows X_k, B_k                                     (2)
+///     P A = L U:   l_ik = a_ik/a_kk,  row_i −= l_ik row_k,  i > k,  a_kk the largest of what is left of its
+///                  column                                                                            (1)
+///     Y_i = B_i − Σ l_ik Y_k,  k < i,   with the rows of B in the order of P                         (2)
+///     X_k = (Y_k − Σ u_kj X_j)/u_kk,  j > k                                                          (3)
 ///
 /// Eigen's factorisation has sizes of run time within, which takes longer than the elimination itself where
 /// it is done once a step. Source: [Golub2013], section 3.4.
@@ -30,14 +32,20 @@ template <int N, class Column>
   }
 }
 
-/// X replaces B, and A is lost. A singular matrix leaves what is not a finite number.
-template <class Square, class RightSides>
-void eliminate(Square& A, RightSides& B) {
+/// What belongs to L U in the place of A. @param most rows there may be
+template <int most>
+struct Pivots {
+  Eigen::Matrix<int, Eigen::Dynamic, 1, 0, most, 1> row;         ///< that came in the place of row k, k ≤ row
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> inverse;  ///< 1/u_kk
+};
+
+/// Equation (1), in place. A singular matrix leaves what is not a finite number.
+template <class Square, int most>
+void factor_in_place(Square& A, Pivots<most>& pivots) {
   constexpr int N = Square::RowsAtCompileTime;
   const int n = N >= 0 ? N : static_cast<int>(A.rows());
-  const int columns =
-      RightSides::ColsAtCompileTime >= 0 ? RightSides::ColsAtCompileTime : static_cast<int>(B.cols());
-  Eigen::Matrix<double, N, 1, 0, Square::MaxRowsAtCompileTime, 1> inverse(n);
+  pivots.row.resize(n);
+  pivots.inverse.resize(n);
   for_each_column<N>(n, [&](int k) __attribute__((always_inline)) {
     int pivot = k;
     double largest = std::abs(A(k, k));
@@ -48,24 +56,46 @@ void eliminate(Square& A, RightSides& B) {
         pivot = i;
       }
     }
-    if (pivot != k) {
-      A.row(k).swap(A.row(pivot));
-      B.row(k).swap(B.row(pivot));
-    }
-    inverse[k] = 1 / A(k, k);
+    pivots.row[k] = pivot;
+    if (pivot != k) A.row(k).swap(A.row(pivot));
+    const double inverse = pivots.inverse[k] = 1 / A(k, k);
     for (int i = k + 1; i < n; ++i) {
-      const double factor = A(i, k) * inverse[k];
-      for (int j = k + 1; j < n; ++j) A(i, j) -= factor * A(k, j);  // eq. (1)
-      for (int j = 0; j < columns; ++j) B(i, j) -= factor * B(k, j);
+      const double factor = A(i, k) *= inverse;
+      for (int j = k + 1; j < n; ++j) A(i, j) -= factor * A(k, j);
+    }
+  });
+}
+
+/// Equations (2) and (3); X replaces B.
+template <class Square, int most, class RightSides>
+void substitute(const Square& LU, const Pivots<most>& pivots, RightSides& B) {
+  constexpr int N = Square::RowsAtCompileTime;
+  const int n = N >= 0 ? N : static_cast<int>(LU.rows());
+  const int columns =
+      RightSides::ColsAtCompileTime >= 0 ? RightSides::ColsAtCompileTime : static_cast<int>(B.cols());
+  for (int k = 0; k < n; ++k) {
+    if (pivots.row[k] != k) B.row(k).swap(B.row(pivots.row[k]));
+  }
+  for_each_column<N>(n, [&](int k) __attribute__((always_inline)) {
+    for (int i = k + 1; i < n; ++i) {
+      for (int j = 0; j < columns; ++j) B(i, j) -= LU(i, k) * B(k, j);
     }
   });
   for_each_column<N>(n, [&](int from_last) __attribute__((always_inline)) {
     const int k = n - 1 - from_last;
-    for (int j = 0; j < columns; ++j) B(k, j) *= inverse[k];
+    for (int j = 0; j < columns; ++j) B(k, j) *= pivots.inverse[k];
     for (int i = 0; i < k; ++i) {
-      for (int j = 0; j < columns; ++j) B(i, j) -= A(i, k) * B(k, j);  // eq. (2), a column at a time
+      for (int j = 0; j < columns; ++j) B(i, j) -= LU(i, k) * B(k, j);
     }
   });
+}
+
+/// X replaces B, and A is lost.
+template <class Square, class RightSides>
+void eliminate(Square& A, RightSides& B) {
+  Pivots<Square::MaxRowsAtCompileTime> pivots;
+  factor_in_place(A, pivots);
+  substitute(A, pivots, B);
 }
 
 }  // namespace flexarm::solvers

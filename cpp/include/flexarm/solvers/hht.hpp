@@ -138,7 +138,7 @@ class HhtStepperIn {
   void correct(StateIn<D>& state, double h);
   void place(StateIn<D>& state) const;
   bool factor(const StateIn<D>& state, double h);
-  void solve(const StateIn<D>& state, double h);
+  void solve(const StateIn<D>& state, double h, bool again);
   void halve(StateIn<D>& state, double h, const Drives& drives, int depth);
 
   const SystemIn<D>& system_;

@@ -29,6 +29,9 @@
 ///     (I + C G_JJ) f_J = C (U_Jᵀ x − G_JL f_L)                                                       (5)
 ///     Ĝ = G_LL − G_LJ (I + C G_JJ)⁻¹ C G_JL,   z = U_Lᵀ x − G_LJ (I + C G_JJ)⁻¹ C U_Jᵀ x            (6)
 ///
+/// Within a step joints turn by what a prediction misses, some 1e-5 rad: of the first of its corrections I +
+/// C G_JJ, its factors and Ĝ serve for all of them.
+///
 /// Sources: [Hager1989] for (1); docs/theory.md, section "Time stepping".
 #pragma once
 
@@ -36,6 +39,7 @@
 #include <vector>
 
 #include "flexarm/assembly/equations.hpp"
+#include "flexarm/solvers/elimination.hpp"
 #include "flexarm/solvers/law_equations.hpp"
 #include "flexarm/solvers/packed_matrix.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
@@ -54,11 +58,15 @@ class TangentChangesIn {
             const SparseFactor& factor);
 
   /// Equation (1): S₀⁻¹ b becomes what turned joints and all of the laws make of it.
-  void correct(const assembly::StateIn<D>& state, Eigen::VectorXd& x);
+  /// @param again whether joints have hardly turned since the correction before, with factors as they were
+  void correct(const assembly::StateIn<D>& state, Eigen::VectorXd& x, bool again = false);
 
  private:
   static constexpr int n = geometry::freedoms<D>;
   static constexpr int across = D == 2 ? 3 : 4;  // columns of P; all of the plane
+  // More turning joints than this make (1) dearer than the iterations it saves.
+  static constexpr int most_turning_joints = 3;
+  static constexpr int most_in_joints = 2 * across * most_turning_joints;
   using Across = Eigen::Matrix<double, n, across>;
   using Turned = Eigen::Matrix<double, across, across>;
 
@@ -77,13 +85,21 @@ class TangentChangesIn {
   void find_turning_joints(const WeldsIn<D>& welds);
   void find_laws(const WeldsIn<D>& welds);
   Turned turned(const TurningJoint& joint, double theta) const;  // T
-  bool update(const assembly::StateIn<D>& state);
+  bool turn_joints(const assembly::StateIn<D>& state);
+  void find_laws_here(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
   Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
   double along_law(int k, const Eigen::VectorXd& x) const;
 
-  using Correction = void (TangentChangesIn::*)(Eigen::VectorXd&);
-  static Correction correction(std::size_t joints, std::size_t laws);
+  /// What depends on the turns of the joints alone, and the correction with it, for numbers of joints and
+  /// laws.
+  struct ForNumbers {
+    void (TangentChangesIn::*prepare)();
+    void (TangentChangesIn::*correct)(Eigen::VectorXd&);
+  };
+  static ForNumbers for_numbers(std::size_t joints, std::size_t laws);
+  template <int joints, int laws>
+  void prepare_for();
   template <int joints, int laws, int most>
   void correct_for(Eigen::VectorXd& x);
 
@@ -91,11 +107,14 @@ class TangentChangesIn {
   std::vector<TurningJoint> joints_;
   std::vector<int> laws_;  // that are not linear
   std::vector<LawHere> laws_here_;
-  Correction correct_;
+  ForNumbers for_numbers_;
   std::vector<LawRows> law_rows_;  // of all laws
   assembly::TangentFactors factors_{};
   Eigen::VectorXd kept_laws_;
-  Eigen::MatrixXd W_, G_, C_;  // G = Uᵀ W
+  Eigen::MatrixXd W_, G_, C_;       // G = Uᵀ W
+  bool turned_ = false;             // whether C is not zero
+  Eigen::MatrixXd LU_, C_G_, G_l_;  // of I + C G_JJ, by rows; (I + C G_JJ)⁻¹ C G_JL; Ĝ
+  Pivots<most_in_joints> pivots_;
   PackedMatrix packed_W_;
   Eigen::VectorXd Wy_;
 };
