@@ -5,10 +5,10 @@
 u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. Effects of the model
 on clocks and frames come on top of u, which so counts from them. The simulation is not repeated: predictions
 are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not lower (1) is halved.
-Gross outliers (see `flexarm.measurement.outliers`) are left out, and those of `SMOOTH` quantities of the gap
-too, whether their clock and frame move or not; else squares count, not a robust loss. What
-the data do not determine keeps its prior, and is said: the standard deviation after alignment is then that of
-the prior (more than `KEPT` of it), or, without a prior, infinite.
+Gross outliers (see `flexarm.measurement.outliers`, and `pose_outliers` of poses) are left out, and those of
+`SMOOTH` quantities of the gap too, whether their clock and frame move or not; else squares count, not a
+robust loss. What the data do not determine keeps its prior, and is said: the standard deviation after
+alignment is then that of the prior (more than `KEPT` of it), or, without a prior, infinite.
 
 A gap of the model much larger than the noise outweighs the priors: whatever of it looks like a shift in time
 or space is then aligned away, in measurement and in the report alike. `compare(..., align=False)` shows the
@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
 from flexarm.measurement.outliers import SMOOTH, outliers
@@ -108,11 +109,22 @@ def align(subject: Subject, start: Placement) -> Aligned:
 
 
 def _gross_outliers(subject: Subject, start: Placement, places: set[str]) -> dict[str, NDArray[np.bool_]]:
-    """Rows that are gross outliers, of signals that are aligned or cannot jump; a stated noise tells them."""
+    """Rows that are gross outliers, of signals that are aligned or cannot jump.
+
+    A stated noise tells those of motions, the other poses those of poses.
+    """
+    wanted = {
+        name: signal
+        for name, signal in subject.evidence.items()
+        if signal.quantity in SMOOTH or _moves(signal, places)
+    }
+    if subject.record.kind == "static":
+        far = pose_outliers(subject, start)
+        return {name: far[name].rows for name in wanted if name in far}
     found = {
         name: outliers(subject.residual(signal, start, hold=True), subject.noise(signal))
-        for name, signal in subject.evidence.items()
-        if noise_is_stated(signal.noise_std) and (signal.quantity in SMOOTH or _moves(signal, places))
+        for name, signal in wanted.items()
+        if noise_is_stated(signal.noise_std)
     }
     return {name: rows for name, rows in found.items() if rows.any()}
 

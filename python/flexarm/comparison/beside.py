@@ -17,7 +17,6 @@ from flexarm.comparison.unknowns import drive_clock, is_open, stated
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
-from flexarm.measurement.sampling import columns
 from flexarm.record.doubts import clocks_apart
 
 if TYPE_CHECKING:
@@ -168,8 +167,7 @@ def _seen(beside: Beside, found: Modes) -> list[bool]:
     subject, largest = beside.subject, np.zeros(len(found.frequency_hz))
     for signal in subject.evidence.values():
         if signal.quantity == "position":
-            frame = subject.frame(signal, beside.aligned.placement)
-            axes = (frame.error_rotation.T @ frame.frame_axes)[:, columns(signal.axes)]
+            axes = subject.axes(signal, beside.aligned.placement)
             moved = found.shape[:, found.points.index(signal.point), :3] @ axes
             largest = np.maximum(largest, np.abs(moved).max(axis=1))
         elif signal.point is not None or signal.link is not None:

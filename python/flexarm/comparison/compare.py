@@ -77,7 +77,7 @@ def compare(
     modes_hz = pair.modes_hz if bands is None else ()
     gaps = {
         name: signal_gap(
-            subject, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(record, signal, aligned)
+            subject, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(signal, aligned)
         )
         for name, signal in subject.signals.items()
     }
@@ -132,10 +132,9 @@ def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
     ]
 
 
-def _gross(record: Record, signal: Signal, aligned: Aligned) -> NDArray[np.bool_] | None:
-    """Rows of a signal that no number counts: outliers of what cannot jump; poses have no neighbours."""
-    smooth = record.kind == "motion" and signal.quantity in SMOOTH
-    return aligned.outliers.get(signal.name) if smooth else None
+def _gross(signal: Signal, aligned: Aligned) -> NDArray[np.bool_] | None:
+    """Rows of a signal that no number counts: outliers of what cannot jump."""
+    return aligned.outliers.get(signal.name) if signal.quantity in SMOOTH else None
 
 
 def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:

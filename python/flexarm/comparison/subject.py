@@ -20,7 +20,7 @@ from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import read
-from flexarm.measurement.sampling import CannotMeasure
+from flexarm.measurement.sampling import CannotMeasure, columns
 from flexarm.record.doubts import outside_the_drive
 
 if TYPE_CHECKING:
@@ -98,6 +98,11 @@ class Subject:
     def frame(self, signal: Signal, placement: Placement) -> Registration:
         """The frame of a signal, effects of the model included."""
         return self.effects(signal).registration(placement.frame(signal))
+
+    def axes(self, signal: Signal, placement: Placement) -> Floats:
+        """Measured axes of a signal that is seen in a frame, as columns in the base, shape (3, axes)."""
+        frame = self.frame(signal, placement)
+        return np.asarray((frame.error_rotation.T @ frame.frame_axes)[:, columns(signal.axes)])
 
     def instants(self, signal: Signal, placement: Placement) -> Floats:
         """Time of the simulation at every row of a signal."""

@@ -35,6 +35,8 @@ NEIGHBOURS = 7
 NOISE, SPREAD, NEARBY = 100.0, 20.0, 6.0
 AROUND, MOST_OF_THEM = 6, 0.8
 """Rows on either side that are around one, and the share of them that is most."""
+RANGES = 2.0
+"""Ranges of the other rows beyond which one is an outlier where a quantity jumps by itself."""
 SMOOTH = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities of which no machine jumps from one row to the next and back."""
 
@@ -63,6 +65,13 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     return found
 
 
+def beyond_all(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Rows that are further from the middle of the others than twice the range these have."""
+    middle = np.nanmedian(residual, axis=0)
+    usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)
+    return np.asarray(np.any(np.abs(residual - middle) > 2 * RANGES * usual, axis=1))
+
+
 def nearby(size: Floats) -> Floats:
     """What most rows around each row do not exceed, shape (n, channels), n above `AROUND`."""
     edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
@@ -74,14 +83,14 @@ SHOWN = 5
 """Rows that are told one by one."""
 
 
-def told(rows: Sequence[int]) -> str:
-    """Numbers of rows for a person.
+def told(rows: Sequence[int | str], what: str = "row") -> str:
+    """Numbers of rows, or names of poses, for a person.
 
     >>> told([4]), told([1, 2, 3, 4, 5, 6])
     ('row 4', 'rows 1, 2, 3, 4, 5, ...')
     """
     numbers = ", ".join(map(str, rows[:SHOWN])) + ", ..." * (len(rows) > SHOWN)
-    return f"row{'s' * (len(rows) > 1)} {numbers}"
+    return f"{what}{'s' * (len(rows) > 1)} {numbers}"
 
 
 def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDArray[np.bool_]:

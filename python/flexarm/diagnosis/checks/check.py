@@ -16,6 +16,7 @@ from flexarm.comparison.beside import beside
 from flexarm.diagnosis.checks.checked import Checked, Removed
 from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
 from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, same_fault
+from flexarm.diagnosis.checks.few_poses import remarks_on_few_poses
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.diagnosis.checks.findings import findings
 from flexarm.diagnosis.checks.jumps import remarks_on_clocks
@@ -82,7 +83,7 @@ def check(
         remarks += notes
     subjects, failed, empty = run(arm, named, step, alpha, progress)
     verdicts = []
-    remarks += [*remarks_on_stamps(named), *remarks_on_poses(named), *remarks_on_starts(subjects)]
+    remarks += [*remarks_on_stamps(named), *remarks_on_starts(subjects), *remarks_on_few_poses(subjects)]
     remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]
     remarks += remarks_on_skipped(subjects)
     for name in (each for each in named if each not in empty):
@@ -96,6 +97,7 @@ def check(
         remarks += notes
         if name in failed and verdict.drive is None:
             remarks.append(f"{name}: the model cannot be simulated: {failed[name]}")
+    remarks += remarks_on_poses(named)
     faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]

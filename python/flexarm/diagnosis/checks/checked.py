@@ -54,6 +54,8 @@ class Removed:
         Root mean square of how far off they were [unit].
     unit : str
         SI unit of the signal.
+    poses : tuple of str
+        The pose of each row of a static record.
     """
 
     record: str
@@ -61,11 +63,13 @@ class Removed:
     rows: tuple[int, ...]
     size: float
     unit: str
+    poses: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
         size = with_unit(self.size, self.unit)
-        return f"{count} of {self.signal} in {self.record}, {told(self.rows)}, {size} off, removed"
+        poses = f" ({told(self.poses, 'pose')})" if self.poses else ""
+        return f"{count} of {self.signal} in {self.record}, {told(self.rows)}{poses}, {size} off, removed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

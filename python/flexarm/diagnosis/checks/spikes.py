@@ -12,7 +12,8 @@ three is right. What a motion does by itself from sample to sample shows in thir
     |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
 
 by which the outer two parabolas miss: of a drive without noise these are all that is left, and a row must be
-off by more than `BENDS` times the median of those beside it.
+off by more than `BENDS` times the median of those beside it. Poses have no neighbours and are laid beside one
+another (`flexarm.comparison.pose_outliers`).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.diagnosis.checks.channel import channels
 from flexarm.diagnosis.checks.checked import Removed
 from flexarm.measurement.lattice import lattice_step
@@ -31,6 +33,7 @@ from flexarm.measurement.outliers import (
     NEARBY,
     NEIGHBOURS,
     SMOOTH,
+    beyond_all,
     nearby,
     off_the_median,
     off_the_parabolas,
@@ -47,7 +50,6 @@ RINGING, PERIOD = 3.0, 0.6
 GRID = 0.02
 AT_ENDS = 4.0
 """Limit of the first and the last two rows over that of others: they have but one of the three parabolas."""
-RANGES = 2.0
 LONGEST = 2
 """Rows one after the other that may be outliers."""
 MOST = 0.15
@@ -80,7 +82,7 @@ def clean_evidence(name: str, subject: Subject, placement: Placement) -> tuple[R
     """The record without outliers of its other signals."""
     record, found = subject.record, []
     if record.kind == "static":
-        return record, []
+        return _without_poses(name, subject, placement)
     residuals: dict[str, Floats] = {}
     for channel in channels(name, subject, placement):
         signal = channel.signal
@@ -92,18 +94,23 @@ def clean_evidence(name: str, subject: Subject, placement: Placement) -> tuple[R
         noise = subject.effects(signal).noise(signal.noise_std or 0.0)
         rows = _isolated(spikes(residual, noise, ringing(subject, signal, placement)))
         if signal.quantity not in SMOOTH:
-            rows &= _beyond_all(residual, rows)
+            rows &= beyond_all(residual, rows)
         if rows.any() and rows.mean() < MOST:
             record = without(record, signal, rows)
             found.append(_removed(name, signal, rows, residual))
     return record, found
 
 
-def _beyond_all(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Rows that are further from the middle of the others than these ever are."""
-    middle = np.nanmedian(residual, axis=0)
-    usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)
-    return np.asarray(np.any(np.abs(residual - middle) > 2 * RANGES * usual, axis=1))
+def _without_poses(name: str, subject: Subject, placement: Placement) -> tuple[Record, list[Removed]]:
+    """The record of poses without the outliers among them."""
+    record, found = subject.record, []
+    for signal_name, far in pose_outliers(subject, placement).items():
+        signal, rows = record.signals[signal_name], np.flatnonzero(far.rows)
+        size = float(np.sqrt(np.mean(far.size[rows] ** 2)))
+        poses = tuple(map(str, np.asarray(signal.pose)[rows]))
+        record = without(record, signal, far.rows)
+        found.append(Removed(name, signal_name, tuple(map(int, rows)), size, signal.unit, poses))
+    return record, found
 
 
 def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:

@@ -32,7 +32,6 @@ from flexarm.diagnosis.gap.curves import Followed, followed
 from flexarm.diagnosis.gap.joint_states import States, joined, states_of
 from flexarm.diagnosis.wording import with_unit
 from flexarm.measurement.kinematics import point_jacobian
-from flexarm.measurement.sampling import columns
 
 ITERATIONS = 60
 NAMED = 0.02
@@ -181,8 +180,7 @@ def _rows(pair: Beside, joints: Sequence[str]) -> _Rows | None:
         when, residual = subject.instants(signal, placement), subject.residual(signal, placement)
         keep = np.isfinite(residual).all(axis=1) & ~subject.outliers(signal, residual)
         when, residual = when[keep], residual[keep]
-        frame = subject.frame(signal, placement)
-        axes = (frame.error_rotation.T @ frame.frame_axes)[:, columns(signal.axes)]
+        axes = subject.axes(signal, placement)
         angles = drive_angles(subject, when)
         turn = [point_jacobian(subject.arm, joint, signal.point, angles) @ axes for joint in joints]
         jacobians.append(np.stack(turn, axis=2).reshape(-1, len(joints)))

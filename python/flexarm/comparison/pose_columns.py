@@ -1,0 +1,92 @@
+"""What the gaps of poses may be made of where a sensor is in order, as columns of a linear model.
+
+A nominal model that lacks something misses smoothly in the pose. To first order the gap of a point at p is
+
+    sum over base axes a of (d_a a + r_a a x p)     where its frame is, how that or the base is turned  (1)
+    + z (p - p_rigid)                               links softer, or loads heavier, than stated         (2)
+    + sum over joints J_j (o_j + s_j q_j + k_j T_j) zeros, scales and springs of joints                 (3)
+
+with the rigid Jacobian J_j, the angle q_j and the torque T_j of each joint. Channels of other quantities have
+J_j = 1, each with coefficients of its own, and the predictions of all channels instead of (2). Each column is
+multiplied by the size of its coefficient that few machines worth a diagnosis exceed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.sizes import reach
+from flexarm.arrays import Floats
+from flexarm.comparison.gap import drive_angles
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.measurement.kinematics import link_pose, point_jacobian
+from flexarm.measurement.sampling import sample
+from flexarm.measurement.tracker import base_position
+
+if TYPE_CHECKING:
+    from flexarm.record import Signal
+
+TURN = 0.05
+"""Rotation of a frame, and of a joint by each part of (3) where that is greatest [rad]: three degrees."""
+SHIFT = 0.02
+"""Shift of a frame over the reach of the arm."""
+KNOWN = 5.0
+"""Stated sigmas of a registration that it may be off by."""
+FREE = 10.0
+"""Reaches or radians that a frame may be off by of which nothing is stated: as good as any."""
+ANGLES = ("joint_angle", "inclination", "orientation")
+"""Quantities of which a model misses by `TURN`; of others that are no places it may miss all it says."""
+
+
+def pose_columns(subject: Subject, signal: Signal, placement: Placement) -> Floats:
+    """Columns for every row of a signal, shape (n, channels, k)."""
+    of = _of_point if signal.quantity == "position" else _of_channels
+    return np.stack([column for column in of(subject, signal, placement) if np.any(column)], axis=2)
+
+
+def _of_point(subject: Subject, signal: Signal, placement: Placement) -> Iterator[Floats]:
+    """(1) to (3) of a point, along the measured axes."""
+    arm, instants, axes = subject.arm, subject.instants(signal, placement), subject.axes(signal, placement)
+    frame, size, place = subject.record.frame_of(signal), reach(arm), arm.point(signal.point)
+    angles = drive_angles(subject, instants)
+    there = base_position(subject.simulation, signal, instants)
+    yield (there - link_pose(arm, place.link, angles).of_point(np.asarray(place.position))) @ axes  # eq. (2)
+    shift = FREE * size if frame.unknown else max(SHIFT * size, KNOWN * frame.translation)
+    turn = FREE if frame.unknown else max(TURN, KNOWN * frame.rotation)
+    for axis in np.eye(3):
+        yield shift * np.broadcast_to(axis @ axes, (len(signal), axes.shape[1]))  # eq. (1)
+        yield turn * np.cross(axis, there) @ axes
+    for joint in arm.moving_joints:
+        most = TURN * (size if joint.type == "prismatic" else 1.0)
+        turned = most * point_jacobian(arm, joint.name, str(signal.point), angles) @ axes
+        yield turned  # eq. (3)
+        for state in _states(subject, joint.name, instants):
+            yield state[:, None] * turned
+
+
+def _of_channels(subject: Subject, signal: Signal, placement: Placement) -> Iterator[Floats]:
+    """The same of other quantities."""
+    predicted = subject.predicted(signal, placement, hold=True)
+    channels = subject.residual(signal, placement, hold=True).shape[1]
+    size = TURN if signal.quantity in ANGLES else float(np.max(np.abs(predicted), initial=0.0))
+    states = [np.ones(len(signal)), *map(_over_greatest, predicted.T)]
+    for joint in subject.arm.moving_joints:
+        states += _states(subject, joint.name, subject.instants(signal, placement))
+    for state in states:
+        for channel in np.eye(channels):
+            yield size * np.outer(state, channel)
+
+
+def _states(subject: Subject, joint: str, instants: Floats) -> list[Floats]:
+    """Angle and torque of a joint over their greatest."""
+    run = subject.simulation
+    torque = sample(run.time, np.asarray(run.motor_torque)[:, run.joints.index(joint)], instants)
+    return [_over_greatest(drive_angles(subject, instants)[joint]), _over_greatest(torque)]
+
+
+def _over_greatest(values: Floats) -> Floats:
+    greatest = float(np.max(np.abs(values), initial=0.0))
+    return np.asarray(values / greatest if greatest > 0 else values)

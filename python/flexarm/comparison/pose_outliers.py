@@ -1,0 +1,184 @@
+"""Gross outliers among poses: a slipped decimal point, a mistaken digit, a reflector caught elsewhere.
+
+Poses have no neighbours. A row of a signal is laid beside what the other rows foretell of its gap: gaps y are
+fitted by columns A of what a nominal model may miss smoothly (`pose_columns`), with coefficients of size 1,
+
+    y_i = A_i x + e_i,    x ~ N(0, 1),    e_i ~ N(0, s^2)                                              (1)
+
+first with Cauchy's weights, from x = 0, as a model that is worth a diagnosis is nearly right, then by the
+rows near that fit. The scale s is median |e|/0.6745, for N values that determine p coefficients times
+sqrt(N/(N - p)), and no less than the noise. With P the covariance of x, a row that counted in the fit is off
+what the others foretell by
+
+    e_i' = (1 - H_i)^-1 e_i,    covariance s^2 (1 - H_i)^-1,    H_i = A_i P A_i^T/s^2                  (2)
+
+and one that did not by e_i, covariance s^2 (1 + H_i). It is an outlier if, in any channel, it is off by more
+than `SPREAD` sigma of that, `NOISE` times the noise, and `FAR`; of quantities that the columns describe in
+part only if its gap is also beyond twice the range of all others. Where a pose alone tells something, as the
+only one with a load, the others foretell little, and (2) says so. Of a frame of which nothing is stated the
+rigid fit is made anew without the outliers. What many rows show alike, at the end of a range or frozen, is no
+slip and is left to whoever judges sensors. Source: [Cook1982], chapter 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.sizes import reach
+from flexarm.arrays import Floats
+from flexarm.comparison.pose_columns import ANGLES, pose_columns
+from flexarm.comparison.start import first_guess
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.measurement.outliers import beyond_all
+
+if TYPE_CHECKING:
+    from flexarm.record import Signal
+
+LEAST_POSES = 5
+"""Poses of a signal below which none is called an outlier: three others foretell too little of one."""
+MOST = 0.15
+"""Share of the rows above which they are no outliers but what the signal shows; one row may always be."""
+SPREAD, NOISE = 12.0, 15.0
+"""As of outliers of motions in a diagnosis."""
+FAR = 0.01
+"""Over the reach, or in rad: 10 mrad, twice the widest backlash of a drive, whose flanks no column knows."""
+DESCRIBED = ("position", "joint_angle")
+"""Quantities that the columns describe; what tilts, bears or bends also depends on how joints are turned."""
+ALIKE, ENDS = 5, 6.0
+"""Rows that make a plateau, and the noises that those at an end of the range may differ by."""
+WIDE, NEAR = 2.4, 6.0
+"""Scales s at which a row's weight is a half, and within which rows are near the fit."""
+WEIGHTED, TRIMMED = 30, 5
+"""Most rounds of the fit with weights, and those of the fit by near rows."""
+SETTLED = 1e-2
+"""Change of the scale, over itself, below which the former end."""
+FRAMES = 4
+"""Most rigid fits of a frame, each without the outliers beside the one before."""
+TINY = 1e-9
+"""Least scale over the greatest gap, for records without noise; least freedom of a row, for rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class FarOff:
+    """Outliers of one signal: which rows, and how far every row is from what the others foretell [unit]."""
+
+    rows: NDArray[np.bool_]
+    size: Floats
+
+
+def pose_outliers(subject: Subject, start: Placement) -> dict[str, FarOff]:
+    """Outliers of a static record by signal, of those that have some.
+
+    Parameters
+    ----------
+    subject : Subject
+        Simulation and record.
+    start : Placement
+        Frames as stated; those of which nothing is stated are fitted here.
+    """
+    found: dict[str, FarOff] = {}
+    for _ in range(FRAMES):
+        placement = first_guess(_without(subject, found), start)
+        each = {name: _of_signal(subject, signal, placement) for name, signal in subject.evidence.items()}
+        last, found = found, {name: far for name, far in each.items() if far is not None}
+        if _numbers(last) == _numbers(found):
+            break
+    return found
+
+
+def _numbers(found: Mapping[str, FarOff]) -> dict[str, list[int]]:
+    return {name: np.flatnonzero(far.rows).tolist() for name, far in found.items()}
+
+
+def _without(subject: Subject, found: Mapping[str, FarOff]) -> Subject:
+    """The subject with these rows lost."""
+    signals = dict(subject.signals)
+    for name, far in found.items():
+        values = np.where(far.rows[:, None], np.nan, signals[name].values)
+        signals[name] = signals[name].replace(values=values)
+    return replace(subject, signals=signals)
+
+
+def _of_signal(subject: Subject, signal: Signal, placement: Placement) -> FarOff | None:
+    """Of one signal; None if there are none, or so many that they are none."""
+    gap = subject.residual(signal, placement, hold=True)
+    known = np.isfinite(gap).all(axis=1)
+    if len(np.unique(np.asarray(signal.pose)[known])) < LEAST_POSES:
+        return None
+    far = FAR * reach(subject.arm) if signal.unit == "m" else FAR if signal.quantity in ANGLES else 0.0
+    columns = pose_columns(subject, signal, placement)
+    off, sigma = foretold(columns[known], gap[known], subject.noise(signal))
+    limit = np.maximum(SPREAD * sigma, np.maximum(NOISE * subject.noise(signal), far))
+    rows, size = np.zeros(len(gap), dtype=bool), np.full(len(gap), np.nan)
+    held = _held(signal.values[known], signal.noise_std or 0.0)
+    beyond = np.abs(off) > limit
+    if held.shape == beyond.shape:  # not of orientations, whose gaps are no channels
+        beyond &= ~held
+    rows[known], size[known] = np.any(beyond, axis=1), np.linalg.norm(off, axis=1)
+    if rows.any() and signal.quantity not in DESCRIBED:
+        rows &= beyond_all(gap, rows)
+    return FarOff(rows, size) if 0 < rows.sum() <= max(1.0, MOST * known.sum()) else None
+
+
+def _held(values: Floats, noise: float) -> NDArray[np.bool_]:
+    """Readings that `ALIKE` rows of a channel share, exactly or, the greatest and the least, to the noise."""
+    found = np.zeros(values.shape, dtype=bool)
+    for channel, column in zip(found.T, values.T, strict=True):
+        _, number, count = np.unique(column, return_inverse=True, return_counts=True)
+        channel |= count[number] >= ALIKE
+        for end in (column.min(), column.max()):
+            at = np.abs(column - end) <= ENDS * noise
+            channel |= at & (at.sum() >= ALIKE)
+    return found
+
+
+def foretold(columns: Floats, gap: Floats, noise: Floats) -> tuple[Floats, Floats]:
+    """How far each row is from what the others foretell, and 1 sigma of that: (2), shapes (n, channels).
+
+    Parameters
+    ----------
+    columns : ndarray, shape (n, channels, k)
+        A of (1).
+    gap : ndarray, shape (n, channels)
+        y of (1).
+    noise : ndarray, shape (channels,)
+        1 sigma of the readings.
+    """
+    least = max(float(np.max(noise)), TINY * float(np.max(np.abs(gap))), np.finfo(float).tiny)
+    weight, scale = np.zeros(len(gap)), max(least, float(np.median(np.abs(gap))) / 0.6745)
+    left = gap
+    for _ in range(WEIGHTED):
+        weight, last = 1 / (1 + np.mean(left**2, axis=1) / (WIDE * scale) ** 2), scale
+        left, scale, _ = _fit(columns, gap, weight, scale, least)
+        if abs(scale - last) < SETTLED * last:
+            break
+    weight = (np.mean(left**2, axis=1) < (NEAR * scale) ** 2).astype(float)
+    for _ in range(TRIMMED):
+        left, scale, leverage = _fit(columns, gap, weight, scale, least)
+    # of rows that counted (1 - H)^-1, of others 1 + H
+    freedom = np.eye(gap.shape[1]) - leverage + TINY * np.eye(gap.shape[1])
+    spread = np.where(weight[:, None, None] > 0, np.linalg.inv(freedom), np.eye(gap.shape[1]) + leverage)
+    off = np.where(weight[:, None] > 0, np.einsum("nab,nb->na", spread, left), left)  # eq. (2)
+    return off, scale * np.sqrt(np.maximum(np.einsum("naa->na", spread), 0.0))
+
+
+def _fit(
+    columns: Floats, gap: Floats, weight: Floats, scale: float, least: float
+) -> tuple[Floats, float, Floats]:
+    """What (1) leaves with weights of the rows, its scale, and H of (2), shape (n, channels, channels)."""
+    n, channels, k = columns.shape
+    A, root = columns.reshape(-1, k) / scale, np.sqrt(np.repeat(weight, channels))
+    Q, R = np.linalg.qr(np.vstack([root[:, None] * A, np.eye(k)]))
+    x = np.linalg.solve(R, Q[: len(A)].T @ (root * gap.ravel() / scale))
+    seen = np.linalg.solve(R.T, A.T).T.reshape(n, channels, k)
+    leverage = seen @ seen.transpose(0, 2, 1)
+    left = gap - columns @ x
+    values = channels * float(np.sum(weight))
+    determined = float(np.sum(weight * np.einsum("naa->n", leverage)))
+    spread = float(np.median(np.abs(left))) / 0.6745 * np.sqrt(values / max(values - determined, 1.0))
+    return left, max(least, spread), leverage
