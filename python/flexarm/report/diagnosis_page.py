@@ -12,6 +12,7 @@ from markupsafe import Markup
 from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.gap.joint_rotations import NAMED
 from flexarm.diagnosis.gap.where import FOLLOWS
+from flexarm.diagnosis.outcome.foretold import foretold_sentence, remarks_beside
 from flexarm.diagnosis.outcome.refinement import refinements
 from flexarm.diagnosis.outcome.sentences import (
     FITS_TOO,
@@ -57,6 +58,8 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         d=d,
         headline=headline(d),
         verdict=verdict_sentence(d),
+        foretold=foretold_sentence(d),
+        remarks=remarks_beside(d),
         hold_out=hold_out_sentence(d) if d.training else "",
         gaps=_gap_rows(d),
         where=list(_where_rows(d)),

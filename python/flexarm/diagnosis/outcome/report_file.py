@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from flexarm.diagnosis.outcome.foretold import foretold_sentence, remarks_beside
+
 if TYPE_CHECKING:
     from flexarm.diagnosis.outcome.result import Diagnosis
 
@@ -213,7 +215,7 @@ def _details(d: Diagnosis) -> dict[str, Any]:
         "hold_out_kind": d.hold_out_kind,
         "hold_out_why": d.hold_out_why,
         "remainder": d.remainder,
-        "remarks": d.remarks,
+        "remarks": [*filter(None, [foretold_sentence(d)]), *remarks_beside(d)],
         "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],
         "constancy": d.constancy,
     }

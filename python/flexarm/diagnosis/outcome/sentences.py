@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexarm.diagnosis.outcome.foretold import foretold_sentence
 from flexarm.diagnosis.wording import listed, number, place_words, probability, scale, with_unit
 
 if TYPE_CHECKING:
@@ -123,10 +124,10 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
         held_out = listed([f"{name!r}" for name in diagnosis.held_out])
         if diagnosis.hold_out_kind == "blocks":
             return f"Fitted on {fitted} without {held_out}, which were never used to fit or to choose."
+        why = "" if foretold_sentence(diagnosis) else diagnosis.hold_out_why  # said beside the verdict
         return (
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
-            f"{_article(diagnosis.hold_out_kind)} of the training"
-            f"{f': {diagnosis.hold_out_why}' if diagnosis.hold_out_why else ''}."
+            f"{_article(diagnosis.hold_out_kind)} of the training{f': {why}' if why else ''}."
         )
     return f"Fitted on {fitted}; nothing was held back."
 

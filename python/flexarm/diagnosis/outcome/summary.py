@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+from flexarm.diagnosis.outcome.foretold import foretold_sentence, remarks_beside
 from flexarm.diagnosis.outcome.refinement import refinements
 from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, stated_sentence, verdict_sentence
 from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
@@ -19,7 +20,11 @@ WIDTH = 100
 def summary(diagnosis: Diagnosis) -> str:
     """All that matters on one screen."""
     parts = [
-        [f"{headline(diagnosis)}  [{diagnosis.verdict}]", *_wrapped(verdict_sentence(diagnosis))],
+        [
+            f"{headline(diagnosis)}  [{diagnosis.verdict}]",
+            *_wrapped(verdict_sentence(diagnosis)),
+            *_wrapped(foretold_sentence(diagnosis)),
+        ],
         _effects(diagnosis),
         _refined(diagnosis),
         _nuisances(diagnosis),
@@ -117,7 +122,7 @@ def _remarks(diagnosis: Diagnosis) -> list[str]:
     lines: list[str] = []
     if diagnosis.remainder and diagnosis.verdict != "unexplained":
         lines += _wrapped(f"remains: {diagnosis.remainder}", "", "  ")
-    for remark in diagnosis.remarks:
+    for remark in remarks_beside(diagnosis):
         lines += _wrapped(f"note: {remark}", "", "  ")
     if diagnosis.next_experiment:
         lines += _wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")

@@ -1,0 +1,101 @@
+"""A verdict does not stand alone beside a held-out record that the model does not foretell."""
+
+import json
+
+import diagnoses
+import pytest
+from planted import two_joints
+from posed import posed, poses
+
+import flexarm
+from flexarm.diagnosis.outcome.foretold import TIMES, _Left, foretold_sentence
+from flexarm.effects import JointCompliance
+from flexarm.report.diagnosis import write
+
+
+def not_foretold(**changes):
+    """A repair that leaves noise of the training, and the whole gap of the record that was held out."""
+    before, after = diagnoses.comparisons()
+    return diagnoses.of_effects(after={**after, "other": before["other"]}, **changes)
+
+
+SAID = (
+    "The repaired model does not foretell the held-out record 'other': 7.92 mm rms are left of 'tip', "
+    "112 times the noise; the training is left with 71.6 µm."
+)
+
+
+@pytest.mark.parametrize("make", [diagnoses.of_effects, diagnoses.adequate], ids=["effects", "adequate"])
+def test_what_is_foretold_is_not_remarked_upon(make):
+    assert foretold_sentence(make()) == ""
+
+
+def test_what_is_left_stands_beside_noise_and_training():
+    assert foretold_sentence(not_foretold()).startswith(SAID)
+
+
+@pytest.mark.parametrize(
+    ("kind", "why", "said"),
+    [
+        (
+            "extrapolation",
+            "hinge goes up to 2.0 rad",
+            "what lies beyond the training (hinge goes up to 2.0 rad)",
+        ),
+        ("interpolation", "", "It lies within what the training covers"),
+        ("repetition", "", "the machine was another one then"),
+        ("blocks", "", "something happens there and nowhere else"),
+    ],
+)
+def test_what_it_may_mean_depends_on_what_was_held_out(kind, why, said):
+    text = foretold_sentence(not_foretold(hold_out_kind=kind, hold_out_why=why))
+    assert said in text
+    assert ("fault" in text) and (("flexarm check" in text) == (kind != "blocks"))
+
+
+def test_summary_says_it_under_the_verdict_and_once():
+    text = " ".join(
+        not_foretold(hold_out_kind="extrapolation", hold_out_why="hinge is fast").summary().split()
+    )
+    assert text.count(SAID) == 1
+    assert text.index("Missing from the model") < text.index(SAID) < text.index("140.0 kN m/rad")
+    assert text.count("hinge is fast") == 1
+
+
+def test_report_and_page_say_it_and_so_does_what_is_loaded(tmp_path):
+    d = not_foretold()
+    write(d, tmp_path)
+    told = json.loads((tmp_path / "report.json").read_text())
+    assert told["verdict"] == "effects"  # what was held out chooses nothing
+    assert told["details"]["remarks"][0].startswith(SAID)
+    html = (tmp_path / "report.html").read_text(encoding="utf-8").replace("&#39;", "'")
+    assert html.count(SAID) == 1
+    assert html.index("<h1>") < html.index(SAID) < html.index("<table>")
+    again = flexarm.Diagnosis.load(tmp_path)
+    assert again.summary() == d.summary()
+    assert again.to_json_dict()["details"] == told["details"]
+
+
+def test_a_signal_beside_the_main_one_is_told_too():
+    """The tip is foretold, the torque of the held-out record is not."""
+    before, after = diagnoses.comparisons()
+    other = before["other"]
+    torque = flexarm.compare(diagnoses.nominal(), diagnoses.record(3, 0.2), step=0.01).signals["tip"]
+    odd = {**after["other"].signals, "torque": torque.__class__(**{**vars(torque), "name": "torque"})}
+    d = diagnoses.of_effects(after={**after, "other": other.__class__(**{**vars(other), "signals": odd})})
+    assert "7.92 mm rms are left of 'torque', 112 times the noise. " in foretold_sentence(d)
+
+
+def test_a_model_that_is_adequate_does_not_foretell_another_machine():
+    """Poses of the model's own machine are explained; those held out are of one whose shoulder gives way."""
+    training = posed(two_joints(), poses(2, 12, 1), 1)
+    soft = two_joints().with_effect(JointCompliance(at="shoulder", stiffness=2e4))
+    d = flexarm.diagnose(two_joints(), {"yard": training}, posed(soft, poses(2, 10, 2), 2), jobs=1)
+    assert d.verdict == "adequate"
+    assert "The model does not foretell the held-out record 'held_out': " in d.summary()
+
+
+def test_a_record_without_noise_is_foretold_to_what_simulations_miss():
+    """Nanometres are no gap, though the training is left with less."""
+    assert _Left("other", "tip", "m", 3e-8, None, 1e-9).ratio < TIMES
+    assert _Left("other", "tip", "m", 3e-5, None, 1e-9).ratio > TIMES
