@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.comparison.aligned_place import AlignedPlace
 from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
@@ -38,6 +39,8 @@ KEPT = 0.9
 FAR = 5.0
 """Number of sigmas beyond which an alignment contradicts what the record states."""
 ITERATIONS = 30
+FIRM = 1e-12
+"""Share of the greatest square below which the rows determine nothing."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,8 @@ class Aligned:
         Where it ended and 1 sigma [s, m, rad]; the sigma counts noise and priors, not an error of the model.
     outliers : dict of str to ndarray of bool, shape (n,)
         Rows that were taken for gross outliers, by signal; of signals that have some.
+    places : tuple of AlignedPlace
+        How many values of each clock and frame were aligned to how many readings.
     """
 
     placement: Placement
@@ -61,6 +66,7 @@ class Aligned:
     values: Floats | tuple[float, ...] = ()
     std: Floats | tuple[float, ...] = ()
     outliers: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+    places: tuple[AlignedPlace, ...] = ()
 
     @property
     def far(self) -> list[str]:
@@ -77,6 +83,11 @@ class Aligned:
             for u, std in zip(self.unknowns, self.std, strict=True)
             if not std < (KEPT * u.sigma if np.isfinite(u.sigma) else np.inf)
         ]
+
+    @property
+    def crowded(self) -> list[str]:
+        """Sentences on clocks and frames that were aligned to few readings."""
+        return [str(place) for place in self.places if place.few]
 
 
 def align(subject: Subject, start: Placement) -> Aligned:
@@ -105,7 +116,8 @@ def align(subject: Subject, start: Placement) -> Aligned:
             break
         jacobian = _jacobian(rows, values, unknown)
     std = _least_norm(jacobian, residual, unknown)[1]
-    return Aligned(placed(start, unknown, values), tuple(unknown), values, std, out)
+    found = placed(start, unknown, values)
+    return Aligned(found, tuple(unknown), values, std, out, rows.aligned_places(jacobian))
 
 
 def _gross_outliers(subject: Subject, start: Placement, places: set[str]) -> dict[str, NDArray[np.bool_]]:
@@ -169,6 +181,25 @@ class _Rows:
         found: Floats = np.nan_to_num(np.concatenate(parts))
         return found
 
+    def aligned_places(self, jacobian: Floats) -> tuple[AlignedPlace, ...]:
+        """How many values were aligned to how many readings, by place; the first rows are priors."""
+        of_readings = jacobian[len(self.sigma) :] * _sizes(self.unknown)
+        square = of_readings.T @ of_readings
+        prior = np.diag((_sizes(self.unknown) / self.sigma) ** 2)
+        share = np.diag(np.linalg.pinv(square + prior, rcond=FIRM, hermitian=True) @ square)
+        found = []
+        for place in dict.fromkeys(each.place for each in self.unknown):
+            values = float(sum(share[k] for k, each in enumerate(self.unknown) if each.place == place))
+            of = [(s, out) for s, out in zip(self.signals, self.out, strict=True) if _moves(s, {place})]
+            readings = sum(self._readings(signal, out) for signal, out in of)
+            found.append(AlignedPlace(place, values, readings, tuple(signal.name for signal, _ in of)))
+        return tuple(found)
+
+    def _readings(self, signal: Signal, out: NDArray[np.bool_]) -> int:
+        """Number of values that count."""
+        residual = self.subject.residual(signal, self.start, hold=True)
+        return int(np.isfinite(residual[~out]).sum())
+
 
 def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:
     """Central differences of the rows by the unknowns."""
@@ -183,14 +214,19 @@ def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:
 
 def _least_norm(jacobian: Floats, right: Floats, unknown: list[Unknown]) -> tuple[Floats, Floats]:
     """Least-squares step and standard deviations; what nothing determines stays, infinitely unsure."""
-    scale = np.array([each.sigma if np.isfinite(each.sigma) else 100 * each.step for each in unknown])
+    scale = _sizes(unknown)
     scaled = jacobian * scale
     squares, axes = np.linalg.eigh(scaled.T @ scaled)
-    firm = squares > 1e-12 * squares[-1]
+    firm = squares > FIRM * squares[-1]
     step = axes[:, firm] @ ((axes[:, firm].T @ (scaled.T @ right)) / squares[firm])
     variance = np.sum(axes[:, firm] ** 2 / squares[firm], axis=1)
     loose = np.sum(axes[:, ~firm] ** 2, axis=1) > 1e-3
     return step * scale, np.where(loose, np.inf, np.sqrt(variance) * scale)
+
+
+def _sizes(unknown: list[Unknown]) -> Floats:
+    """What unknowns are measured in: sigmas of their priors, or so many steps where there is none."""
+    return np.array([each.sigma if np.isfinite(each.sigma) else 100 * each.step for each in unknown])
 
 
 def _descend(rows: _Rows, values: Floats, residual: Floats, change: Floats) -> tuple[Floats, Floats, Floats]:

@@ -99,6 +99,7 @@ def _notes(
     found = _about_drives(record)
     if aligned.undetermined:
         found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
+    found += aligned.crowded
     if aligned.far:
         found.append(f"moved further than the record allows for: {', '.join(aligned.far)}")
     found += [_about_outliers(gaps[name], rows) for name, rows in aligned.outliers.items()]

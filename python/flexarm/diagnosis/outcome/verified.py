@@ -76,7 +76,7 @@ class Verified:
     remainder : str
         What is seen of a gap that stays open.
     remarks : tuple of str
-        Where the simulation is not clearly better than the data.
+        Records of which most of a gap is aligned away; where the simulation is not clearly better than data.
     """
 
     before: Gaps
@@ -124,7 +124,10 @@ def verified(
         _located(pairs),
         located_after,
         _remainder(pairs, located_after) if open_gap else "",
-        tuple(floor(pairs_after, step=bench.step, alpha=bench.alpha).notes),
+        (
+            *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.crowded),
+            *floor(pairs_after, step=bench.step, alpha=bench.alpha).notes,
+        ),
     )
 
 
