@@ -16,6 +16,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.configuration import version
+from flexarm.diagnosis.borrowed_noise import with_noise_of
 from flexarm.diagnosis.candidates.candidate_probes import SOFTER
 from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.candidates.coarse_encoders import CoarseEncoder, with_coarse_encoders
@@ -109,6 +110,7 @@ def diagnose(
     remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
+    held, borrowed = with_noise_of(checked.records, held)
     parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
     observed = Observed(
@@ -151,6 +153,7 @@ def diagnose(
         remainder=seen.remainder,
         remarks=(
             *remarks,
+            *borrowed,
             *parted.remarks,
             *unfitted(observed, checked.compared),
             *unweighed(observed),
