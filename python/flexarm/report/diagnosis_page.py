@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import unified_diff
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -13,6 +14,7 @@ from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.gap.joint_rotations import NAMED
 from flexarm.diagnosis.gap.where import FOLLOWS
 from flexarm.diagnosis.outcome.foretold import foretold_sentence, remarks_beside
+from flexarm.diagnosis.outcome.gap_tables import gap_tables
 from flexarm.diagnosis.outcome.refinement import refinements
 from flexarm.diagnosis.outcome.sentences import (
     FITS_TOO,
@@ -61,7 +63,8 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         foretold=foretold_sentence(d),
         remarks=remarks_beside(d),
         hold_out=hold_out_sentence(d) if d.training else "",
-        gaps=_gap_rows(d),
+        gaps=gap_tables(d),
+        role=partial(_role, d),
         where=list(_where_rows(d)),
         follows=list(_follows_rows(d)),
         rotations=list(_rotation_rows(d)),
@@ -79,33 +82,15 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
     )
 
 
-def _gap_rows(d: Diagnosis) -> Row:
-    """The gap by record, all in one unit."""
-    names = [*d.training, *d.held_out]
-    found = {name: gap for name in names if (gap := d.gap([name])).before_rms is not None}
-    factor, unit = scale([gap.before_max for gap in found.values()], d.unit)
-
-    def cell(value: float | None) -> str:
-        return number(None if value is None else factor * value)
-
-    rows = [
-        {
-            "record": name,
-            "role": ("" if "held" in name else "held out") if name in d.held_out else "training",
-            "cells": [
-                cell(value)
-                for value in (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
-            ],
-        }
-        for name, gap in found.items()
-    ]
-    return {"unit": unit, "rows": rows}
+def _role(d: Diagnosis, record: str) -> str:
+    """What a record is, where its name does not say so."""
+    return ("" if "held" in record else "held out") if record in d.held_out else "training"
 
 
 def _where_rows(d: Diagnosis) -> Iterator[Row]:
     """Cells of the gap that exceed the noise, largest excess first as they were found."""
     for cell in d.where:
-        unit = _unit_of(d, cell["signal"])
+        unit = d.unit_of(cell["signal"])
         factor, shown = scale([cell["rms"]], unit)
         noise = cell["noise_rms"]
         low, high = cell["band_hz"]
@@ -140,11 +125,6 @@ def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
             "follows": f"{each.follows.best} ({100 * each.follows.share:.0f} %)" if named else "–",
             "hint": each.hint if named else "",
         }
-
-
-def _unit_of(d: Diagnosis, signal: str) -> str:
-    found = (comparison.signals.get(signal) for comparison in d.before.values())
-    return next((gap.unit for gap in found if gap is not None), "")
 
 
 def _effect(d: Diagnosis, effect: NamedEffect) -> Row:

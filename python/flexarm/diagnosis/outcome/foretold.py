@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.gap.pooled_gap import PooledGap, pooled_gap
 from flexarm.diagnosis.wording import number, with_unit
 
 if TYPE_CHECKING:
@@ -79,12 +78,8 @@ def _left(d: Diagnosis) -> list[_Left]:
     found = []
     for record in d.held_out:
         for signal, gap in (d.after[record].evidence if record in d.after else {}).items():
-            held, trained = _gap(d, [record], signal), _gap(d, d.training, signal)
+            held, trained = d.gap([record], signal), d.gap(d.training, signal)
             if held.after_rms is not None:
                 unit, after = gap.unit, held.after_rms
                 found.append(_Left(record, signal, unit, after, held.noise_rms, trained.after_rms))
     return found
-
-
-def _gap(d: Diagnosis, records: list[str] | tuple[str, ...], signal: str) -> PooledGap:
-    return pooled_gap(d.before, d.after, records, signal)

@@ -93,7 +93,11 @@ class Diagnosis(SavedAsDirectory):
     @property
     def unit(self) -> str:
         """Unit of the main signal's gap; empty if nothing could be compared."""
-        found = (comparison.signals.get(self.main_signal) for comparison in self.before.values())
+        return self.unit_of(self.main_signal)
+
+    def unit_of(self, signal: str) -> str:
+        """Unit of the gap of a signal; empty if it could not be compared."""
+        found = (comparison.signals.get(signal) for comparison in self.before.values())
         return next((gap.unit for gap in found if gap is not None), "")
 
     @property
@@ -101,15 +105,17 @@ class Diagnosis(SavedAsDirectory):
         """Whether there is a gap to be shown: not where the data could not be compared at all."""
         return bool(self.unit)
 
-    def gap(self, records: Iterable[str]) -> PooledGap:
-        """Totals of the main signal before and after, pooled over records.
+    def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
+        """Totals of a signal before and after, pooled over records.
 
         Parameters
         ----------
         records : iterable of str
             Their names, such as `training` or `held_out`.
+        signal : str, optional
+            Which one; default: the main signal.
         """
-        return pooled_gap(self.before, self.after, records, self.main_signal)
+        return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
 
     def figures_of(self, effect: NamedEffect) -> list[str]:
         """Names of the files that `save` draws for a named effect."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.outcome.foretold import foretold_sentence
+from flexarm.diagnosis.outcome.gap_tables import changed_signals, changes
 from flexarm.diagnosis.wording import listed, number, place_words, probability, scale, with_unit
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ HEADLINES = {
 """A verdict in a headline."""
 RESIZED = "An effect of the model has other values than stated"
 LISTED = 3
-"""Most refined values that a verdict names; a table has all."""
+"""Most refined values, and signals, that a verdict names; tables have all."""
 ALIKE = 20.0
 """How many times less probable a rival may be that the data cannot tell from an effect."""
 
@@ -93,26 +94,33 @@ def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
 
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
-    """How far the gap shrinks, on what was held out if anything was."""
-    held_out = [f"{name!r}" for name in diagnosis.held_out]
+    """How far the gap shrinks, on what was held out if anything was; if it hardly does, those that do."""
+    d = diagnosis
+    held_out = [f"{name!r}" for name in d.held_out]
     records = "records" if len(held_out) > 1 else "record"
     where = f"held-out {records} {listed(held_out)}" if held_out else "training records"
-    gap = diagnosis.gap(diagnosis.held_out or diagnosis.training)
-    if gap.before_rms is None or gap.after_rms is None:
+    main = d.gap(d.held_out or d.training)
+    if main.before_rms is None or main.after_rms is None:
         return ""
-    before, after, noise = _in_one_unit(gap, diagnosis.unit)
-    return (
-        f"On the {where} the gap of {diagnosis.main_signal!r} {_change(gap, before, after)}"
-        f"{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
-    )
+    others = [] if changes(main) else changed_signals(d)[:LISTED]
+    told = [f"On the {where} the gap of {d.main_signal!r} {_change(main, d.unit)}"]
+    for signal in others:
+        gap = d.gap(d.held_out or d.training, signal)
+        told += [f"That of {signal!r} {_change(gap, d.unit_of(signal))}"] if gap.before_rms else []
+    return " ".join(told)
 
 
-def _change(gap: PooledGap, before: str, after: str) -> str:
-    """What happens to a gap; a per cent is no change."""
-    ratio = (gap.after_rms or 0.0) / (gap.before_rms or 1.0)
-    if 0.99 < ratio < 1.01:
-        return f"is {after} rms"
-    return f"{'shrinks' if ratio < 1 else 'grows'} from {before} to {after} rms"
+def _stays(gap: PooledGap) -> bool:
+    """Whether a gap changes by less than a per cent, which is no change."""
+    return 0.99 < (gap.after_rms or 0.0) / (gap.before_rms or 1.0) < 1.01
+
+
+def _change(gap: PooledGap, unit: str) -> str:
+    """What happens to a gap, and the noise."""
+    before, after, noise = _in_one_unit(gap, unit)
+    shrinks = "shrinks" if (gap.after_rms or 0.0) < (gap.before_rms or 0.0) else "grows"
+    size = f"is {after} rms" if _stays(gap) else f"{shrinks} from {before} to {after} rms"
+    return f"{size}{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
 
 
 def hold_out_sentence(diagnosis: Diagnosis) -> str:

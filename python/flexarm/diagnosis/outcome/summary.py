@@ -6,9 +6,10 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.outcome.foretold import foretold_sentence, remarks_beside
+from flexarm.diagnosis.outcome.gap_tables import gap_tables
 from flexarm.diagnosis.outcome.refinement import refinements
 from flexarm.diagnosis.outcome.sentences import headline, hold_out_sentence, stated_sentence, verdict_sentence
-from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
+from flexarm.diagnosis.wording import interval, place_words, probability, signed, with_unit
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.named import Estimate, NamedEffect
@@ -93,23 +94,18 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
 
 
 def _gaps(diagnosis: Diagnosis) -> list[str]:
-    """A table by record, and what the records are to one another."""
-    names = [*diagnosis.training, *diagnosis.held_out]
-    rows = {name: diagnosis.gap([name]) for name in names}
-    rows = {name: gap for name, gap in rows.items() if gap.before_rms is not None}
-    if not rows:
-        return []
-    factor, unit = scale([gap.before_rms for gap in rows.values()], diagnosis.unit)
-    head = f"gap of {diagnosis.main_signal} [{unit}]"
-    labels = {name: _labelled(diagnosis, name) for name in rows}
-    wide = max(26, *(len(label) + 2 for label in labels.values()))
+    """A table by record for each signal, and what the records are to one another."""
+    tables = gap_tables(diagnosis)
     columns = ("rms before", "rms after", "noise", "max before", "max after")
-    lines = [f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns)]
-    for name, gap in rows.items():
-        values = (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
-        cells = [number(None if v is None else factor * v) for v in values]
-        lines.append(f"{labels[name]:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
-    return [*lines, *_wrapped(hold_out_sentence(diagnosis))]
+    lines = []
+    for table in tables:
+        head = f"gap of {table.signal} [{table.unit}]"
+        labels = [_labelled(diagnosis, name) for name, _ in table.rows]
+        wide = max(26, *(len(text) + 2 for text in (head, *labels)))
+        lines.append(f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns))
+        for label, (_, cells) in zip(labels, table.rows, strict=True):
+            lines.append(f"{label:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
+    return [*lines, *_wrapped(hold_out_sentence(diagnosis))] if tables else []
 
 
 def _labelled(diagnosis: Diagnosis, name: str) -> str:
