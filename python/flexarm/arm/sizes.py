@@ -46,13 +46,18 @@ def reach(arm: Arm) -> float:
 
 
 def size_doubts(arm: Arm) -> Iterable[Problem]:
-    """All sizes of a model beyond those of machines."""
+    """All sizes of a model beyond those of machines, and sigmas beyond the sizes."""
+    yield from doubted_sizes(arm)
+    yield from _uncertainty(arm)
+
+
+def doubted_sizes(arm: Arm) -> Iterable[Problem]:
+    """Lengths, beams and payloads that no machine has."""
     yield from _lengths(arm)
     for link in arm.links:
         if isinstance(link, Beam):
             yield from _beam(link, hypot(*arm.gravity))
     yield from _payloads(arm)
-    yield from _uncertainty(arm)
 
 
 def _lengths(arm: Arm) -> Iterable[Problem]:

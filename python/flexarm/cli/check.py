@@ -42,7 +42,8 @@ def check(
     With records behind a model: whether their sensors can be what they say, as the first step of a diagnosis
     asks before the long ones: channels that are dead, turned over, in another unit or cut off; outliers,
     jumps of a clock, a noise unlike the stated one. Where a sensor is at fault the data are unusable, and the
-    exit code is 2, as it is where a file cannot be read. Remarks and warnings leave it at 0.
+    exit code is 2, as it is where a file cannot be read. Remarks and warnings leave it at 0; where they doubt
+    that values can be of this arm, no sensor is judged until they are mended.
 
         flexarm check arm.toml
         flexarm check measured --json

@@ -106,7 +106,7 @@ def diagnose(
     held = _held_out(arm, hold_out, given)
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
-    doubts = (f"model: {problem}" for problem in arm.warnings)
+    doubts = dict.fromkeys((*(f"model: {problem}" for problem in arm.warnings), *checked.doubts))
     remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))

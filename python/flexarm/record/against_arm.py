@@ -56,12 +56,12 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
 
 def doubts(record: Record, arm: Arm) -> list[Problem]:
     """Values that contradict their unit, seen from the size of the arm; effects that act on nothing here."""
-    return [
-        *_positions(record, arm),
-        *_angles(record, arm),
-        *_undriven(record, arm),
-        *unplaced_effects(record, arm),
-    ]
+    return [*doubted_values(record, arm), *unplaced_effects(record, arm)]
+
+
+def doubted_values(record: Record, arm: Arm) -> list[Problem]:
+    """Values that this arm cannot show, as they stand in the record."""
+    return [*_positions(record, arm), *_angles(record, arm), *_undriven(record, arm)]
 
 
 def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:

@@ -28,19 +28,27 @@ def doubts(record: Record) -> Iterable[Problem]:
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
-    for name, frame in record.frames.items():
-        if max(map(abs, frame.rpy)) > 2 * pi:
-            yield Problem(f"frames.{name}.rpy", f"is {list(frame.rpy)} rad; write degrees as radians")
+    yield from doubted_units(record)
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():
             yield Problem(where, f"holds no value in {len(signal)} rows")
             continue
-        yield from (Problem(where, what) for what in (*_unit(signal), *_dead(signal), *_gaps(signal)))
+        yield from (Problem(where, what) for what in (*_dead(signal), *_gaps(signal)))
         if signal.noise_std is None and signal.name not in record.drive and signal.quantity not in INPUTS:
             yield Problem(
                 f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
             )
+
+
+def doubted_units(record: Record) -> Iterable[Problem]:
+    """Values that no sensor shows in the unit that is stated."""
+    for name, frame in record.frames.items():
+        if max(map(abs, frame.rpy)) > 2 * pi:
+            yield Problem(f"frames.{name}.rpy", f"is {list(frame.rpy)} rad; write degrees as radians")
+    for signal in record.signals.values():
+        if signal.valid.any():
+            yield from (Problem(f"signals.{signal.name}", what) for what in _unit(signal))
 
 
 def clocks_apart(record: Record) -> Iterable[Problem]:

@@ -40,6 +40,69 @@ def test_a_channel_that_is_turned_over_is_named(bench, capsys):
     assert fault["records"] == ["turned"]
 
 
+def far_away(bench):
+    """A tip 2 km from the base of an arm of 3 m, that moves as it should."""
+    record = diagnoses.record(1)
+    tip = record.signals["tip"]
+    far = tip.replace(values=tip.values + 2e3)
+    record.replace(signals={**record.signals, "tip": far}).save(bench / "far", force=True)
+    return bench / "far"
+
+
+def test_no_sensor_is_called_in_order_beside_a_warning_that_its_values_cannot_be(bench, capsys):
+    assert run(["check", str(bench / "arm.toml"), str(far_away(bench))]) == 0  # a warning, no fault
+    out, err = capsys.readouterr()
+    assert "signals.tip: reaches 200" in err
+    assert "no sensor is at fault" not in out
+    assert out.startswith(
+        "1 record checked: sensors cannot be judged beside this model until what is doubted is"
+    )
+    assert "doubt: far: signals.tip: reaches 200" in out
+    assert "flexarm compare" not in out
+
+
+def test_doubts_are_told_to_programs(bench, capsys):
+    assert run(["check", str(bench / "arm.toml"), str(far_away(bench)), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert all(doubt.startswith("far: signals.tip: reaches 200") for doubt in told["doubts"])
+    assert (told["usable"], bool(told["doubts"])) == (True, True)
+    assert run(["check", str(bench / "arm.toml"), str(bench / "right"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["doubts"] == []
+
+
+def test_beside_an_arm_of_kilometres_no_sensor_is_judged(bench, capsys):
+    """Its rod is 3 km long, as in millimetres; nor can it be simulated, which is said as well."""
+    text = (bench / "arm.toml").read_text().replace("3.0]", "3000.0]")
+    (bench / "km.toml").write_text(text)
+    assert run(["check", str(bench / "km.toml"), str(bench / "right")]) == 0
+    out = capsys.readouterr().out
+    assert "no sensor is at fault" not in out
+    assert "doubt: model: links.rod.end: is 3000 m away" in out
+
+
+def test_what_is_merely_not_stated_is_no_doubt(bench, capsys):
+    """Without a noise there is a warning, and the sensors are judged as ever."""
+    record = diagnoses.record(1)
+    tip = record.signals["tip"].replace(noise_std=None)
+    record.replace(signals={**record.signals, "tip": tip}).save(bench / "silent")
+    assert run(["check", str(bench / "arm.toml"), str(bench / "silent")]) == 0
+    out, err = capsys.readouterr()
+    assert "noise_std: is not given" in err
+    assert "no sensor is at fault" in out
+
+
+def test_a_fault_is_told_before_any_doubt(bench, capsys):
+    """A tip in millimetres is beyond reach and moves a thousand times too far: that says it all."""
+    record = diagnoses.record(1)
+    tip = record.signals["tip"]
+    large = tip.replace(values=1e3 * tip.values)
+    record.replace(signals={**record.signals, "tip": large}).save(bench / "large")
+    assert run(["check", str(bench / "arm.toml"), str(bench / "large")]) == 2
+    out = capsys.readouterr().out
+    assert out.startswith("1 record checked: data are unusable\n  unit_error")
+    assert "doubt" not in out
+
+
 def test_several_records_are_checked_together(bench, capsys):
     command = ["check", str(bench / "arm.toml"), str(bench / "right"), str(bench / "turned")]
     assert run(command) == 2

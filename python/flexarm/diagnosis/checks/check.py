@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.comparison.beside import beside
 from flexarm.diagnosis.checks.checked import Checked, Removed
 from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
+from flexarm.diagnosis.checks.doubted import doubted
 from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, same_fault
 from flexarm.diagnosis.checks.few_poses import remarks_on_few_poses
 from flexarm.diagnosis.checks.finding import Finding
@@ -77,6 +78,7 @@ def check(
     named = named_records(records)
     outliers: list[Removed] = []
     remarks: list[str] = []
+    doubts: list[str] = []
     for name, record in named.items():
         named[name], removed, notes = _readable(arm, name, record)
         outliers += removed
@@ -96,13 +98,20 @@ def check(
         named[name], notes = _without_frozen(named[name], verdict)
         remarks += notes
         if name in failed and verdict.drive is None:
-            remarks.append(f"{name}: the model cannot be simulated: {failed[name]}")
+            doubts.append(f"{name}: the model cannot be simulated: {failed[name]}")
     remarks += remarks_on_poses(named)
     faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
     compared = {name: tuple(subject.evidence) for name, subject in subjects.items()}
-    return Checked(named, faults, tuple(outliers), tuple(remarks), {**compared, **dict.fromkeys(empty, ())})
+    return Checked(
+        named,
+        faults,
+        tuple(outliers),
+        tuple(remarks),
+        {**compared, **dict.fromkeys(empty, ())},
+        (*doubted(arm, named), *doubts),
+    )
 
 
 def cleaned(arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alpha: float = -0.05) -> Checked:

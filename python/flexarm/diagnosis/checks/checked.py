@@ -89,6 +89,9 @@ class Checked:
         contradict each other.
     compared : dict of str to tuple of str
         By record the signals that the model predicts; a record that has none cannot be compared at all.
+    doubts : tuple of str
+        Values that no sensor of this arm shows, models that cannot be simulated: what stands against a
+        judgement of the sensors.
     """
 
     records: Mapping[str, Record]
@@ -96,6 +99,7 @@ class Checked:
     outliers: tuple[Removed, ...] = ()
     remarks: tuple[str, ...] = field(default=())
     compared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
 
     @property
     def usable(self) -> bool:
@@ -110,7 +114,8 @@ class Checked:
     def summary(self) -> str:
         """The same for a person to read."""
         count = f"{len(self.records)} record{'s' * (len(self.records) != 1)}"
-        lines = [f"{count} checked: " + ("no sensor is at fault" if self.usable else "data are unusable")]
+        lines = [f"{count} checked: {self._verdict()}"]
+        lines += [f"  doubt: {doubt}" for doubt in self.doubts] if self.usable else []
         for fault in self.faults:
             where = ", ".join(fault.channels)
             lines.append(
@@ -129,6 +134,13 @@ class Checked:
         lines += [f"  {removed}" for removed in self.outliers]
         lines += [f"  note: {remark}" for remark in self.remarks]
         return "\n".join(lines)
+
+    def _verdict(self) -> str:
+        if self.faults:
+            return "data are unusable"
+        if self.doubts:
+            return "sensors cannot be judged beside this model until what is doubted is mended"
+        return "no sensor is at fault"
 
     def __repr__(self) -> str:
         return self.summary()
