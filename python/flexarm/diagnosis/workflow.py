@@ -42,6 +42,7 @@ from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed
 from flexarm.diagnosis.outcome.verified import Bench, verified
 from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals, weighed_by_drives
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.residuals.step_errors import unsteady_signals
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -158,6 +159,7 @@ def diagnose(
             *unfitted(observed, checked.compared),
             *unweighed(observed),
             *(shaken | shaken_signals(observed)).values(),
+            *unsteady_signals(observed).values(),
             *swings(choice.best, observed),
             *seen.remarks,
         ),

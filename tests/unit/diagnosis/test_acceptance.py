@@ -45,12 +45,24 @@ def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatc
     assert acceptance.accepted(new, old, old, None) is taken
 
 
-@pytest.mark.parametrize(("cost", "strained", "far"), [(51, 5.1, True), (49, 9, False), (99, 4.9, False)])
-def test_a_model_is_far_off_that_leaves_most_of_the_gap_and_of_the_strain(monkeypatch, cost, strained, far):
-    """Half of either is enough to go on: of the gap of 100, or of the 10 sigmas that unknowns are off."""
+@pytest.mark.parametrize(
+    ("cost", "strained", "gap", "far"),
+    [
+        (51, 5.1, False, True),
+        (49, 9, False, False),
+        (99, 4.9, False, False),
+        (51, 0, True, True),
+        (49, 0, True, False),
+    ],
+)
+def test_a_model_is_far_off_that_leaves_most_of_the_gap_or_where_none_is_left_of_the_strain(
+    monkeypatch, cost, strained, gap, far
+):
+    """The gap was 100, unknowns were 10 sigmas off; beside an open gap it does not help that they are not."""
     monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
+    monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: gap)
     fit, null = (SimpleNamespace(cost=c, strain=s) for c, s in ((cost, strained), (100, 10)))
-    assert acceptance.far_off(fit, null) is far
+    assert acceptance.far_off(fit, null, None) is far
 
 
 def test_no_effect_at_all_takes_part_in_the_odds():

@@ -22,10 +22,22 @@ PRIOR = Prior(10.0, 18.0, 14.0, "linear", "kg", "a test")
 SIZE = 4.0 / 1.959963984540054  # one sigma of it
 
 
-def observed():
-    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, N), time=TIME)
+class Recorded(SimpleNamespace):
+    """N rows of a record, or of several."""
+
+    def __len__(self):
+        return N
+
+    def channels(self):
+        return [(row, row.where) for row in self.rows]
+
+
+def observed(unsteady=0.0):
+    rows = SimpleNamespace(
+        record="run", signal="tip", channel=0, where=slice(0, N), time=TIME, unsteady=unsteady
+    )
     records = {"run": SimpleNamespace(kind="motion")}
-    return SimpleNamespace(rows=[rows], records=records, channels=lambda: [(rows, rows.where)])
+    return Recorded(rows=[rows], records=records)
 
 
 def fitted(noise, slope):
@@ -60,7 +72,8 @@ def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
     """A slope of one line: d sqrt(2) sin(wt + phase) along sin(wt) is d sqrt(2) cos(phase), d rms."""
     slope = np.sin(3 * 2 * np.pi * np.arange(N) / N)
     fit = fitted(1e-9 * RNG.normal(size=N), slope)  # no noise: the discrepancy alone
-    assert draws(fit, observed(), RNG, 0.2)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+    assert draws(fit, observed(), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+    assert draws(fit, observed(unsteady=2.25), RNG)[:, 0].std() == pytest.approx(1.5, rel=0.1)
 
 
 def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
@@ -70,9 +83,8 @@ def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
     phases = np.exp(2j * np.pi * RNG.random((2000, len(lines))))
     errors = np.fft.irfft(lines * phases, N, axis=1)
     expected = (errors @ slope / (slope @ slope)).std()
-    assert surrogates(observed(), slope[:, None], np.array([[1 / (slope @ slope)]])) == pytest.approx(
-        expected, rel=0.05
-    )
+    inverse = np.array([[1 / (slope @ slope)]])
+    assert surrogates(observed(), slope[:, None], inverse, np.ones(N)) == pytest.approx(expected, rel=0.05)
     assert expected < 0.4 / np.sqrt(np.mean(slope**2))
 
 
@@ -107,7 +119,7 @@ def static_records(records, each):
         for k in range(records)
     ]  # fmt: skip
     named = {row.record: SimpleNamespace(kind="static") for row in rows}
-    return SimpleNamespace(rows=rows, records=named, channels=lambda: [(row, row.where) for row in rows])
+    return Recorded(rows=rows, records=named)
 
 
 def test_static_records_that_are_off_as_a_whole_count_once_each():

@@ -17,7 +17,7 @@ KEY = ("run", "tip", 0)
 
 def one_channel(n):
     """As much of `Observed` as evidence asks for: one channel."""
-    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), shaken=0.0)
+    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), no_gap=0.0)
     records = {"run": SimpleNamespace(kind="motion")}
     return SimpleNamespace(records=records, channels=lambda: [(rows, rows.where)])
 
@@ -69,7 +69,7 @@ def poses(records, each):
     """As much of `Observed` as evidence asks for: one channel of static records, `each` poses in each."""
     rows = [
         SimpleNamespace(
-            record=f"day {k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)), shaken=0.0
+            record=f"day {k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)), no_gap=0.0
         )
         for k in range(records)
     ]

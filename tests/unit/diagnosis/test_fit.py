@@ -109,7 +109,7 @@ def test_a_fit_that_stays_above_its_limit_is_not_finished(run, part, finished):
         assert limited.cost == whole.cost
     else:
         assert both.runs.made - made < needed
-        assert whole.cost < limited.cost < fitter.fit(()).cost
+        assert whole.cost < limited.cost
         assert limited.slopes.shape == whole.slopes.shape
 
 

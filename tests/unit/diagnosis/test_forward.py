@@ -71,7 +71,7 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < 0.8 * old.cost)
     monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
     monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
-    monkeypatch.setattr(module, "far_off", lambda one, null: one.cost > 90)
+    monkeypatch.setattr(module, "far_off", lambda one, null, observed: one.cost > 90)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
     found.observed, found.probed = (), None
@@ -364,10 +364,13 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     assert found._needed(0, alone, None, {}) == "null"
 
 
-def test_noise_of_the_drives_is_allowed_for_where_it_may_be_all_that_is_left(search, monkeypatch):
+@pytest.mark.parametrize("error", ["allow_for_drives", "allow_for_steps"])
+def test_errors_of_a_model_are_allowed_for_where_they_may_be_all_that_is_left(search, monkeypatch, error):
     found, asked = search[0], []
     found.observed = range(10)
-    monkeypatch.setattr(module, "allow_for_drives", lambda observed, arm: asked.append(arm))
+    for each in ("allow_for_drives", "allow_for_steps"):
+        monkeypatch.setattr(module, each, lambda *_: None)
+    monkeypatch.setattr(module, error, lambda observed, arm: asked.append(arm))
     about = SimpleNamespace(with_effects=lambda members: "".join(members))
     for cost in (35.0, 400.0):  # 3.5 and 40 times the noise
         one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a")

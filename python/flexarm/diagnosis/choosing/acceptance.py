@@ -18,7 +18,8 @@ something else must be there if
 
     max_c s_c > max(LEFT, LEFT_SHARE max_c s_c0).                                                      (4)
 
-Where two effects explain less than half of the gap, and of the strain, a third is not looked for.
+Where two effects leave a gap and explain less than half of it, a third is not looked for: no three names of
+the list are likely to be all. Where they leave a strain alone they must explain half of that.
 
 An effect is accepted if the evidence for it is strong and it matters; none that is a clock or a frame within
 `FORBIDDEN` sigmas of what the records state, as the smaller model has it there too. If it leaves a gap all
@@ -129,9 +130,11 @@ def spares(new: Fit, old: Fit) -> bool:
     return strain(old) - strain(new) > STRAINED
 
 
-def far_off(fit: Fit, null: Fit) -> bool:
-    """Whether a model leaves most of the gap, and of the strain, that there is without effects."""
-    return fit.cost > HALF * null.cost and strain(fit) > HALF * strain(null)
+def far_off(fit: Fit, null: Fit, observed: Observed) -> bool:
+    """Whether a model leaves most of the gap that there is without effects, or of the strain if no gap."""
+    if not fit.cost > HALF * null.cost:
+        return False
+    return strain(fit) > HALF * strain(null) or leaves_gap(fit, null, observed)
 
 
 def implausibility(fit: Fit) -> float:

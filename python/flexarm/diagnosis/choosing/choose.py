@@ -38,6 +38,7 @@ from flexarm.diagnosis.choosing.takeover import taken_over
 from flexarm.diagnosis.fitting.fit import FAILED, Fit
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.residuals.drive_noise import allow_for_drives
+from flexarm.diagnosis.residuals.step_errors import allow_for_steps
 
 MOST = 3
 """Effects in one diagnosis."""
@@ -46,7 +47,7 @@ TWO = 2
 AGAIN = 2
 """Times that the search goes forward and back."""
 NEAR = 4.0
-"""Mean square, over the noise, below which what noise of the drives does beside a model may be all of it."""
+"""Mean square, over the noise, below which what noise of the drives and time steps do may be all of it."""
 OVERTAKEN = 3
 """Times that a rival may take the place of what was chosen."""
 
@@ -219,7 +220,9 @@ class _Search:
         """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
         best, about = best_of(fitter, fits, old, self.null)
         if leaves_gap(best, self.null, self.observed) and best.cost < NEAR * len(self.observed):
-            allow_for_drives(self.observed, about.with_effects(best.members))
+            arm = about.with_effects(best.members)
+            allow_for_drives(self.observed, arm)
+            allow_for_steps(self.observed, arm)
         if not leaves_gap(best, self.null, self.observed):
             return best, about
         found = other_springs(best, about, self.probed)
@@ -233,7 +236,7 @@ class _Search:
     def _most(self, fit: Fit) -> int:
         """Effects in one diagnosis; no third one where two are far off."""
         two = causes(fit.members, self.places) == TWO
-        return TWO if two and far_off(fit, self.null) else MOST
+        return TWO if two and far_off(fit, self.null, self.observed) else MOST
 
     def _explained(self, fit: Fit) -> bool:
         return explained(fit, self.null, self.observed)

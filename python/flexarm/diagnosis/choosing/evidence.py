@@ -18,10 +18,11 @@ What is left *above the noise* in a channel, over the noise, is
 .. math:: s_c^2 = \min(\gamma_0 - 1 - d_c, \max_{1 \le l \le L} |\gamma_l|)/(1 + d_c), \quad
           \text{at least } 0                                                                         (3)
 
-with what noise of the drives moves there, d (`residuals.drive_noise`): the smaller one of what noise cannot
-be because it is too large, and because it is correlated. Poses have no order in time, but those of one record
-share what the model lacks there. With gamma_0 and gamma_w the mean square and the mean product of two
-different poses of a record, over all static records of a signal, n_c poses are worth [Moulton1986]
+with what noise of the drives and finer time steps move there, d (`residuals.drive_noise`, `step_errors`): the
+smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no order
+in time, but those of one record share what the model lacks there. With gamma_0 and gamma_w the mean square
+and the mean product of two different poses of a record, over all static records of a signal, n_c poses are
+worth [Moulton1986]
 
 .. math:: T_c = \max(1, \gamma_0 + (n_c - 1) \max(\gamma_w, 0))                                     (2a)
 
@@ -36,6 +37,7 @@ noise: it lasts. If two models differ by v over N samples, an error of that size
 .. math:: \ln B = \frac{\Delta\chi^2/2}{1 + \delta^2 N_v w} + \ldots, \quad
           N_v = \frac{(\sum v^2)^2}{\sum v^4}, \quad w = \frac{v^T W v}{v^T v}                        (4)
 
+Where finer time steps move more than that part, delta^2 is the mean square of what they move, weighed by v^2.
 Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
 difference at a few instants, or in what it asks of nominal values, counts in full.
 
@@ -125,12 +127,12 @@ def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
     for each, where in observed.channels():
         values = rest[where]
         gamma = autocovariance(values, min(LAGS, len(values) - 1))
-        square = gamma[0] - 1.0 - each.shaken
+        square = gamma[0] - 1.0 - each.no_gap
         if _in_time(each, observed):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
-        elif len(values) * gamma[0] / (1 + each.shaken) < chdtri(len(values), CHANCE):
+        elif len(values) * gamma[0] / (1 + each.no_gap) < chdtri(len(values), CHANCE):
             square = 0.0
-        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + each.shaken)))
+        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + each.no_gap)))
     return found
 
 
@@ -148,7 +150,16 @@ def log_likelihood_ratio(one: Fit, other: Fit, observed: Observed, value: Mappin
     v = np.abs(left[:n] - left_by_other[:n])
     spread = float(np.sum(v**2)) * float(weight @ v**2) / max(float(np.sum(v**4)), 1e-300)
     asked = float(np.sum(left_by_other[n:] ** 2) - np.sum(left[n:] ** 2))
-    return float(gain) / 2 / (1 + DISCREPANCY**2 * spread) + asked / 2  # eq. (4)
+    delta = float(v**2 @ discrepancies(observed) ** 2) / max(float(np.sum(v**2)), 1e-300)
+    return float(gain) / 2 / (1 + delta * spread) + asked / 2  # eq. (4)
+
+
+def discrepancies(observed: Observed) -> Floats:
+    """delta of (4) of each row, shape (n,): what simulations err by, over the noise."""
+    found = np.empty(len(observed))
+    for each, where in observed.channels():
+        found[where] = max(DISCREPANCY, float(np.sqrt(each.unsteady)))
+    return found
 
 
 def _weights(observed: Observed, value: Mapping[Channel, float]) -> Floats:

@@ -26,7 +26,7 @@ textbook's interval with G - 1.
 
 No simulation is exact, and a fit hides from its own residual what the simulation errs in the direction of its
 parameters. An error moves like what it is an error of, but out of phase with it: a surrogate [Theiler1992] of
-the parameter's own column of J has the same spectrum with random phases, here as large as `DISCREPANCY` of
+the parameter's own column of J has the same spectrum with random phases, here as large as `discrepancies` of
 the noise where it is largest. With a = J H^-1 u_p, by which a parameter depends on residuals, and transforms
 A and S of a and of that surrogate in a channel of n samples, it adds the variance
 
@@ -46,7 +46,7 @@ from numpy.typing import NDArray
 
 from flexarm.arm.joint_units import parameters_in
 from flexarm.arrays import Floats
-from flexarm.diagnosis.choosing.evidence import DISCREPANCY
+from flexarm.diagnosis.choosing.evidence import discrepancies
 from flexarm.diagnosis.choosing.left_out import groups
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.fitting.normal import Normal, joint_slopes
@@ -86,8 +86,10 @@ def estimates(fit: Fit, observed: Observed, seed: int = 0) -> Estimates:
     )
 
 
-def draws(fit: Fit, observed: Observed, rng: np.random.Generator, discrepancy: float = DISCREPANCY) -> Floats:
-    """p_b - p of (1), shape (DRAWS, k + m)."""
+def draws(
+    fit: Fit, observed: Observed, rng: np.random.Generator, errors: Floats | float | None = None
+) -> Floats:
+    """p_b - p of (1), shape (DRAWS, k + m); `errors` of the simulation, if not `discrepancies`."""
     slopes, residual, prior = joint_slopes(fit)
     root = Normal.of(slopes, prior).root()
     inverse = root @ root.T
@@ -95,7 +97,8 @@ def draws(fit: Fit, observed: Observed, rng: np.random.Generator, discrepancy: f
     weights = rng.multinomial(len(pulls), np.full(len(pulls), 1.0 / len(pulls)), size=DRAWS) - 1.0
     xi, error = rng.standard_normal((2, DRAWS, len(prior)))
     moved = (xi * np.sqrt(prior)) @ inverse - (weights @ pulls) * _wider(freedom)  # eq. (1)
-    found: Floats = moved + discrepancy * surrogates(observed, slopes, inverse) * error
+    size = np.broadcast_to(discrepancies(observed) if errors is None else errors, len(observed))
+    found: Floats = moved + surrogates(observed, slopes, inverse, size) * error
     return found
 
 
@@ -136,11 +139,11 @@ def _wider(freedom: Floats) -> Floats:
     return found
 
 
-def surrogates(observed: Observed, slopes: Floats, inverse: Floats) -> Floats:
-    """Root of (3) for an error as large as the noise, shape (k + m,); inverse: H^-1."""
+def surrogates(observed: Observed, slopes: Floats, inverse: Floats, size: Floats) -> Floats:
+    """Root of (3) for errors of a size over the noise in each row, shape (k + m,); inverse: H^-1."""
     channels = [where for _, where in observed.channels()]
     largest = np.max([np.mean(slopes[where] ** 2, axis=0) for where in channels], axis=0)
-    shapes = slopes / np.sqrt(np.maximum(largest, 1e-300))
+    shapes = size[:, None] * slopes / np.sqrt(np.maximum(largest, 1e-300))
     depends = slopes @ inverse
     variance = np.zeros(slopes.shape[1])
     for where in channels:

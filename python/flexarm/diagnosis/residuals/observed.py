@@ -134,7 +134,12 @@ class Observed:
         """The same rows with more noise, times as much in each of `rows`."""
         found = self.with_step(self.step)
         found.rows = tuple(
-            replace(each, sigma=each.sigma * float(t), shaken=each.shaken / float(t) ** 2)
+            replace(
+                each,
+                sigma=each.sigma * float(t),
+                shaken=each.shaken / float(t) ** 2,
+                unsteady=each.unsteady / float(t) ** 2,
+            )
             for each, t in zip(self.rows, times, strict=True)
         )
         return found
@@ -192,7 +197,7 @@ class Observed:
     def correction(self, arm: Arm) -> Floats:
         """What (1) misses of its value for vanishing time steps h, shape (len(self),).
 
-        r(h/2) + (r(h/2) - r(h))/3 - r(h): Richardson's extrapolation, as the method is of order two. Where
+        Richardson's extrapolation from h and h/2 less r(h). Where
         h/2 moves more than the noise, or laws have corners, that shows in smaller steps: with h/2 and h/4.
         """
         if all(record.kind == "static" for record in self.records.values()):
@@ -203,8 +208,7 @@ class Observed:
             fine, finer = half, self.with_step(self.step / 4).residual(arm)
         else:
             fine, finer = coarse, half
-        found: Floats = finer + (finer - fine) / 3 - coarse
-        return found
+        return extrapolated(fine, finer) - coarse
 
     def slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})) -> Floats:
         """Derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
@@ -225,6 +229,12 @@ class Observed:
     def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
         """The same from the derivatives of equilibria; None where they have none."""
         return pose_slopes(self, arm, keys)
+
+
+def extrapolated(coarse: Floats, fine: Floats) -> Floats:
+    """Richardson's extrapolation of a method of order two from steps h and h/2."""
+    found: Floats = fine + (fine - coarse) / 3
+    return found
 
 
 def _key(arm: Arm) -> tuple[Any, ...]:

@@ -53,6 +53,8 @@ class Rows:
         Instants of the kept rows by the drive's clock [s], or numbers of poses.
     shaken : float
         Mean square, over sigma^2, of what noise of the drives moves there (`drive_noise`).
+    unsteady : float
+        The same of what finer time steps still move (`step_errors`).
     """
 
     record: str
@@ -63,6 +65,12 @@ class Rows:
     sigma: float
     time: Floats
     shaken: float = 0.0
+    unsteady: float = 0.0
+
+    @property
+    def no_gap(self) -> float:
+        """Mean square, over sigma^2, of what is left there by the right model, beside noise."""
+        return self.shaken + self.unsteady
 
 
 def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
