@@ -6,12 +6,21 @@ a sensor that is in order
 
 .. math:: \ln B_H = N \ln(m_{in order}/m_H) + \ln\text{prior}_H                                       (1)
 
+Whether the channels or the drive are at fault is a question to all of them. Each explanation costs, summed
+over the channels,
+
+.. math:: N \ln \max(left, least) + \tfrac12 \sum_j a_j^2/S_j^2 - \ln\text{prior}                    (2)
+
+with what it leaves and how far it strains what is no fault (`checks.regression`). `least` is that of the
+readings and the same for all explanations: were it a share of the motion that each one claims, a sensor that
+is said to show a thousandth of a wild motion would explain quiet readings better than the truth does.
+
 Source: [Gregory2005], chapter 9: marginalising a scale parameter.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import log
 
@@ -22,6 +31,8 @@ from flexarm.diagnosis.checks.regression import independent
 
 PRIOR = log(1e-3)
 """Of a channel to be at fault, in (1)."""
+NOTHING = 1e-12
+"""What is left at least: readings and prediction may both stand at 0 [SI]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +48,7 @@ class Finding:
     log_bayes : float
         (1).
     cost : float
-        N ln m of the best hypothesis, less its prior; to compare models of other channels by.
+        (2) of the best hypothesis, less its prior; to compare explanations of all channels by.
     values : dict of str to (value, std, unit)
         The fault's parameters.
     sentence : str
@@ -70,6 +81,12 @@ def log_bayes(count: int, before: float, after: float) -> float:
     return independent(count) * float(np.log(before / after)) + PRIOR
 
 
-def cost(count: int, scatter: float) -> float:
-    """N ln m."""
-    return independent(count) * float(np.log(scatter))
+def cost(channel: Channel, left: float, strain: float = 0.0) -> float:
+    """(2) of a hypothesis that leaves so much, and strains what is no fault by so much."""
+    return independent(len(channel.rows)) * float(np.log(max(left, channel.least, NOTHING))) + strain
+
+
+def cost_of_all(found: Sequence[Finding]) -> float:
+    """(2) of all channels; those of one sensor that have one fault share its prior."""
+    named = [(each.name, each.channel.signal.name) for each in found if each.name]
+    return sum(each.cost for each in found) + PRIOR * (len(named) - len(set(named)))

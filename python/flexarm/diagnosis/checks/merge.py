@@ -50,7 +50,7 @@ class _Item:
     log_odds: float
     values: dict[str, tuple[float, float, str]]
     sentence: str
-    rival: tuple[str, str, float] | None = None
+    rival: DriveFinding | None = None
 
 
 def merged(verdicts: Sequence[Verdict]) -> tuple[Fault, ...]:
@@ -64,11 +64,9 @@ def merged(verdicts: Sequence[Verdict]) -> tuple[Fault, ...]:
 
 def _agreed(verdicts: Sequence[Verdict]) -> list[Verdict]:
     """Where a record leaves open whether its drive is at fault, another one that does not decides."""
-    sure = {(v.drive.name, v.drive.signal.name) for v in verdicts if v.drive and not v.tied}
+    sure = {v.drive.key for v in verdicts if v.drive and not v.tied}
     return [
-        replace(v, tied=False, channels=v.drive.rest)
-        if v.drive and v.tied and (v.drive.name, v.drive.signal.name) in sure
-        else v
+        replace(v, tied=False, channels=v.drive.rest) if v.drive and v.tied and v.drive.key in sure else v
         for v in verdicts
     ]
 
@@ -90,7 +88,7 @@ def _items(verdict: Verdict) -> list[_Item]:
     for each in verdict.channels:
         if each.name:
             signal = each.channel.signal
-            rival = (drive.name, drive.signal.name, drive.log_bayes) if drive and verdict.tied else None
+            rival = drive if verdict.tied else None
             known = channel_names(signal.quantity, signal.axes)
             found.append(
                 _Item(
@@ -106,18 +104,9 @@ def _items(verdict: Verdict) -> list[_Item]:
                 )
             )
     if drive is not None and (not verdict.tied or not found):
-        found.append(
-            _Item(
-                verdict.record,
-                drive.name,
-                drive.signal.name,
-                "",
-                ("",),
-                drive.log_bayes,
-                drive.values,
-                drive.sentence,
-            )
-        )
+        for at, values in drive.values.items():
+            item = verdict.record, drive.name, at, "", ("",), drive.log_bayes, dict(values), drive.sentence
+            found.append(_Item(*item))
     return found
 
 
@@ -131,9 +120,8 @@ def _fault(items: list[_Item]) -> Fault:
     alternatives: tuple[Alternative, ...] = ()
     rival = next((item.rival for item in items if item.rival is not None), None)
     if rival is not None:
-        name, at, bayes = rival
-        share = 1 / (1 + exp(-bayes))
-        alternatives = (Alternative(name, at, probability * share),)
+        share = 1 / (1 + exp(-rival.log_bayes))
+        alternatives = tuple(Alternative(rival.name, at, probability * share) for at in rival.values)
         probability *= 1 - share
     return Fault(
         first.name,

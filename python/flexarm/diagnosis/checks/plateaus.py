@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.diagnosis.checks.channel import Channel
 from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
-from flexarm.diagnosis.checks.regression import scatter_at
+from flexarm.diagnosis.checks.regression import fit_at
 
 Rows = NDArray[np.bool_]
 
@@ -114,10 +114,8 @@ def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
         f"{channel.label} stops at {ends}, the end of its range: the model goes on by "
         f"{beyond:.2g} {channel.signal.unit} there"
     )
-    rest = channel.part(~at)
-    n = len(channel.rows)
     values = {"limit": (limit, float(std), channel.signal.unit)}
-    price = cost(n, max(after, rest.scatter(1.0) if len(rest.rows) else after)) - PRIOR
+    price = cost(channel, max(after, _left_of(channel.part(~at)))) - PRIOR
     return Finding(channel, "saturation", bayes, price, values, sentence), at
 
 
@@ -175,6 +173,11 @@ def _weighed(channel: Channel, at: Rows) -> tuple[float, float, float]:
     return log_bayes(int(at.sum()), before, after), after, float(np.max(np.abs(p + gap - y)))
 
 
+def _left_of(rest: Channel) -> float:
+    """What the other rows leave, none if there are none."""
+    return rest.fit_at(1.0).left if len(rest.rows) else 0.0
+
+
 def frozen(channel: Channel) -> tuple[Rows, str] | None:
     """Rows where the channel repeats a value while the prediction moves on, and a sentence."""
     noise = channel.signal.noise_std or 0.0
@@ -198,14 +201,13 @@ def dead_from(channel: Channel, at: Rows, sentence: str) -> Finding | None:
         return None
     y, p = channel.measured[at], channel.predicted[at]
     columns = channel.columns[at]
-    before = scatter_at(1.0, y, p, columns, channel.sizes, channel.noise, 0.0)
+    before = fit_at(1.0, y, p, columns, channel.sizes, channel.noise, 0.0).scatter
     after = max(channel.noise, 1e-3 * before)
     bayes = log_bayes(int(at.sum()), before, after)
     if bayes <= 0:
         return None
     value = float(np.median(y))
-    rest = channel.part(~at)
-    price = cost(len(channel.rows), max(rest.scatter(1.0) if len(rest.rows) else after, after)) - PRIOR
+    price = cost(channel, max(after, _left_of(channel.part(~at)))) - PRIOR
     values = {"value": (value, channel.noise / np.sqrt(at.sum()), channel.signal.unit)}
     moved = f"{sentence}, while the model moves by {np.ptp(p):.3g} {channel.signal.unit}"
     return Finding(channel, "dead_channel", bayes, price, values, moved)

@@ -46,6 +46,8 @@ class Fit:
         1 sigma of the readings.
     left : float
         Root mean square of e, however small.
+    strain : float
+        Half the sum of a^2/S^2 in (2): how far what is no fault had to go [nats].
     """
 
     slope: float
@@ -54,6 +56,7 @@ class Fit:
     moving: float
     noise: float
     left: float
+    strain: float
 
     @property
     def missed(self) -> float:
@@ -83,28 +86,34 @@ def slope_of(y: Floats, p: Floats, columns: Floats, sizes: Floats, noise: float,
         Of (3).
     """
     A = np.column_stack([p, columns])
-    slope, std, sigma, left = 1.0, np.inf, float(np.hypot(noise, floor)), np.inf
+    slope, std, sigma, left, strain = 1.0, np.inf, float(np.hypot(noise, floor)), np.inf, 0.0
     for _ in range(ROUNDS):
         last, prior = slope, sizes * max(1.0, abs(slope))
         x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
         slope, std = float(x[0]), float(np.sqrt(spread[0]))
-        left = float(np.sqrt(np.mean((y - A @ x) ** 2)))
+        left, strain = float(np.sqrt(np.mean((y - A @ x) ** 2))), _strain(x[1:], prior)
         sigma = max(left, float(np.hypot(noise, slope * floor)))
         if abs(slope - last) < 1e-3 * max(abs(slope), std):
             break
-    return Fit(slope, std, sigma, abs(slope) * float(np.std(p)), noise, left)
+    return Fit(slope, std, sigma, abs(slope) * float(np.std(p)), noise, left, strain)
 
 
-def scatter_at(
+def fit_at(
     slope: float, y: Floats, p: Floats, columns: Floats, sizes: Floats, noise: float, floor: float
-) -> float:
-    """Scatter, no less than (3), of (1) with a slope that is given."""
-    left, prior = y - slope * p, 1 / (sizes * max(1.0, abs(slope))) ** 2
-    sigma = np.hypot(noise, slope * floor)
+) -> Fit:
+    """(1) with a slope that is given."""
+    rest, prior = y - slope * p, sizes * max(1.0, abs(slope))
+    least = float(np.hypot(noise, slope * floor))
+    sigma, left, strain = least, np.inf, 0.0
     for _ in range(3):
-        x = _posterior(columns, left, prior, sigma)[0]
-        sigma = _scatter(left - columns @ x, noise, slope * floor)
-    return float(sigma)
+        x = _posterior(columns, rest, 1 / prior**2, sigma)[0]
+        left, strain = float(np.sqrt(np.mean((rest - columns @ x) ** 2))), _strain(x, prior)
+        sigma = max(left, least)
+    return Fit(slope, 0.0, sigma, abs(slope) * float(np.std(p)), noise, left, strain)
+
+
+def _strain(x: Floats, prior: Floats) -> float:
+    return float(0.5 * np.sum((x / prior) ** 2))
 
 
 def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floats, Floats]:
@@ -117,7 +126,3 @@ def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floa
     H += 1e-12 * np.trace(H) / len(H) * np.eye(len(H))
     inverse = np.linalg.inv(H)
     return inverse @ (w * (B.T @ y)) / scale, np.diag(inverse) / scale**2
-
-
-def _scatter(e: Floats, noise: float, floor: float) -> float:
-    return float(max(np.sqrt(np.mean(e**2)), np.hypot(noise, floor)))

@@ -13,8 +13,9 @@ from math import log, pi
 import numpy as np
 
 from flexarm.comparison.subject import Placement, Subject
-from flexarm.diagnosis.checks.channel import Channel, values_at
+from flexarm.diagnosis.checks.channel import Channel
 from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
+from flexarm.diagnosis.checks.no_fault import values_at
 from flexarm.diagnosis.checks.regression import Fit
 from flexarm.diagnosis.wording import with_unit
 
@@ -28,82 +29,91 @@ CERTAIN = 5.0
 """Sigmas by which a slope must be known."""
 STILL = 0.02
 """Share of the predicted motion below which a channel does not move."""
+STRAINED = 4.5
+"""Half of the squares of sigmas by which what is no fault may be off: an offset of three, say."""
 FAR_DELAY = 0.15
 """Delays [s] that may turn a sign and are no sign error."""
-UNITS = {
-    "degrees for radians": 180 / pi,
-    "radians for degrees": pi / 180,
-    "turns for radians": 0.5 / pi,
-    "radians for turns": 2 * pi,
-    "thousandths such as mm or mrad": 1e3,
-    "thousandfold units": 1e-3,
-    "centimetres for metres": 100.0,
-    "percent": 0.01,
-    "inches for metres": 1 / 0.0254,
-    "metres for inches": 0.0254,
-    "feet for metres": 1 / 0.3048,
-    "metres for feet": 0.3048,
-    "multiples of g for m/s2": 1 / 9.80665,
-    "m/s2 for multiples of g": 9.80665,
-    "micro units": 1e6,
-    "rpm for rad/s": 30 / pi,
-    "rad/s for rpm": pi / 30,
-    "arc minutes for radians": 60 * 180 / pi,
-    "arc seconds for radians": 3600 * 180 / pi,
+ANGLES, LENGTHS, RATES, ACCELERATIONS = ("rad",), ("m",), ("rad/s",), ("m/s2",)
+UNITS: dict[str, tuple[float, tuple[str, ...]]] = {
+    "degrees for radians": (180 / pi, ANGLES + RATES),
+    "radians for degrees": (pi / 180, ANGLES + RATES),
+    "turns for radians": (0.5 / pi, ANGLES + RATES),
+    "radians for turns": (2 * pi, ANGLES + RATES),
+    "thousandths such as mm or mrad": (1e3, ()),
+    "thousandfold units": (1e-3, ()),
+    "centimetres for metres": (100.0, LENGTHS),
+    "metres for centimetres": (0.01, LENGTHS),
+    "percent": (0.01, ("1",)),
+    "inches for metres": (1 / 0.0254, LENGTHS),
+    "metres for inches": (0.0254, LENGTHS),
+    "feet for metres": (1 / 0.3048, LENGTHS),
+    "metres for feet": (0.3048, LENGTHS),
+    "multiples of g for m/s2": (1 / 9.80665, ACCELERATIONS),
+    "m/s2 for multiples of g": (9.80665, ACCELERATIONS),
+    "micro units": (1e6, ()),
+    "rpm for rad/s": (30 / pi, RATES),
+    "rad/s for rpm": (pi / 30, RATES),
+    "arc minutes for radians": (60 * 180 / pi, ANGLES),
+    "arc seconds for radians": (3600 * 180 / pi, ANGLES),
 }
-"""Conversions by the factor that a reading gets."""
+"""Conversions by the factor that a reading gets, and the SI units of what is measured so; of anything: ()."""
 
 
 def judged(channel: Channel, subject: Subject, placement: Placement) -> Finding:
     """The channel under its best hypothesis of slope."""
-    n = len(channel.rows)
-    fit, plain = channel.fit(), channel.scatter(1.0)
-    here = Finding(channel, cost=cost(n, plain))
+    fit, own = channel.fit(), channel.fit_at(1.0)
+    here = in_order(channel, own)
     firm = abs(fit.slope) > CERTAIN * fit.std and fit.missed < FOLLOWS
     if not firm:
-        return _dead(channel, plain) or replace(here, strange=_strange(channel, plain))
+        return _dead(channel, own) or replace(here, strange=_strange(channel, own))
     loose = LOOSE.get(channel.signal.quantity, IN_ORDER)
     another_unit = not 1 / loose < abs(fit.slope) < loose
     if fit.slope > 0 and not another_unit:
-        return replace(here, strange=_strange(channel, plain))
+        return replace(here, strange=_strange(channel, own))
     if fit.slope < 0 and _late(channel, subject, placement, fit):
         return replace(here, strange=True)
-    return _flipped(channel, fit, plain) if not another_unit else _scaled(channel, fit, plain)
+    return _flipped(channel, fit, own) if not another_unit else _scaled(channel, fit, own)
 
 
-def _flipped(channel: Channel, fit: Fit, plain: float) -> Finding:
-    after = channel.scatter(-1.0)
-    bayes = log_bayes(len(channel.rows), plain, after)
+def in_order(channel: Channel, own: Fit) -> Finding:
+    """The channel as one that is what it says."""
+    return Finding(channel, cost=cost(channel, own.left, own.strain))
+
+
+def _flipped(channel: Channel, fit: Fit, own: Fit) -> Finding:
+    turned = channel.fit_at(-1.0)
+    bayes = log_bayes(len(channel.rows), own.scatter, turned.scatter)
     sentence = (
         f"{channel.label} moves against the model: measured = {fit.slope:.3f} x predicted "
         f"(+- {fit.std:.1g}); with the sign turned {with_unit(fit.left, channel.signal.unit, 2)} are left "
-        f"of {with_unit(plain, channel.signal.unit, 2)}"
+        f"of {with_unit(own.scatter, channel.signal.unit, 2)}"
     )
-    return _found(channel, "sign_error", bayes, after, {}, sentence)
+    return _found(channel, own, "sign_error", bayes, turned, {}, sentence)
 
 
-def _scaled(channel: Channel, fit: Fit, plain: float) -> Finding:
+def _scaled(channel: Channel, fit: Fit, own: Fit) -> Finding:
     factor = abs(fit.slope)
-    bayes = log_bayes(len(channel.rows), plain, fit.scatter)
+    bayes = log_bayes(len(channel.rows), own.scatter, fit.scatter)
     turned = "against the model and " if fit.slope < 0 else ""
     relative = fit.std / factor
     sentence = (
         f"{channel.label} moves {turned}{factor:.5g} times as far as the model says "
-        f"(+- {100 * relative:.1f} %)"
-        f"{unit_named(factor, relative)}; with that taken back {100 * fit.missed:.2g} % of its motion is left"
+        f"(+- {100 * relative:.1f} %){unit_named(factor, relative, channel.signal.unit)}; "
+        f"with that taken back {100 * fit.missed:.2g} % of its motion is left"
     )
     values = {"factor": (factor, fit.std, "-")}
-    return _found(channel, "unit_error", bayes, fit.scatter, values, sentence)
+    return _found(channel, own, "unit_error", bayes, fit, values, sentence)
 
 
-def unit_named(factor: float, relative: float) -> str:
-    """The conversion that a factor may be, for a sentence."""
-    near = min(UNITS, key=lambda name: abs(log(factor / UNITS[name])))
-    off = abs(log(factor / UNITS[near]))
-    return f", which is what {near} give ({UNITS[near]:.5g})" if off < max(0.1, 3 * relative) else ""
+def unit_named(factor: float, relative: float, unit: str) -> str:
+    """The conversion that a factor may be of readings in an SI unit, for a sentence."""
+    fits = {name: own for name, (own, units) in UNITS.items() if unit in units or not units}
+    near = min(fits, key=lambda name: abs(log(factor / fits[name])))
+    off = abs(log(factor / fits[near]))
+    return f", which is what {near} give ({fits[near]:.5g})" if off < max(0.1, 3 * relative) else ""
 
 
-def _dead(channel: Channel, plain: float) -> Finding | None:
+def _dead(channel: Channel, own: Fit) -> Finding | None:
     """A channel that shows one value, but for its noise, while the model says that it moves."""
     seen, said = float(np.std(channel.measured)), float(np.std(channel.predicted))
     noise = channel.signal.noise_std or 0.0
@@ -113,42 +123,42 @@ def _dead(channel: Channel, plain: float) -> Finding | None:
     if not (quiet and lively and enough):
         return None
     value = float(np.median(channel.measured))
-    after = max(seen, noise, 1e-3 * plain)
+    after = max(seen, noise, 1e-3 * own.scatter)
     unit = channel.signal.unit
     sentence = (
         f"{channel.label} stays at {value:.6g} {unit} to within {seen:.2g} {unit}, while the model says that "
         f"it moves by {np.ptp(channel.predicted):.3g} {unit}"
     )
     std = max(seen, noise) / np.sqrt(len(channel.rows))
-    return _found(
-        channel,
-        "dead_channel",
-        log_bayes(len(channel.rows), plain, after),
-        after,
-        {"value": (value, float(std), unit)},
-        sentence,
-    )
+    bayes = log_bayes(len(channel.rows), own.scatter, after)
+    return _found(channel, own, "dead_channel", bayes, after, {"value": (value, float(std), unit)}, sentence)
 
 
 def _found(
     channel: Channel,
+    own: Fit,
     name: str,
     bayes: float,
-    after: float,
+    after: Fit | float,
     values: dict[str, tuple[float, float, str]],
     sentence: str,
 ) -> Finding:
     """The fault if it wins, else the channel in order."""
-    n = len(channel.rows)
     if bayes <= 0:
-        return Finding(channel, cost=cost(n, channel.scatter(1.0)))
-    return Finding(channel, name, bayes, cost(n, after) - PRIOR, values, sentence)
+        return in_order(channel, own)
+    left, strain = (after.left, after.strain) if isinstance(after, Fit) else (after, 0.0)
+    return Finding(channel, name, bayes, cost(channel, left, strain) - PRIOR, values, sentence)
 
 
-def _strange(channel: Channel, plain: float) -> bool:
-    """Whether the channel leaves more than half of its motion unexplained, and much more than any noise."""
+def _strange(channel: Channel, own: Fit) -> bool:
+    """Whether no hypothesis explains it.
+
+    It leaves more of its motion than one that follows, and much more than any noise; or what is no fault is
+    strained.
+    """
     moving = max(float(np.std(channel.predicted)), 10 * channel.noise)
-    return plain > 0.5 * moving and plain > 5 * np.hypot(channel.noise, channel.floor)
+    far = own.scatter > FOLLOWS * moving and own.scatter > 5 * np.hypot(channel.noise, channel.floor)
+    return far or own.strain > STRAINED
 
 
 def _late(channel: Channel, subject: Subject, placement: Placement, flipped: Fit) -> bool:

@@ -18,7 +18,8 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.checks.channel import Channel
-from flexarm.diagnosis.checks.drives import DriveFinding, disturbed, moves
+from flexarm.diagnosis.checks.drive_hypotheses import disturbed, moves
+from flexarm.diagnosis.checks.drives import DriveFinding
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.diagnosis.checks.plateaus import SLOW, runs
 
@@ -135,7 +136,7 @@ def _dead(signal: Signal, angle: Floats, who: str) -> DriveFinding:
     sentence = (
         f"the drive {signal.name} stays at {value:.5g} {signal.unit} all the time, and {who} does not follow"
     )
-    return DriveFinding(signal, "dead_channel", SURE, {"value": (value, std, signal.unit)}, sentence)
+    return _finding(signal, "dead_channel", "value", (value, float(std)), sentence)
 
 
 def _stopped(signal: Signal, time: Floats, angle: Floats, stands: Sequence[Run], who: str) -> DriveFinding:
@@ -150,8 +151,11 @@ def _stopped(signal: Signal, time: Floats, angle: Floats, stands: Sequence[Run],
     begin = f"the drive {signal.name} stops within a sample at {levels[0]:.5g} {signal.unit}"
     if at_ends and back:
         sentence = f"{begin}, the end of its range, for {rows} samples in all while {who} moves on"
-        values = {"limit": (float(np.mean(np.abs(levels))), std, signal.unit)}
-        return DriveFinding(signal, "saturation", SURE, values, sentence)
+        return _finding(signal, "saturation", "limit", (float(np.mean(np.abs(levels))), float(std)), sentence)
     sentence = f"{begin} from t = {time[stands[0][0]]:.4g} s on for {rows} samples while {who} moves on"
-    values = {"value": (float(levels[0]), std, signal.unit)}
-    return DriveFinding(signal, "dead_channel", SURE, values, sentence)
+    return _finding(signal, "dead_channel", "value", (float(levels[0]), float(std)), sentence)
+
+
+def _finding(signal: Signal, name: str, key: str, value: tuple[float, float], sentence: str) -> DriveFinding:
+    """A fault of one drive with one parameter and its standard deviation."""
+    return DriveFinding({signal.name: {key: (*value, signal.unit)}}, name, SURE, sentence)

@@ -1,0 +1,120 @@
+"""What may be wrong with the drives of a record: one that counts the other way, one or all in another unit.
+
+A hypothesis is a tuple of effects that take the fault back before the model is driven (`flexarm.drive`). One
+that leaves no joint turning more often than arms do comes first; among these, fewer drives at fault do. Of
+all drives together units are tried alone: who writes one angle in degrees writes all of them so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import log, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.diagnosis.checks.finding import Finding
+from flexarm.measurement.torque import gear_ratio
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.arm.sensor_effect import ChannelEffect
+    from flexarm.record import Record, Signal
+
+Hypothesis = tuple["ChannelEffect", ...]
+
+FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0.1, 2.0, 0.5, 4.0, 0.25)
+"""Wrong units of angles and counts; the joint's own ratio and its inverse come on top."""
+OF_ALL = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3)
+"""The same of all drives together."""
+FARTHEST = 4 * pi
+"""Angles of a revolute joint beyond which a hypothesis is not tried [rad]; lengths likewise [m]."""
+LEAST = 1e-3
+"""Standard deviation of a motion that a hypothesis must leave [rad or m]."""
+NEAR = 12.0
+"""Ratio of factors within which one may pass for another: little is known of motions a tenth too small."""
+
+
+def hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> list[Hypothesis]:
+    """Faults of drives that would disturb what is disturbed, and leave a motion that arms make.
+
+    Parameters
+    ----------
+    without : sequence of Finding or None
+        The channels along the drives as they are; None: the model cannot follow these.
+    """
+    from flexarm.effects import SignError
+
+    drives = [signal for name in record.drive if (signal := record.signals[name]).joint is not None]
+    moving = [
+        signal
+        for signal in drives
+        if _spread(signal) > 3 * (signal.noise_std or 0.0)
+        and (without is None or disturbed(arm, str(signal.joint), without))
+    ]
+    found: list[Hypothesis] = [(SignError(at=signal.name),) for signal in moving]
+    found += [each for signal in moving for each in _units([signal], arm, FACTORS)]
+    turning = [signal for signal in drives if signal.unit == "rad"]
+    if moving and len(turning) > 1:
+        found += _units(turning, arm, OF_ALL)
+    wild = {signal.name for signal in turning if _farthest(signal) > FARTHEST}
+    return sorted(found, key=lambda each: not wild <= {effect.at for effect in each})
+
+
+def _units(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
+    """Drives in one wrong unit, or not divided by their ratios, or twice."""
+    from flexarm.effects import UnitError
+
+    ratios = [gear_ratio(arm, str(signal.joint)) for signal in drives]
+    alike = [[factor] * len(drives) for factor in factors]
+    own = [ratios, [1 / ratio for ratio in ratios]] if any(ratio != 1 for ratio in ratios) else []
+    return [
+        tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
+        for each in [*alike, *own]
+        if all(_farthest(signal) / f < FARTHEST for signal, f in zip(drives, each, strict=True))
+        and any(_spread(signal) / f > LEAST for signal, f in zip(drives, each, strict=True))
+    ]
+
+
+def near(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two hypotheses put a drive in units that may pass for one another."""
+    mine, its = factors_of(one), factors_of(other)
+    return any(abs(log(mine[at] / its[at])) < log(NEAR) for at in mine.keys() & its.keys())
+
+
+def factors_of(hypothesis: Hypothesis) -> dict[str, float]:
+    """Factors of unit errors by signal."""
+    return {
+        effect.at: value for effect in hypothesis for key, value, _ in effect.parameters() if key == "factor"
+    }
+
+
+def _farthest(signal: Signal) -> float:
+    return float(np.nanmax(np.abs(signal.values), initial=0.0))
+
+
+def _spread(signal: Signal) -> float:
+    return float(np.nanstd(signal.values))
+
+
+def disturbed(arm: Arm, joint: str, found: Sequence[Finding]) -> bool:
+    """Whether at least half of the signals that a joint moves do not follow the model."""
+    odd: dict[str, bool] = {}
+    for each in found:
+        signal = each.channel.signal
+        if moves(arm, joint, signal):
+            odd[signal.name] = odd.get(signal.name, False) or bool(each.name) or each.strange
+    return bool(odd) and sum(odd.values()) >= len(odd) / 2
+
+
+def moves(arm: Arm, joint: str, signal: Signal) -> bool:
+    """Whether a joint moves the place of a signal; torques are left to their own joint."""
+    if signal.joint is not None:
+        return signal.joint == joint
+    link = signal.link or (arm.point(signal.point).link if signal.point is not None else "")
+    while link and link != "base":
+        above = next(each for each in arm.joints if each.child.split(":")[0] == link.split(":")[0])
+        if above.name == joint:
+            return True
+        link = above.parent
+    return False
