@@ -12,6 +12,7 @@ import pytest
 from arms import EI, LENGTH, PAYLOAD, RHO_A, paper_arm
 from chain import Base, Link
 from hub import Hub
+from joint_motions import Stops
 from motion import Arm
 from swings import Swing
 from virtual_lab import Lab, Nuisances, record
@@ -137,6 +138,16 @@ def test_an_arm_that_friction_holds_at_its_least_is_no_range_end():
     motion, noise = np.where(time < 20, np.cos(np.pi * time / 20), -1.0), 1e-3
     held = np.maximum(motion, -0.98) + noise * rng.standard_normal(len(time))
     assert _cut(-held, -motion, noise, noise) is None
+
+
+def test_an_arm_that_rests_on_both_sides_of_upright_is_no_range_end():
+    """Its base leans by 3 mrad: equal heights where the model says 0.4 mm more and less, of 3 m."""
+    rng, time = np.random.default_rng(6), np.arange(0, 24, 0.1)
+    lean, aside, noise = 3e-3, 0.09, 4e-5
+    rests = [-0.02, aside - lean, -0.02, -aside - lean, -aside - lean]
+    angle = Stops(rests, [2, 7, 13, 20], [2, 2, 2, 2])(time)[0]
+    height = LENGTH / 2 * np.cos(angle + lean) + noise * rng.standard_normal(len(time))
+    assert _cut(-height, -LENGTH / 2 * np.cos(angle), noise, 1e-3 * LENGTH) is None
 
 
 def test_data_in_order_are_left_as_they_are(nominal, faultless):

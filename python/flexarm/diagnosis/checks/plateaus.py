@@ -8,8 +8,9 @@ A sensor at the end of its range shows p cut off at a level, so that
 
     the plateaus lie at one level, the greatest (or least) reading, and p is beyond it there          (2)
 
-With noise, they also outnumber the readings just below, and p goes on by a good part of its motion: an arm
-that friction holds at the end of a move looks alike, but the model leaves it by little.
+With noise, they also outnumber the readings just below, and p goes on by a good part of its motion and by
+more than models miss: an arm that friction holds at the end of a move, or that rests beside where it stands
+upright, looks alike, but the model leaves it by little.
 
 A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
 or turns round too; where the drives stand, a model without damping may ring on, so that p counts in (1) only
@@ -129,7 +130,8 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
     if width and not _piled_up(y, level, noise):
         return None
     shift, left = _about(y[inner] - p[inner], floor)
-    least = max(10 * noise, MOVES * float(np.std(p))) if width else max(5 * noise, 0.02 * float(np.std(p)))
+    moving = float(np.std(p))
+    least = max(10 * noise, MOVES * moving, floor) if width else max(5 * noise, 0.02 * moving)
     enough = max(least, 3 * left)
     goes_on = np.ptp(p[at]) >= enough and np.quantile(p[at] + shift - level, 0.8) >= enough / 2
     within = np.mean(p[~at] + shift <= level + max(3 * left, 5 * noise)) > 0.95
