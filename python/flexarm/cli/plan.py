@@ -113,6 +113,9 @@ def _motion(path: Path, arm: Arm) -> Motion | Record:
             raise InvalidFile(path, "kind", what)
         return record
     from flexarm.drive import Drive
+    from flexarm.drive.doubts import doubts
 
     with blame(path):
-        return Drive.from_csv(path, arm)
+        found = Drive.from_csv(path, arm)
+    warn(path, doubts(found, arm))
+    return found

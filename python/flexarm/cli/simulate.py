@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
-from flexarm.errors import InvalidFile, Problem
+from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -89,31 +88,19 @@ def _record(drive: Path, arm: Arm) -> Record | None:
 def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
     """What moves the joints."""
     from flexarm.drive import Drive as Motion
+    from flexarm.drive.doubts import doubts
 
     with blame(drive):
         if record is not None:
             return Motion.from_record(record, arm)
         found = Motion.from_csv(drive, arm)
-    _doubt_degrees(drive, found, arm)
+    warn(drive, doubts(found, arm))
     return found
 
 
-def _doubt_degrees(file: Path, motion: Motion, arm: Arm) -> None:
-    """Warns of an arm's joint that turns several times, as one in degrees seems to."""
-    shafts = {gear.input for gear in arm.gears}
-    for name, drive in motion.joints.items():
-        most = max(abs(float(value)) for value in drive.coefficients[-1])
-        if arm.joint(name).type == "revolute" and name not in shafts and most > 4 * math.pi:
-            turns = f"{most / (2 * math.pi):.1f} turns"
-            doubt = "is it in degrees, or not yet divided by the ratio?"
-            warn(file, [Problem(f"column {name}", f"reaches {most:g} rad, {turns}; {doubt}")])
-
-
-MOST_STEPS = 20_000_000
-"""More would fill the memory of a workstation: a step keeps about a kilobyte."""
-
-
 def _refuse_endless(motion: Motion, step: float) -> None:
+    from flexarm.simulation.endless import MOST_STEPS
+
     steps = (motion.end - motion.start) / step
     if steps > MOST_STEPS:
         allowed = (motion.end - motion.start) / MOST_STEPS

@@ -11,6 +11,7 @@ from flexarm.arm.consistency import missing
 from flexarm.arm.sizes import reach
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.drawn_out import drawn_out
+from flexarm.record.lasting import too_fast
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -61,7 +62,12 @@ def doubts(record: Record, arm: Arm) -> list[Problem]:
 
 def doubted_values(record: Record, arm: Arm) -> list[Problem]:
     """Values that this arm cannot show, as they stand in the record."""
-    return [*_positions(record, arm), *_angles(record, arm), *_undriven(record, arm)]
+    return [
+        *_positions(record, arm),
+        *_angles(record, arm),
+        *_undriven(record, arm),
+        *_too_fast(record, arm),
+    ]
 
 
 def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
@@ -162,6 +168,12 @@ def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
                 f"signals.{signal.name}",
                 f"is a motor's angle and moves, but is not in drive: the model holds {signal.joint!r} still",
             )
+
+
+def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:
+    """Joints that turn as fast as motors; shafts before gears are motors' own."""
+    shafts = {gear.input for gear in arm.gears}
+    return too_fast(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
 
 
 def _rigid_span(record: Record, arm: Arm, signal: Signal) -> float:

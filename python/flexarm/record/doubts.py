@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.errors import Problem
+from flexarm.record.lasting import doubts_of_spans
 from flexarm.record.signal import Signal
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ def doubts(record: Record) -> Iterable[Problem]:
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
     yield from clocks_apart(record)
+    if record.kind == "motion":
+        yield from doubts_of_spans(record)
     yield from (Problem(f"signals.{name}", what) for name, what in outside_the_drive(record).items())
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))

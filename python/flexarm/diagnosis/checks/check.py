@@ -32,6 +32,7 @@ from flexarm.diagnosis.checks.standing import constant_drive, standing_drive
 from flexarm.diagnosis.checks.sudden import remarks_on_starts
 from flexarm.errors import InvalidParameter
 from flexarm.record.doubts import clocks_apart
+from flexarm.simulation.endless import endless
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -80,7 +81,7 @@ def check(
     remarks: list[str] = []
     doubts: list[str] = []
     for name, record in named.items():
-        named[name], removed, notes = _readable(arm, name, record)
+        named[name], removed, notes = _readable(arm, name, record, step)
         outliers += removed
         remarks += notes
     subjects, failed, empty = run(arm, named, step, alpha, progress)
@@ -137,7 +138,7 @@ def cleaned(arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alph
     outliers: list[Removed] = []
     remarks: list[str] = []
     for name, record in named.items():
-        record, removed, notes = _readable(arm, name, record)
+        record, removed, notes = _readable(arm, name, record, step)
         try:
             subject = beside(arm, record, align=False, step=step, alpha=alpha).subject
         except InvalidParameter as error:
@@ -183,16 +184,17 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
     return named
 
 
-def _readable(arm: Arm, name: str, record: Record) -> tuple[Record, list[Removed], list[str]]:
+def _readable(arm: Arm, name: str, record: Record, step: float) -> tuple[Record, list[Removed], list[str]]:
     """A record that fits the model, without empty channels and the outliers of its drives.
 
     Raises
     ------
     InvalidParameter
-        If it names what the model does not have, or a signal has no instant in common with the drive.
+        If it names what the model does not have, a signal has no instant in common with the drive, or a run
+        of it would not end.
     """
     record.check_against(arm)
-    for problem in clocks_apart(record):
+    for problem in (*clocks_apart(record), *endless(record, step)):
         raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
     record, notes = without_lost_channels(name, record)
     record, removed = clean_drives(name, record)

@@ -1,0 +1,43 @@
+"""What looks wrong in a drive that a CSV file holds: degrees, angles of motors, milliseconds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.errors import Problem
+from flexarm.record.lasting import motion_of, span_of, too_long
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.drive.drive import Drive
+
+MOST = 4 * pi
+"""Angle that hardly any joint reaches at its output [rad]."""
+REMEDY = "write them in s"
+
+
+def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
+    """Joints that turn several times, and runs of hours."""
+    shafts = {gear.input for gear in arm.gears}
+    for name, joint in drive.joints.items():
+        most = float(np.max(np.abs(joint(joint.breaks))))
+        if arm.joint(name).type == "revolute" and name not in shafts and most > MOST:
+            turns = f"{most / (2 * pi):.1f} turns"
+            doubt = "is it in degrees, or not yet divided by the ratio?"
+            yield Problem(f"column {name}", f"reaches {most:g} rad, {turns}; {doubt}")
+    motions = [
+        motion_of(name, joint.breaks, joint(joint.breaks), "m" if slides(arm, name) else "rad")
+        for name, joint in drive.joints.items()
+    ]
+    span = next((span_of(joint.breaks) for joint in drive.joints.values()), None)
+    if span is not None:
+        yield from (Problem("column time_s", what) for what in too_long(span, motions, REMEDY))
+
+
+def slides(arm: Arm, joint: str) -> bool:
+    """Whether a joint is prismatic."""
+    return arm.joint(joint).type == "prismatic"
