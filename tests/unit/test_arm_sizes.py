@@ -13,13 +13,30 @@ from flexarm.cli.run import run
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
 
 
-def crane_with(end=LENGTH, material=STEEL, mass=14.1, section=TUBE, **changes):
-    """The crane with another link, payload or uncertainty."""
-    plain = crane().to_dict()
+def crane_with(
+    end=LENGTH,
+    material=STEEL,
+    mass=14.1,
+    section=TUBE,
+    inertia=(0, 0, 0),
+    rpy=(0, 0, 0),
+    sensor=(),
+    **changes,
+):
+    """The crane with another link, payload, frame, sensor or uncertainty."""
+    joints = [{**crane().to_dict()["joints"][0], "origin": {"rpy": list(rpy)}}]
     rod = beam("rod", [0, 0, end], section, material=material)
-    payload = {"name": "load", "link": "rod", "position": [0, 0, end], "mass": mass}
+    payload = {"name": "load", "link": "rod", "position": [0, 0, end], "mass": mass, "inertia": list(inertia)}
     points = [{"name": "tip", "link": "rod", "position": [0, 0, end]}]
-    return arm_of(joints=plain["joints"], links=[rod], payloads=[payload], points=points, **changes)
+    tip = {"name": "tip", "quantity": "position", "point": "tip", "rate_hz": 10.0, "noise_std": 5e-5}
+    return arm_of(
+        joints=joints,
+        links=[rod],
+        payloads=[payload],
+        points=points,
+        sensors=[{**tip, **dict(sensor)}],
+        **changes,
+    )
 
 
 def doubted(arm):
@@ -36,6 +53,13 @@ def doubted(arm):
         ({"mass": 14100.0}, "payloads.load.mass"),
         ({"uncertainty": {"payloads.load.mass": 2.0}}, "uncertainty.payloads.load.mass"),
         ({"uncertainty": {"points.tip.position_m": 10.0}}, "uncertainty.points.tip.position_m"),
+        ({"inertia": [2e5, 2e5, 1e5]}, "payloads.load.inertia"),  # kg mm2
+        ({"rpy": [0, 90, 0]}, "joints.hinge.origin.rpy"),
+        ({"sensor": {"noise_std": 4.0}}, "sensors.tip.noise_std"),
+        ({"sensor": {"noise_std": 4000.0, "unit": "mm"}}, "sensors.tip.noise_std"),
+        ({"sensor": {"rate_hz": 1e6}}, "sensors.tip.rate_hz"),
+        ({"sensor": {"jitter_std": 2.0}}, "sensors.tip.jitter_std"),
+        ({"sensor": {"latency_s": 20.0}}, "sensors.tip.latency_s"),
     ],
 )
 def test_a_size_of_no_machine_is_doubted_at_its_place(changes, where):
@@ -50,6 +74,9 @@ def test_sizes_that_machines_have_are_not_doubted():
     assert doubted(arm_of(joints=crane().to_dict()["joints"], links=[upright])) == []
     boom = {"shape": "tube", "outer_diameter": 0.35, "thickness": 0.01}
     assert doubted(crane_with(end=17.6, mass=116e3, section=boom, gravity=[0, 0, 0])) == []
+    assert doubted(crane_with(inertia=[8.0, 8.0, 1.0], rpy=[0, 3.14, -1.57])) == []  # a rod of 2.6 m across
+    rough = {"noise_std": 20.0, "unit": "mm", "rate_hz": 2e4, "jitter_std": 2e-5, "latency_s": 0.5}
+    assert doubted(crane_with(sensor=rough)) == []
 
 
 def test_the_sag_is_that_of_a_cantilever():

@@ -9,6 +9,9 @@ Each limit is beyond what has been built, so that it doubts a typing error and n
     density       `DENSEST`: osmium has 22 600 kg/m3
     payload       `HEAVIEST` times the links: on Earth arms carry about their weight at most, in orbit the
                   Space Station's moves 116 t with 1.5 t, 77 times its own
+    inertia       of a payload, as if its mass were `WIDEST` times as far from its centre as the arm reaches:
+                  kg mm2 or kg cm2 for kg m2
+    turn          of a joint's frame by more than a turn: degrees for radians
     uncertainty   1 sigma beyond the value itself, or, of a place, beyond the reach of the arm: values of no
                   meaning, such as negative masses, would be likely
 
@@ -19,10 +22,11 @@ on edge is stiff against gravity. Limits of materials are of tables, those of ma
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import hypot
+from math import hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
 from flexarm.arm.link import Beam, RigidLink
+from flexarm.arm.sensor_doubts import sensor_doubts
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import Problem
 
@@ -35,6 +39,8 @@ STIFFEST, DENSEST = 1.3e12, 2.3e4
 """Of materials [Pa], [kg/m3]."""
 HEAVIEST = 100.0
 """Mass of a payload over that of all links."""
+WIDEST, SMALL = 3.0, 1.0
+"""Radius of gyration of a payload over the reach of the arm, and below which none is too large [m]."""
 
 
 def reach(arm: Arm) -> float:
@@ -46,9 +52,11 @@ def reach(arm: Arm) -> float:
 
 
 def size_doubts(arm: Arm) -> Iterable[Problem]:
-    """All sizes of a model beyond those of machines, and sigmas beyond the sizes."""
+    """All sizes of a model beyond those of machines, sigmas beyond the sizes, and sensors in other units."""
     yield from doubted_sizes(arm)
     yield from _uncertainty(arm)
+    for sensor in arm.sensors:
+        yield from sensor_doubts(sensor, reach(arm))
 
 
 def doubted_sizes(arm: Arm) -> Iterable[Problem]:
@@ -58,6 +66,7 @@ def doubted_sizes(arm: Arm) -> Iterable[Problem]:
         if isinstance(link, Beam):
             yield from _beam(link, hypot(*arm.gravity))
     yield from _payloads(arm)
+    yield from _turns(arm)
 
 
 def _lengths(arm: Arm) -> Iterable[Problem]:
@@ -92,17 +101,27 @@ def _beam(link: Beam, gravity: float) -> Iterable[Problem]:
         )
 
 
-def _payloads(arm: Arm) -> Iterable[Problem]:
-    """Payloads too heavy for their arm, where the mass of all its links stands in the model."""
+def mass_of_links(arm: Arm) -> float | None:
+    """Of all links together [kg]; None where some is not in the model, as of a super-element."""
     masses = [_mass(link) for link in arm.links if isinstance(link, Beam | RigidLink)]
-    own = sum(masses)
-    if own <= 0 or len(masses) < len(arm.links):
-        return
+    return sum(masses) if len(masses) == len(arm.links) else None
+
+
+def _payloads(arm: Arm) -> Iterable[Problem]:
+    """Payloads too heavy for their arm, where the model has the mass of all its links, and too wide ones."""
+    own = mass_of_links(arm)
     for load in arm.payloads:
-        if load.mass > HEAVIEST * own:
+        if own and load.mass > HEAVIEST * own:
             yield Problem(
                 f"payloads.{load.name}.mass",
                 f"is {load.mass:g} kg, {load.mass / own:.2g} times the mass of all links; masses are in kg",
+            )
+        radius = sqrt(max(load.inertia[:3]) / load.mass) if load.mass > 0 else 0.0
+        if radius > max(WIDEST * reach(arm), SMALL):
+            yield Problem(
+                f"payloads.{load.name}.inertia",
+                f"is that of {load.mass:g} kg at {radius:.3g} m from its centre, the arm reaches "
+                f"{reach(arm):.3g} m; inertias are in kg m2",
             )
 
 
@@ -110,6 +129,14 @@ def _mass(link: Beam | RigidLink) -> float:
     if isinstance(link, Beam):
         return link.material.density * link.section.area * link.length
     return link.mass
+
+
+def _turns(arm: Arm) -> Iterable[Problem]:
+    """Frames of joints turned by more than a turn."""
+    for joint in arm.joints:
+        if max(map(abs, joint.origin.rpy)) > 2 * pi:
+            what = f"is {list(joint.origin.rpy)} rad; write degrees as radians"
+            yield Problem(f"joints.{joint.name}.origin.rpy", what)
 
 
 def _uncertainty(arm: Arm) -> Iterable[Problem]:
