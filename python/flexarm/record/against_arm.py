@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.arm.sizes import reach
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.record.carried_doubts import carried_doubts
 from flexarm.record.drawn_out import drawn_out
+from flexarm.record.frame_doubts import frame_doubts
 from flexarm.record.lasting import too_fast
+from flexarm.record.reached import reached, rigid_places
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -67,6 +69,8 @@ def doubted_values(record: Record, arm: Arm) -> list[Problem]:
         *_angles(record, arm),
         *_undriven(record, arm),
         *_too_fast(record, arm),
+        *frame_doubts(record, arm),
+        *carried_doubts(record, arm),
     ]
 
 
@@ -128,11 +132,10 @@ def weighed(arm: Arm, masses: Mapping[str, float]) -> Arm:
 
 
 def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
-    limit = reach(arm)
-    for signal in record.of_quantity("position").values():
+    seen = [signal for signal in record.of_quantity("position").values() if signal.valid.any()]
+    limit = reached(record, arm) if seen else 0.0
+    for signal in seen if limit else []:
         frame = record.frame_of(signal)
-        if not signal.valid.any() or not limit:
-            continue
         span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
         far = float(np.nanmax(np.abs(signal.values)))
         own = frame.unknown or any(frame.xyz)
@@ -181,22 +184,10 @@ def _rigid_span(record: Record, arm: Arm, signal: Signal) -> float:
 
     Zero where no angles drive. A turn of the frame leaves at least 1/sqrt(3) of it along one of its axes.
     """
-    from flexarm.measurement.kinematics import link_pose
-
     drives = [record.signals[name] for name in record.drive]
-    if not drives or signal.point is None or any(s.quantity != "joint_angle" for s in drives):
+    if not drives or any(s.quantity != "joint_angle" or not s.valid.any() for s in drives):
         return 0.0
-    count = min(int(drive.valid.sum()) for drive in drives)
-    if count == 0:
-        return 0.0
-    few = np.linspace(0, 1, 101)  # a look at the motion, no more
-    values = {joint.name: np.full(101, record.joints.get(joint.name, 0.0)) for joint in arm.joints}
-    for drive in drives:
-        seen = drive.values[drive.valid, 0]
-        values[str(drive.joint)] = seen[np.round(few * (len(seen) - 1)).astype(int)]
-    point = arm.point(signal.point)
-    places = link_pose(arm, point.link, values).of_point(np.asarray(point.position))
-    return float(np.max(np.ptp(places, axis=0)))
+    return float(np.max(np.ptp(rigid_places(record, arm, str(signal.point)), axis=0)))
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.errors import Problem
+from flexarm.record.frame_doubts import rotation_doubts
 from flexarm.record.lasting import doubts_of_spans
 from flexarm.record.signal import Signal
 
@@ -32,6 +33,7 @@ def doubts(record: Record) -> Iterable[Problem]:
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
     yield from doubted_units(record)
+    yield from rotation_doubts(record)
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():
