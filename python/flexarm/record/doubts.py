@@ -11,6 +11,7 @@ import numpy as np
 from flexarm.errors import Problem
 from flexarm.record.frame_doubts import rotation_doubts
 from flexarm.record.lasting import doubts_of_spans
+from flexarm.record.noise_doubts import clock_doubts, noise_doubts
 from flexarm.record.signal import Signal
 
 if TYPE_CHECKING:
@@ -34,12 +35,14 @@ def doubts(record: Record) -> Iterable[Problem]:
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
     yield from doubted_units(record)
     yield from rotation_doubts(record)
+    yield from clock_doubts(record)
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():
             yield Problem(where, f"holds no value in {len(signal)} rows")
             continue
         yield from (Problem(where, what) for what in (*_dead(signal), *_gaps(signal)))
+        yield from noise_doubts(signal)
         if signal.noise_std is None and signal.name not in record.drive and signal.quantity not in INPUTS:
             yield Problem(
                 f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
