@@ -26,6 +26,7 @@ from flexarm.diagnosis.choosing.acceptance import leaves_anything, leaves_gap
 from flexarm.diagnosis.choosing.choose import Choice, choose
 from flexarm.diagnosis.choosing.constancy import constancy
 from flexarm.diagnosis.choosing.screen import probe
+from flexarm.diagnosis.choosing.strays import hidden_strays, strays_told
 from flexarm.diagnosis.experiments.further import next_experiment
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
@@ -121,6 +122,11 @@ def diagnose(
     shaken = shaken_signals(observed)
     observed, coarse = with_coarse_encoders(weighed_by_drives(observed), seed)
     choice = _chosen(observed, tell)
+    out = hidden_strays(choice.best, choice.null, observed)
+    if out.any():
+        remarks = (*remarks, *strays_told(out, observed))
+        observed = observed.without(out)
+        choice = _chosen(observed, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
     found = _conclusion(choice, coarse, observed, seed)
     tell(0.83, "next experiment")

@@ -21,6 +21,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
@@ -29,7 +30,7 @@ from flexarm.comparison.subject import Placement, Subject
 from flexarm.comparison.unknowns import stated
 from flexarm.diagnosis.at_once import at_once
 from flexarm.diagnosis.residuals.corners import has_corners
-from flexarm.diagnosis.residuals.observed_rows import Rows, evidence_rows, put_over_noise
+from flexarm.diagnosis.residuals.observed_rows import Rows, evidence_rows, put_over_noise, rows_left
 from flexarm.diagnosis.residuals.residual_slopes import differences, pose_slopes
 from flexarm.diagnosis.residuals.runs import Runs
 from flexarm.diagnosis.residuals.starts import Start, start_slopes, starts_of
@@ -142,6 +143,12 @@ class Observed:
             )
             for each, t in zip(self.rows, times, strict=True)
         )
+        return found
+
+    def without(self, out: NDArray[np.bool_]) -> Observed:
+        """Fewer rows: without those of a mask of shape (n,)."""
+        found = self.with_step(self.step)
+        found.rows = tuple(rows_left(self.rows, out))
         return found
 
     def residual(self, arm: Arm) -> Floats:

@@ -16,7 +16,7 @@ without such rows it has to be stated.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,6 +103,19 @@ def _channels(name: str, pair: Subject, placement: Placement, signal: Signal, st
         if sigma > 0:
             yield Rows(name, signal.name, channel, slice(start, start + count), kept, sigma, instants[kept])
             start += count
+
+
+def rows_left(rows: Iterable[Rows], out: NDArray[np.bool_]) -> Iterator[Rows]:
+    """Rows without those of a mask over all of them, in a residual that is shorter by these."""
+    start = 0
+    for each in rows:
+        left = ~out[each.where]
+        kept = each.kept.copy()
+        kept[np.flatnonzero(kept)] = left
+        stop = start + int(left.sum())
+        if stop > start:
+            yield replace(each, where=slice(start, stop), kept=kept, time=each.time[left])
+        start = stop
 
 
 def _last_drive(record: Record) -> float:

@@ -1,0 +1,114 @@
+"""Outliers that a gap had hidden: left out where the verdict hangs on them, and only there."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flexarm.diagnosis.choosing.acceptance import leaves_gap
+from flexarm.diagnosis.choosing.strays import hidden_strays, strays, strays_told
+from flexarm.diagnosis.residuals.observed_rows import Rows, rows_left
+
+N = 400
+RNG = np.random.default_rng(3)
+GAP = 20.0 * np.sin(0.05 * np.arange(N))
+
+
+@dataclass
+class Left:
+    """As much of a fit as strays ask for."""
+
+    rest: np.ndarray
+
+
+class Channel:
+    """As much of `Observed`: one channel of one record."""
+
+    def __init__(self, kind="motion"):
+        self.row = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, N), no_gap=0.0)
+        self.records = {"run": SimpleNamespace(kind=kind)}
+
+    def __len__(self):
+        return N
+
+    def channels(self):
+        return [(self.row, self.row.where)]
+
+
+def spoiled(share, size, seed=3):
+    """White noise, and some rows that are so many times as far off; which ones."""
+    rng = np.random.default_rng(seed)
+    out = rng.random(N) < share
+    return rng.normal(size=N) + size * out * rng.choice([-1.0, 1.0], N), out
+
+
+def test_rows_that_stand_alone_in_noise_are_strays():
+    """Twelve sigmas beside noise of one are at least nine off; of two neighbours one may hide the other."""
+    values, out = spoiled(0.05, 12.0)
+    found = strays(Left(values), Channel())
+    assert not (found & ~out).any()
+    assert found[out].mean() > 0.8
+
+
+def test_noise_has_no_strays_and_noise_that_is_larger_than_stated_has_none():
+    """A hundred records; by (1) of the module one row in ten millions is one."""
+    for times in (1.0, 5.0):
+        for _ in range(50):
+            assert not strays(Left(times * RNG.normal(size=N)), Channel()).any()
+
+
+def test_what_rings_for_some_rows_and_what_most_rows_do_is_no_stray():
+    ringing = 30.0 * np.exp(-((np.arange(N) - 200) ** 2) / 200.0) * np.cos(2.4 * np.arange(N))
+    assert not strays(Left(RNG.normal(size=N) + ringing), Channel()).any()
+    often = RNG.normal(size=N) + 30.0 * (np.arange(N) % 6 == 0)
+    assert not strays(Left(often), Channel()).any()
+
+
+def test_poses_follow_no_order_and_have_none():
+    assert not strays(Left(spoiled(0.05, 12.0)[0]), Channel("static")).any()
+
+
+def test_strays_that_make_a_gap_are_left_out():
+    """A fifteenth of the rows thirty sigmas off: their chance correlation is above the noise."""
+    values, out = spoiled(0.07, 30.0)
+    channel, null = Channel(), Left(values + GAP)
+    assert leaves_gap(Left(values), null, channel)
+    found = hidden_strays(Left(values), null, channel)
+    assert found[out].mean() > 0.8
+    [said] = strays_told(found, channel)
+    assert said.startswith(f"{found.sum()} values of tip in run left out: outliers")
+
+
+def test_nothing_is_left_out_where_nothing_or_something_else_is_left():
+    values, _ = spoiled(0.02, 8.0)
+    assert not leaves_gap(Left(values), Left(values + GAP), Channel())
+    assert not hidden_strays(Left(values), Left(values + GAP), Channel()).any()
+    both = spoiled(0.07, 30.0)[0] + 0.3 * GAP
+    assert leaves_gap(Left(both), Left(both + GAP), Channel())
+    assert not hidden_strays(Left(both), Left(both + GAP), Channel()).any()
+
+
+def test_rows_that_are_left_keep_their_values_and_instants():
+    """Two channels of a signal, one of which loses the row that the other keeps."""
+    kept = np.array([True, False, True, True])
+    rows = [
+        Rows("run", "tip", k, slice(3 * k, 3 * k + 3), kept, 1.0, np.array([0.0, 2.0, 3.0])) for k in (0, 1)
+    ]
+    out = np.array([False, True, False, False, False, False])
+    one, other = rows_left(rows, out)
+    assert (one.where, other.where) == (slice(0, 2), slice(2, 5))
+    assert one.kept.tolist() == [True, False, False, True]
+    assert one.time.tolist() == [0.0, 3.0]
+    assert other.kept.tolist() == kept.tolist()
+    assert kept.tolist() == [True, False, True, True]
+    assert [each.channel for each in rows_left(rows, np.array([True, True, True, False, False, False]))] == [
+        1
+    ]
+
+
+@pytest.mark.parametrize("count, words", [(1, "1 value of tip"), (2, "2 values of tip")])
+def test_they_are_counted_in_words(count, words):
+    found = np.zeros(N, dtype=bool)
+    found[:count] = True
+    assert strays_told(found, Channel())[0].startswith(words)
