@@ -33,6 +33,7 @@ from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.gap.rhythm import rhythms
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.named import NamedEffect
+from flexarm.diagnosis.outcome.ends import ends_sentence
 from flexarm.diagnosis.outcome.estimates import Estimates, estimates
 from flexarm.diagnosis.outcome.left_open import left_open
 from flexarm.diagnosis.outcome.naming import named_effects, rejected
@@ -130,7 +131,7 @@ def diagnose(
     tell(0.8, "intervals")
     found = _conclusion(choice, coarse, observed, seed)
     tell(0.83, "next experiment")
-    further = next_experiment(choice, observed, found.open_gap)
+    further = next_experiment(choice, observed, found.verdict == "unexplained")
     tell(0.85, "verifying")
     bench = Bench(parted.training, parted.held_out, step, alpha, observed.jobs)
     updated, refined = left_open(
@@ -157,7 +158,7 @@ def diagnose(
         main_signal=seen.main_signal,
         stages=seen.stages,
         constancy=found.drifts,
-        remainder=seen.remainder,
+        remainder=" ".join(said for said in (found.ends, seen.remainder) if said),
         remarks=(
             *remarks,
             *borrowed,
@@ -186,6 +187,7 @@ class _Conclusion:
     drifts: tuple[Mapping[str, Any], ...]
     repaired: Arm
     open_gap: bool
+    ends: str
 
 
 def _conclusion(
@@ -193,20 +195,23 @@ def _conclusion(
 ) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
-    What leaves a small part of a gap, with a parameter that each record would have otherwise, mimics it.
+    What leaves a small part of a gap, with a parameter that each record would have otherwise, mimics it, and
+    so does what explains all with a size that nothing has.
     """
     sizes = estimates(choice.best, observed, seed)
     drifts = tuple(constancy(choice.best, observed, choice.value))
     wrong = any(not each["constant"] for each in drifts) and leaves_anything(choice.best, observed)
     open_gap = wrong or leaves_gap(choice.best, choice.null, observed)
+    ends = ends_sentence(choice.best)
+    unexplained = open_gap or bool(ends)
     effects = (
         *(encoder.named() for encoder in coarse),
-        *named_effects(choice, sizes, drifts, open_gap, observed, coarse=bool(coarse)),
+        *named_effects(choice, sizes, drifts, unexplained, observed, coarse=bool(coarse)),
     )
-    keep = not open_gap or worth_keeping(choice, observed)
+    keep = not unexplained or worth_keeping(choice, observed)
     model = repaired(observed.arm, choice.best, sizes) if keep else observed.arm
-    verdict: Verdict = "unexplained" if open_gap else "effects" if effects else "adequate"
-    return _Conclusion(verdict, effects, sizes, drifts, model, open_gap)
+    verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
+    return _Conclusion(verdict, effects, sizes, drifts, model, open_gap, ends)
 
 
 def _unusable(

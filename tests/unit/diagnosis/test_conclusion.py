@@ -8,14 +8,15 @@ from flexarm.diagnosis import workflow
 
 
 @pytest.mark.parametrize(
-    ("constant", "left", "verdict"),
+    ("constant", "left", "ends", "verdict"),
     [
-        (True, 1.3, "effects"),  # a twentieth of the gap: no model is exact
-        (False, 1.3, "unexplained"),  # three wrong names mimic a link that hardens, each record its own
-        (False, 0.4, "effects"),  # in the noise there is nothing to be mimicked
+        (True, 1.3, "", "effects"),  # a twentieth of the gap: no model is exact
+        (False, 1.3, "", "unexplained"),  # three wrong names mimic a link that hardens, each record its own
+        (False, 0.4, "", "effects"),  # in the noise there is nothing to be mimicked
+        (True, 0.4, "at its end", "unexplained"),  # a link that hardens, told as rigid
     ],
 )
-def test_what_moves_from_record_to_record_does_not_excuse_a_small_gap(monkeypatch, constant, left, verdict):
+def test_what_moves_or_is_at_its_end_does_not_explain(monkeypatch, constant, left, ends, verdict):
     fit = SimpleNamespace(rest=None, members=())
     choice = SimpleNamespace(best=fit, null=SimpleNamespace(rest=None), value={})
     monkeypatch.setattr(
@@ -25,10 +26,12 @@ def test_what_moves_from_record_to_record_does_not_excuse_a_small_gap(monkeypatc
         "estimates": None,
         "constancy": [{"constant": constant}],
         "leaves_gap": False,
+        "ends_sentence": ends,
         "named_effects": ["joint stiffening"],
         "worth_keeping": True,
         "repaired": None,
     }.items():
         monkeypatch.setattr(workflow, name, lambda *_, said=said, **__: said)
     found = workflow._conclusion(choice, (), SimpleNamespace(arm=None), seed=0)
-    assert (found.verdict, found.open_gap) == (verdict, verdict == "unexplained")
+    assert (found.verdict, found.open_gap) == (verdict, verdict == "unexplained" and not ends)
+    assert found.ends == ends

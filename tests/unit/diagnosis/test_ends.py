@@ -1,0 +1,46 @@
+"""An effect whose size rests where fits end explains nothing, however well it fits."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flexarm.arm.prior import Prior
+from flexarm.diagnosis.fitting.coordinate import Coordinate
+from flexarm.diagnosis.fitting.fit import Fit
+from flexarm.diagnosis.outcome.ends import at_ends, ends_sentence
+
+SCALE = Coordinate(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))
+DAMPING = replace(SCALE, name="damping")
+
+
+def fit(*z, coordinates=(SCALE, DAMPING)):
+    """A stiffer forearm of so many sigmas of its prior, and a second parameter."""
+    member = SimpleNamespace(place=("link_stiffness", "forearm"), free=("scale", "damping"))
+    nothing = np.zeros(0)
+    chosen = coordinates[: len(z)]
+    return Fit((member,), chosen, np.array(z), nothing, nothing, nothing, None, None)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_size_at_either_end_is_told_with_what_machines_have(sign):
+    [said] = at_ends(fit(0.99 * sign * SCALE.bound))
+    assert said.startswith("scale of link stiffness at forearm rests where fits end, at ")
+    assert said.endswith("(95 % of machines have 0.600 to 1.25)")
+    assert ends_sentence(fit(0.99 * sign * SCALE.bound)).startswith("What would explain the gap is no value")
+
+
+def test_a_size_that_is_far_off_but_not_at_the_end_is_a_size():
+    assert at_ends(fit(0.7 * SCALE.bound)) == []
+    assert ends_sentence(fit(0.7 * SCALE.bound)) == ""
+
+
+def test_what_only_shapes_a_law_may_vanish():
+    """A spring's damping that tends to nothing is none, and a spring all the same."""
+    assert at_ends(fit(1.0, -DAMPING.bound)) == []
+
+
+def test_phases_have_no_end():
+    phase = Coordinate(0, "scale", Prior(-np.pi, np.pi, 0.0, "uniform", "rad", "a test"))
+    assert at_ends(fit(phase.bound, coordinates=(phase,))) == []
