@@ -65,6 +65,19 @@ def test_a_model_is_far_off_that_leaves_most_of_the_gap_or_where_none_is_left_of
     assert acceptance.far_off(fit, null, None) is far
 
 
+@pytest.mark.parametrize(
+    ("cost", "strained", "before", "hardly"),
+    [(86, 9, 10, True), (84, 9, 10, False), (99, 8, 10, False), (99, 0, 0, True), (99, 0.9, 0.9, True)],
+)
+def test_an_effect_hardly_helps_that_takes_little_of_gap_and_strain(
+    monkeypatch, cost, strained, before, hardly
+):
+    """The gap was 100; what is no strain to begin with is none to be spared."""
+    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
+    fit, null = (SimpleNamespace(cost=c, strain=s) for c, s in ((cost, strained), (100, before)))
+    assert acceptance.hardly_helps(fit, null) is hardly
+
+
 def test_no_effect_at_all_takes_part_in_the_odds():
     """Two names alike and odds of two over nothing: 2/5 each; strong evidence leaves nothing no part."""
     rivals = [SimpleNamespace(behind=0.0)]

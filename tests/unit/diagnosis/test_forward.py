@@ -72,6 +72,7 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
     monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
     monkeypatch.setattr(module, "far_off", lambda one, null, observed: one.cost > 90)
+    monkeypatch.setattr(module, "hardly_helps", lambda one, null: False)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
     found.observed, found.probed = (), None
@@ -122,6 +123,16 @@ def test_no_third_effect_is_looked_for_where_two_hardly_explain_anything(
     monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < old.cost)
     forward(search)
     assert search[1] == gone_on_from
+
+
+def test_no_second_effect_is_looked_for_beside_one_that_hardly_helps(search, monkeypatch):
+    """Pairs compete with it all the same."""
+    monkeypatch.setitem(LINEAR, 1, ["a"])
+    monkeypatch.setattr(module, "hardly_helps", lambda one, null: one.name == "a")
+    monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < old.cost)
+    best, _ = forward(search)
+    assert "a" not in search[1]
+    assert best.name.startswith("cd")
 
 
 def test_nothing_is_gone_on_from_that_takes_hardly_anything(search, monkeypatch):

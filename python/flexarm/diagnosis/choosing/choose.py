@@ -22,6 +22,7 @@ from flexarm.diagnosis.choosing.acceptance import (
     accepted,
     explained,
     far_off,
+    hardly_helps,
     leaves_gap,
     quiet,
     worth_a_name,
@@ -234,9 +235,11 @@ class _Search:
         return (better, there) if better.cost < best.cost else (best, about)
 
     def _most(self, fit: Fit) -> int:
-        """Effects in one diagnosis; no third one where two are far off."""
-        two = causes(fit.members, self.places) == TWO
-        return TWO if two and far_off(fit, self.null, self.observed) else MOST
+        """Effects in one diagnosis; no third one where two are far off, no second where one hardly helps."""
+        count = causes(fit.members, self.places)
+        if count == 1 and hardly_helps(fit, self.null):
+            return 1
+        return TWO if count == TWO and far_off(fit, self.null, self.observed) else MOST
 
     def _explained(self, fit: Fit) -> bool:
         return explained(fit, self.null, self.observed)
