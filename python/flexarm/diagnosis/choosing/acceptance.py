@@ -66,7 +66,7 @@ DENT = 0.03
 HALF = 0.5
 """Part of the gap, and of the strain, of which two effects must leave less for a third to be looked for."""
 LITTLE = 0.15
-"""Least part of either that one effect takes for a second to be looked for; in the blind test it took 0.31."""
+"""Least part of either that one effect takes for a second to be looked for; in the blind test 0.31."""
 LEFT = 1.0
 """What may be left above the noise of a model that explains a record, over the noise."""
 LEFT_SHARE = 0.07

@@ -77,7 +77,7 @@ def weighed_by_drives(observed: Observed) -> Observed:
     times = [sqrt(1.0 + each.shaken) if each.shaken > LOUD**2 else 1.0 for each in observed.rows]
     if max(times, default=1.0) == 1.0:
         return observed
-    found = observed.with_step(observed.step)
+    found = observed.again()
     found.rows = tuple(
         replace(each, sigma=each.sigma * t, shaken=each.shaken if t == 1.0 else 0.0)
         for each, t in zip(observed.rows, times, strict=True)

@@ -82,6 +82,7 @@ class Observed:
     starts: tuple[Start, ...] = field(init=False, default=())
     runs: Runs = field(init=False)
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
+    _stepped: dict[float, Observed] = field(init=False, default_factory=dict)
     _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)
 
     def __post_init__(self) -> None:
@@ -119,21 +120,29 @@ class Observed:
         return (each for each in self.rows if each.record == record)
 
     def with_step(self, step: float) -> Observed:
-        """The same rows against other simulations."""
+        """The same rows against other simulations, whose residuals are remembered too."""
+        if step == self.step:
+            return self
+        if step not in self._stepped:
+            found = self._stepped[step] = self.again()
+            found.step, found.runs = step, self.runs.with_step(step)
+        return self._stepped[step]
+
+    def again(self) -> Observed:
+        """The same with no residual remembered, for other rows or records to be put in."""
         found = copy(self)
-        found.step, found.runs = step, self.runs.with_step(step)
-        found._residuals = OrderedDict()
+        found._residuals, found._stepped = OrderedDict(), {}
         return found
 
     def with_drives(self, records: Mapping[str, Record]) -> Observed:
         """The same rows against simulations along the drives of other records."""
-        found = self.with_step(self.step)
+        found = self.again()
         found.records, found.runs = records, Runs(records, self.step, self.alpha)
         return found
 
     def with_noise(self, times: Floats) -> Observed:
         """The same rows with more noise, times as much in each of `rows`."""
-        found = self.with_step(self.step)
+        found = self.again()
         found.rows = tuple(
             replace(
                 each,
@@ -147,7 +156,7 @@ class Observed:
 
     def without(self, out: NDArray[np.bool_]) -> Observed:
         """Fewer rows: without those of a mask of shape (n,)."""
-        found = self.with_step(self.step)
+        found = self.again()
         found.rows = tuple(rows_left(self.rows, out))
         return found
 
