@@ -5,11 +5,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from planted import two_joints
+from posed import posed, poses
 
+import flexarm
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.fitting.coordinate import Coordinate
 from flexarm.diagnosis.fitting.fit import Fit
 from flexarm.diagnosis.outcome.ends import at_ends, ends_sentence
+from flexarm.effects import PayloadMass
 
 SCALE = Coordinate(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))
 DAMPING = replace(SCALE, name="damping")
@@ -44,3 +48,19 @@ def test_what_only_shapes_a_law_may_vanish():
 def test_phases_have_no_end():
     phase = Coordinate(0, "scale", Prior(-np.pi, np.pi, 0.0, "uniform", "rad", "a test"))
     assert at_ends(fit(phase.bound, coordinates=(phase,))) == []
+
+
+def test_a_gripper_may_carry_nothing():
+    """Eight kilograms were written down, and poses show no load."""
+    empty = two_joints().with_effect(PayloadMass(at="load", mass=1e-6))
+    record = posed(empty, poses(2, 16, 1), 1)
+    d = flexarm.diagnose(two_joints(), {"yard": record}, posed(empty, poses(2, 10, 2), 2), jobs=1)
+    [load] = d.effects
+    assert (d.verdict, load.name, load.at) == ("effects", "payload_mass", "load")
+    assert load.parameters[0].value < 0.3
+
+
+@pytest.mark.parametrize(("sign", "count"), [(1.0, 1), (-1.0, 0)])
+def test_thirty_times_a_load_is_no_size_and_none_is(sign, count):
+    load = SimpleNamespace(place=("payload_mass", "load"), free=("scale",))
+    assert len(at_ends(replace(fit(sign * SCALE.bound), members=(load,)))) == count

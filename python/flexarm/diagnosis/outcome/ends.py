@@ -2,7 +2,8 @@
 
 A fit lets a parameter go far beyond what machines have (`fitting.coordinate`), so that a mass that was
 written down wrong is found. What is still at the end of that is no size: the limit of the law, a rigid link
-or none at all, fits best, and it stands in for something that no name covers.
+or none at all, fits best, and it stands in for something that no name covers. Only a load may be none at all:
+a gripper that let go of it carries nothing, which is told as a thirtieth of the mass that was written down.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from flexarm.diagnosis.wording import listed, place_words, with_unit
 
 NEAR = 0.98
 """Part of its bound at which a parameter rests there."""
+MAY_VANISH = ("payload_mass",)
+"""Effects of which the lower end is something that machines have."""
 
 
 def at_ends(fit: Fit) -> list[str]:
@@ -20,7 +23,8 @@ def at_ends(fit: Fit) -> list[str]:
     for k, (coordinate, z) in enumerate(zip(fit.coordinates, fit.z, strict=True)):
         *place, name = fit.key(k)
         first = fit.members[coordinate.candidate].free[0]
-        if name == first and coordinate.prior.scale != "uniform" and abs(z) > NEAR * coordinate.bound:
+        far = abs(z) > NEAR * coordinate.bound and not (z < 0 and place[0] in MAY_VANISH)
+        if name == first and coordinate.prior.scale != "uniform" and far:
             prior = coordinate.prior
             value, low, high = (
                 with_unit(each, prior.unit) for each in (coordinate.value(float(z)), prior.low, prior.high)
