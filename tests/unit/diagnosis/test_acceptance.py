@@ -45,6 +45,11 @@ def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatc
     assert acceptance.accepted(new, old, old, None) is taken
 
 
+def left_with(gap, strained, rows):
+    """A fit that leaves so large a squared gap, and white noise of so many rows."""
+    return SimpleNamespace(cost=gap + rows, strain=strained, residual=range(rows))
+
+
 @pytest.mark.parametrize(
     ("cost", "strained", "gap", "far"),
     [
@@ -61,8 +66,9 @@ def test_a_model_is_far_off_that_leaves_most_of_the_gap_or_where_none_is_left_of
     """The gap was 100, unknowns were 10 sigmas off; beside an open gap it does not help that they are not."""
     monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
     monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: gap)
-    fit, null = (SimpleNamespace(cost=c, strain=s) for c, s in ((cost, strained), (100, 10)))
-    assert acceptance.far_off(fit, null, None) is far
+    for rows in (0, 1000):  # noise of more of them is no gap
+        fit, null = (left_with(c, s, rows) for c, s in ((cost, strained), (100, 10)))
+        assert acceptance.far_off(fit, null, None) is far
 
 
 @pytest.mark.parametrize(
@@ -74,8 +80,14 @@ def test_an_effect_hardly_helps_that_takes_little_of_gap_and_strain(
 ):
     """The gap was 100; what is no strain to begin with is none to be spared."""
     monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
-    fit, null = (SimpleNamespace(cost=c, strain=s) for c, s in ((cost, strained), (100, before)))
-    assert acceptance.hardly_helps(fit, null) is hardly
+    for rows in (0, 1000):  # noise of more of them is no gap
+        fit, null = (left_with(c, s, rows) for c, s in ((cost, strained), (100, before)))
+        assert acceptance.hardly_helps(fit, null) is hardly
+
+
+def test_what_is_quieter_than_its_noise_has_no_gap_that_anything_could_leave():
+    quiet = SimpleNamespace(cost=40.0, residual=range(100))
+    assert acceptance.beyond_noise(quiet) == 0.0
 
 
 def test_no_effect_at_all_takes_part_in_the_odds():

@@ -20,7 +20,8 @@ something else must be there if
 
 Where two effects leave a gap and explain less than half of it, a third is not looked for: no three names of
 the list are likely to be all. Where they leave a strain alone they must explain half of that. Nor is a second
-one looked for beside one that explains less than `LITTLE` of the gap, and of the strain.
+one looked for beside one that explains less than `LITTLE` of the gap, and of the strain. The gap of n rows is
+there C - n: of many quiet rows noise would else be most of what nothing explains.
 
 An effect is accepted if the evidence for it is strong and it matters; none that is a clock or a frame within
 `FORBIDDEN` sigmas of what the records state, as the smaller model has it there too. If it leaves a gap all
@@ -135,7 +136,7 @@ def spares(new: Fit, old: Fit) -> bool:
 
 def far_off(fit: Fit, null: Fit, observed: Observed) -> bool:
     """Whether a model leaves most of the gap that there is without effects, or of the strain if no gap."""
-    if not fit.cost > HALF * null.cost:
+    if not beyond_noise(fit) > HALF * beyond_noise(null):
         return False
     return strain(fit) > HALF * strain(null) or leaves_gap(fit, null, observed)
 
@@ -143,7 +144,13 @@ def far_off(fit: Fit, null: Fit, observed: Observed) -> bool:
 def hardly_helps(fit: Fit, null: Fit) -> bool:
     """Whether a model explains little of the gap, and of the strain, that there is without effects."""
     left = 1.0 - LITTLE
-    return fit.cost > left * null.cost and (strain(fit) > left * strain(null) or strain(null) < STRAINED)
+    little = beyond_noise(fit) > left * beyond_noise(null)
+    return little and (strain(fit) > left * strain(null) or strain(null) < STRAINED)
+
+
+def beyond_noise(fit: Fit) -> float:
+    """What a fit leaves of the squared gap, without what white noise of the stated size is of it."""
+    return max(fit.cost - len(fit.residual), 0.0)
 
 
 def implausibility(fit: Fit) -> float:
