@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.residuals.starts import Start
 
 KEPT_RUNS = 8
-"""Least number of runs that are remembered; two of every record, if that is more."""
+"""Least number of runs that are remembered; two of every record, if that is more.
+
+In shorter steps a run is so much longer, and fewer are: as much as that, or one of every record.
+"""
 
 
 class Runs:
@@ -40,6 +43,7 @@ class Runs:
     def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:
         self.records, self.step, self.alpha = records, step, alpha
         self.made = 0
+        self._kept = max(KEPT_RUNS, 2 * len(records))
         self._runs: OrderedDict[Any, Subject] = OrderedDict()
         self._drives: dict[Any, Drive] = {}
 
@@ -47,6 +51,7 @@ class Runs:
         """The same with other steps; drives stay as they are."""
         found = copy(self)
         found.step, found._runs = step, OrderedDict()
+        found._kept = max(len(self.records), min(self._kept, int(self._kept * step / self.step)))
         return found
 
     def beside(self, name: str, arm: Arm) -> Subject:
@@ -58,7 +63,7 @@ class Runs:
         if run is None:
             self.made += 1
             run = self._runs[key] = self._made(name, carried)
-            while len(self._runs) > max(KEPT_RUNS, 2 * len(self.records)):
+            while len(self._runs) > self._kept:
                 self._runs.popitem(last=False)
         return replace(run, arm=carried)
 
