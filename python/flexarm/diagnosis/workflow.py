@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from flexarm.diagnosis.choosing.acceptance import leaves_anything, leaves_gap
 from flexarm.diagnosis.choosing.choose import Choice, choose
 from flexarm.diagnosis.choosing.constancy import constancy
 from flexarm.diagnosis.choosing.screen import probe
-from flexarm.diagnosis.choosing.strays import hidden_strays, strays_told
+from flexarm.diagnosis.choosing.strays import hidden_strays, left_out, strays, strays_told
 from flexarm.diagnosis.experiments.further import next_experiment
 from flexarm.diagnosis.fitting.fitter import Fitter
 from flexarm.diagnosis.fitting.unknowns import unknowns
@@ -126,6 +126,7 @@ def diagnose(
     out = hidden_strays(choice.best, choice.null, observed)
     if out.any():
         remarks = (*remarks, *strays_told(out, observed))
+        parted = replace(parted, training=left_out(parted.training, out, observed))
         observed = observed.without(out)
         choice = _chosen(observed, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
@@ -133,6 +134,8 @@ def diagnose(
     tell(0.83, "next experiment")
     further = next_experiment(choice, observed, found.verdict == "unexplained")
     tell(0.85, "verifying")
+    if out.any():
+        parted = parted.without_strays(found.repaired, observed)
     bench = Bench(parted.training, parted.held_out, step, alpha, observed.jobs)
     updated, refined = left_open(
         arm, found.repaired, tuple(filter(moved, found.sizes.refined)), bench.in_training
@@ -166,7 +169,7 @@ def diagnose(
             *unfitted(observed, checked.compared),
             *unweighed(observed),
             *(shaken | shaken_signals(observed)).values(),
-            *unsteady_signals(observed).values(),
+            *(unsteady_signals(observed).values() if choice.best.has_corners else ()),
             *swings(choice.best, observed),
             *seen.remarks,
         ),
@@ -240,6 +243,16 @@ class _Parted:
     kind: str
     why: str
     remarks: tuple[str, ...]
+
+    def without_strays(self, model: Arm, like: Observed) -> _Parted:
+        """What is held out loses its outliers too, beside the model that explains the rest."""
+        motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
+        if not motions:
+            return self
+        held = Observed(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
+        out = strays(held.residual(model), held)
+        told = (*self.remarks, *strays_told(out, held))
+        return replace(self, held_out=left_out(self.held_out, out, held), remarks=told)
 
 
 def _held_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) -> dict[str, Record]:

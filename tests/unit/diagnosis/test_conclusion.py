@@ -17,10 +17,10 @@ from flexarm.diagnosis import workflow
     ],
 )
 def test_what_moves_or_is_at_its_end_does_not_explain(monkeypatch, constant, left, ends, verdict):
-    fit = SimpleNamespace(rest=None, members=())
-    choice = SimpleNamespace(best=fit, null=SimpleNamespace(rest=None), value={})
+    fit = SimpleNamespace(rest=None, members=(), has_corners=False)
+    choice = SimpleNamespace(best=fit, null=fit, value={})
     monkeypatch.setattr(
-        "flexarm.diagnosis.choosing.acceptance.above_noise", lambda rest, observed: {"tip": left}
+        "flexarm.diagnosis.choosing.acceptance.above_noise", lambda rest, observed, corners: {"tip": left}
     )
     for name, said in {
         "estimates": None,

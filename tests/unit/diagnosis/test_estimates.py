@@ -40,15 +40,15 @@ def observed(unsteady=0.0):
     return Recorded(rows=[rows], records=records)
 
 
-def fitted(noise, slope):
+def fitted(noise, slope, name="payload_mass"):
     """A model that is linear in one mass, at its optimum: r = slope z + noise, the true z is 0."""
     column = slope[:, None]
     z = np.linalg.lstsq(column, -noise, rcond=None)[0] if slope.any() else np.zeros(1)
     effect = PayloadMass(at="load", mass=14.0 + SIZE * float(z[0]))
-    member = SimpleNamespace(effect=effect, place=("payload_mass", "load"), free=("mass",))
+    member = SimpleNamespace(effect=effect, name=name, place=(name, "load"), free=("mass",))
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
-    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=()))
+    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
     return Fit(
         (member,), (Coordinate(0, "mass", PRIOR),), z, residual, residual, column, unknowns, projection
     )
@@ -71,9 +71,11 @@ def test_spread_is_that_of_least_squares_in_white_noise():
 def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
     """A slope of one line: d sqrt(2) sin(wt + phase) along sin(wt) is d sqrt(2) cos(phase), d rms."""
     slope = np.sin(3 * 2 * np.pi * np.arange(N) / N)
-    fit = fitted(1e-9 * RNG.normal(size=N), slope)  # no noise: the discrepancy alone
-    assert draws(fit, observed(), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
-    assert draws(fit, observed(unsteady=2.25), RNG)[:, 0].std() == pytest.approx(1.5, rel=0.1)
+    noise = 1e-9 * RNG.normal(size=N)  # none: the discrepancy alone
+    smooth, bouncing = fitted(noise, slope), fitted(noise, slope, "backlash")
+    assert draws(smooth, observed(unsteady=2.25), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+    assert draws(bouncing, observed(), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+    assert draws(bouncing, observed(unsteady=2.25), RNG)[:, 0].std() == pytest.approx(1.5, rel=0.1)
 
 
 def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
@@ -142,7 +144,7 @@ def bursts(noise):
     every = np.column_stack([ringing, others])
     found = np.linalg.lstsq(every, -noise, rcond=None)[0]
     fit = fitted(np.zeros(N), ringing)
-    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=()))
+    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
     return replace(
         fit,
         z=found[:1],

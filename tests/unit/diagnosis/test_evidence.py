@@ -15,9 +15,14 @@ RNG = np.random.default_rng(5)
 KEY = ("run", "tip", 0)
 
 
+def nothing(corners):
+    """What the right model leaves."""
+    return 0.0
+
+
 def one_channel(n):
     """As much of `Observed` as evidence asks for: one channel."""
-    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), no_gap=0.0)
+    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), no_gap=nothing)
     records = {"run": SimpleNamespace(kind="motion")}
     return SimpleNamespace(records=records, channels=lambda: [(rows, rows.where)])
 
@@ -69,7 +74,7 @@ def poses(records, each):
     """As much of `Observed` as evidence asks for: one channel of static records, `each` poses in each."""
     rows = [
         SimpleNamespace(
-            record=f"day {k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)), no_gap=0.0
+            record=f"day {k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)), no_gap=nothing
         )
         for k in range(records)
     ]

@@ -24,6 +24,7 @@ def null_of(delay: float, modulus: float = 0.0):
         residual=-slopes[:, 0] * delay * 2e-3 - slopes[:, 1] * modulus * 2e9,
         projection=Projection(slopes, sigma),
         unknowns=SimpleNamespace(each=each, sigma=sigma),
+        has_corners=False,
     )
 
 
@@ -48,7 +49,7 @@ def test_a_clock_within_its_sigma_is_not_worth_a_word():
 @pytest.fixture
 def named(monkeypatch):
     """What is said of a bow beside two values that are off by so many sigmas."""
-    monkeypatch.setattr(evidence_sentence, "above_noise", lambda rest, observed: {"tip": 1.0})
+    monkeypatch.setattr(evidence_sentence, "above_noise", lambda rest, observed, corners: {"tip": 1.0})
     return _named
 
 

@@ -92,13 +92,14 @@ BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None))
 def choice_of(names: list[str], before: float, after: float, monkeypatch) -> SimpleNamespace:
     """A choice of effects that takes the largest gap above the noise from one multiple of it to another."""
     sizes = {"null": {"tip": before}, "best": {"tip": after}}
-    monkeypatch.setattr(sentence, "above_noise", lambda rest, observed: sizes[rest])
+    monkeypatch.setattr(sentence, "above_noise", lambda rest, observed, corners: sizes[rest])
     monkeypatch.setattr(sentence, "strain", lambda fit: 0.0)
     unknown = SimpleNamespace(words="value E")
     pulls = {"null": 8.7, "best": 0.0}
     fits = {
         which: SimpleNamespace(
             rest=which,
+            has_corners=False,
             residual=which,
             members=[SimpleNamespace(name=name, at="hinge") for name in names],
             coordinates=(),

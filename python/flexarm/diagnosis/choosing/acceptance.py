@@ -115,7 +115,7 @@ def as_stated(new: Fit, old: Fit) -> bool:
 
 def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
     """Whether a larger model explains a part of the gap that can be seen in some channel."""
-    first = above_noise(null.rest, observed)
+    first = above_noise(null.rest, observed, null.has_corners)
     for each, where in observed.channels():
         square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
         part = np.sqrt(max(square, 0.0))
@@ -173,18 +173,18 @@ def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
 
 def quiet(fit: Fit, null: Fit, observed: Observed) -> bool:
     """Whether nothing that matters is left above the noise, however strained unknowns are."""
-    first = above_noise(null.rest, observed)
-    left = above_noise(fit.rest, observed)
+    first = above_noise(null.rest, observed, null.has_corners)
+    left = above_noise(fit.rest, observed, fit.has_corners)
     return all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
 
 
 def leaves_anything(fit: Fit, observed: Observed) -> bool:
     """Whether a fit leaves more than the noise, however small a part of the gap that is."""
-    return max(above_noise(fit.rest, observed).values()) > LEFT
+    return max(above_noise(fit.rest, observed, fit.has_corners).values()) > LEFT
 
 
 def leaves_gap(fit: Fit, null: Fit, observed: Observed) -> bool:
     """Whether a fit leaves so much that something else must be there."""
-    first = max(above_noise(null.rest, observed).values())
-    left = max(above_noise(fit.rest, observed).values())
+    first = max(above_noise(null.rest, observed, null.has_corners).values())
+    left = max(above_noise(fit.rest, observed, fit.has_corners).values())
     return left > max(LEFT, LEFT_SHARE * first)  # eq. (4)

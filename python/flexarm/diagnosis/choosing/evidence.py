@@ -119,20 +119,20 @@ def _in_time(rows: Rows, observed: Observed) -> bool:
     return observed.records[rows.record].kind == "motion"
 
 
-def above_noise(rest: Floats, observed: Observed) -> dict[Channel, float]:
-    """s_c of (3) for every channel, over the noise."""
+def above_noise(rest: Floats, observed: Observed, corners: bool = False) -> dict[Channel, float]:
+    """s_c of (3) for every channel, over the noise, of a model whose laws may have corners."""
     from scipy.special import chdtri
 
     found = {}
     for each, where in observed.channels():
-        values = rest[where]
+        values, no_gap = rest[where], each.no_gap(corners)
         gamma = autocovariance(values, min(LAGS, len(values) - 1))
-        square = gamma[0] - 1.0 - each.no_gap
+        square = gamma[0] - 1.0 - no_gap
         if _in_time(each, observed):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
-        elif len(values) * gamma[0] / (1 + each.no_gap) < chdtri(len(values), CHANCE):
+        elif len(values) * gamma[0] / (1 + no_gap) < chdtri(len(values), CHANCE):
             square = 0.0
-        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + each.no_gap)))
+        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + no_gap)))
     return found
 
 
@@ -150,15 +150,16 @@ def log_likelihood_ratio(one: Fit, other: Fit, observed: Observed, value: Mappin
     v = np.abs(left[:n] - left_by_other[:n])
     spread = float(np.sum(v**2)) * float(weight @ v**2) / max(float(np.sum(v**4)), 1e-300)
     asked = float(np.sum(left_by_other[n:] ** 2) - np.sum(left[n:] ** 2))
-    delta = float(v**2 @ discrepancies(observed) ** 2) / max(float(np.sum(v**2)), 1e-300)
+    corners = one.has_corners or other.has_corners
+    delta = float(v**2 @ discrepancies(observed, corners) ** 2) / max(float(np.sum(v**2)), 1e-300)
     return float(gain) / 2 / (1 + delta * spread) + asked / 2  # eq. (4)
 
 
-def discrepancies(observed: Observed) -> Floats:
-    """delta of (4) of each row, shape (n,): what simulations err by, over the noise."""
+def discrepancies(observed: Observed, corners: bool) -> Floats:
+    """delta of (4) of each row, shape (n,): what simulations err by, of laws with corners or without them."""
     found = np.empty(len(observed))
     for each, where in observed.channels():
-        found[where] = max(DISCREPANCY, float(np.sqrt(each.unsteady)))
+        found[where] = max(DISCREPANCY, float(np.sqrt(each.unsteady)) if corners else 0.0)
     return found
 
 

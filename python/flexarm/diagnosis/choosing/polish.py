@@ -79,7 +79,8 @@ def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
 
 def _quiet(fit: Fit, about: Fitter) -> bool:
     """Whether nothing is left that would be looked at, and no unknown is strained."""
-    return max(above_noise(fit.rest, about.observed).values()) < QUIET and strain(fit) < STRAINED
+    left = above_noise(fit.rest, about.observed, fit.has_corners)
+    return max(left.values()) < QUIET and strain(fit) < STRAINED
 
 
 def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:

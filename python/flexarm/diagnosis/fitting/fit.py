@@ -16,6 +16,7 @@ from flexarm.diagnosis.candidates.candidate import Candidate
 from flexarm.diagnosis.fitting.coordinate import Coordinate
 from flexarm.diagnosis.fitting.projection import Projection
 from flexarm.diagnosis.fitting.unknowns import Unknowns
+from flexarm.diagnosis.residuals.corners import CORNERS, has_corners
 from flexarm.errors import InvalidParameter, NotConverged
 
 FAILED = (InvalidParameter, NotConverged, LinAlgError)
@@ -55,6 +56,11 @@ class Fit:
     def cost(self) -> float:
         """C of (1)."""
         return float(self.rest @ self.rest)
+
+    @property
+    def has_corners(self) -> bool:
+        """Whether some law of the model has corners."""
+        return has_corners(self.unknowns.arm) or any(member.name in CORNERS for member in self.members)
 
     @property
     def places(self) -> tuple[tuple[str, str], ...]:

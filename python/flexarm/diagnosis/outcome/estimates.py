@@ -97,7 +97,8 @@ def draws(
     weights = rng.multinomial(len(pulls), np.full(len(pulls), 1.0 / len(pulls)), size=DRAWS) - 1.0
     xi, error = rng.standard_normal((2, DRAWS, len(prior)))
     moved = (xi * np.sqrt(prior)) @ inverse - (weights @ pulls) * _wider(freedom)  # eq. (1)
-    size = np.broadcast_to(discrepancies(observed) if errors is None else errors, len(observed))
+    errors = discrepancies(observed, fit.has_corners) if errors is None else errors
+    size = np.broadcast_to(errors, len(observed))
     found: Floats = moved + surrogates(observed, slopes, inverse, size) * error
     return found
 

@@ -52,8 +52,8 @@ def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
     """What an effect does: the first one with the gap that all close and what they spare the model."""
     members = [place_words(each.name, each.at) for each in choice.best.members]
     alone = len(members) == 1
-    before = max(above_noise(choice.null.rest, observed).values())
-    after = max(above_noise(choice.best.rest, observed).values())
+    before = max(above_noise(choice.null.rest, observed, choice.null.has_corners).values())
+    after = max(above_noise(choice.best.rest, observed, choice.best.has_corners).values())
     it = "it" if alone or k else members[k]
     stated = observed.arm.effect(choice.best.members[k].name, choice.best.members[k].at) is not None
     over = f"with {it} as stated" if stated else f"without {it}"

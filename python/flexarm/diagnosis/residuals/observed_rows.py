@@ -54,7 +54,7 @@ class Rows:
     shaken : float
         Mean square, over sigma^2, of what noise of the drives moves there (`drive_noise`).
     unsteady : float
-        The same of what finer time steps still move (`step_errors`).
+        The same of what finer time steps still move of models whose laws have corners (`step_errors`).
     """
 
     record: str
@@ -67,10 +67,12 @@ class Rows:
     shaken: float = 0.0
     unsteady: float = 0.0
 
-    @property
-    def no_gap(self) -> float:
-        """Mean square, over sigma^2, of what is left there by the right model, beside noise."""
-        return self.shaken + self.unsteady
+    def no_gap(self, corners: bool) -> float:
+        """Mean square, over sigma^2, of what the right model leaves there beside noise.
+
+        `corners` tells whether its laws have some.
+        """
+        return self.shaken + (self.unsteady if corners else 0.0)
 
 
 def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
