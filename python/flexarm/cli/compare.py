@@ -32,7 +32,7 @@ def compare(
     from flexarm.record import Record
 
     measured = Record.load(record)
-    warn(record, [*measured.check(), *measured.check_against(arm)])
+    warn(record, [*measured.check(arm), *measured.check_against(arm)])
     from flexarm.comparison import compare as gap
 
     with blame(model, record):

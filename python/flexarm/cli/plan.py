@@ -107,7 +107,7 @@ def _motion(path: Path, arm: Arm) -> Motion | Record:
         from flexarm.record import Record
 
         record = Record.load(path)
-        warn(path, [*record.check(), *record.check_against(arm)])
+        warn(path, [*record.check(arm), *record.check_against(arm)])
         if record.kind == "static":
             what = 'is "static"; planned are motions, so give a record of kind "motion" or a CSV file'
             raise InvalidFile(path, "kind", what)

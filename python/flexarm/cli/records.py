@@ -40,7 +40,7 @@ def load_record(path: Path, arm: Arm) -> Record:
     from flexarm.record import Record
 
     record = Record.load(path)
-    warn(path, [*record.check(), *record.check_against(arm)])
+    warn(path, [*record.check(arm), *record.check_against(arm)])
     return record
 
 

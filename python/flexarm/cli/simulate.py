@@ -81,7 +81,7 @@ def _record(drive: Path, arm: Arm) -> Record | None:
     from flexarm.record import Record
 
     record = Record.load(drive)
-    warn(drive, [*record.check(), *record.check_against(arm)])
+    warn(drive, [*record.check(arm), *record.check_against(arm)])
     return record
 
 

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.consistency import missing
+from flexarm.arm.geared import moved_with
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.carried_doubts import carried_doubts
+from flexarm.record.doubts import stands_elsewhere
 from flexarm.record.drawn_out import drawn_out
 from flexarm.record.frame_doubts import frame_doubts
 from flexarm.record.lasting import too_fast
-from flexarm.record.reached import reached, rigid_places
+from flexarm.record.reached import places_seen, reached
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -22,7 +24,9 @@ if TYPE_CHECKING:
 
 
 MOVED = 1e-3
-"""Angle over which an encoder tells of a motion [rad]."""
+"""Angle over which an encoder tells of a motion [rad or m]."""
+NOISY, ONE_STEP = 12.0, 1.5
+"""Its range at rest, in sigmas of a million samples and with a margin; and, if it is coarse, in steps."""
 
 
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
@@ -135,59 +139,66 @@ def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
     seen = [signal for signal in record.of_quantity("position").values() if signal.valid.any()]
     limit = reached(record, arm) if seen else 0.0
     for signal in seen if limit else []:
-        frame = record.frame_of(signal)
         span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
         far = float(np.nanmax(np.abs(signal.values)))
-        own = frame.unknown or any(frame.xyz)
+        own = stands_elsewhere(record.frame_of(signal))
         value, what = (span, "moves over") if own else (far, "reaches")
         if value > 10 * limit:
             yield Problem(
                 f"signals.{signal.name}",
-                f"{what} {value:g} m, the arm reaches {limit:g} m; "
+                f"{what} {value:g} m, the arm reaches {limit:g} m at most; "
                 'if the file holds millimetres, say unit = "mm"',
             )
-        elif not own and len(signal.axes) == 3 and far < limit / 200:
-            yield Problem(
-                f"signals.{signal.name}",
-                f"stays within {far:g} m of the base, the arm reaches {limit:g} m; is the unit right?",
-            )
-        elif len(signal.axes) == 3 and 100 * span < (rigid := _rigid_span(record, arm, signal)):
-            yield Problem(
-                f"signals.{signal.name}",
-                f"moves over {span:.3g} m, a rigid arm would move over {rigid:.3g} m; is the unit right?",
-            )
+        elif len(signal.axes) == 3:
+            yield from _too_small(record, arm, signal, span, None if own else far)
+
+
+def _too_small(record: Record, arm: Arm, signal: Signal, span: float, far: float | None) -> Iterable[Problem]:
+    """Places much nearer to the base than the rigid arm has them when they are measured, or much less moved.
+
+    A turn of the frame leaves at least 1/sqrt(3) of a motion along one of its axes.
+    """
+    drives = [record.signals[name] for name in record.drive]
+    told = bool(drives) and all(s.quantity == "joint_angle" and s.valid.any() for s in drives)
+    places = places_seen(record, arm, signal)
+    away = min(float(np.max(np.linalg.norm(place, axis=1))) for place in places)
+    rigid = min(float(np.max(np.ptp(place, axis=0))) for place in places)
+    if far is not None and 200 * far < away:
+        what = f"stays within {far:.3g} m of the base, a rigid arm would have it {away:.3g} m away"
+    elif told and 100 * span < rigid:
+        what = f"moves over {span:.3g} m, a rigid arm would move over {rigid:.3g} m"
+    else:
+        return
+    yield Problem(f"signals.{signal.name}", f"{what}; is the unit right?")
 
 
 def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
     """Encoders of motors that move while nothing drives their joint: the model holds it."""
     if record.kind != "motion" or not record.drive:
         return
-    driven = {record.signals[name].joint for name in record.drive}
-    driven |= {controller.joint for controller in arm.controllers}
+    driven = {str(record.signals[name].joint) for name in record.drive}
+    driven = moved_with(driven | {controller.joint for controller in arm.controllers}, arm.gears)
     for signal in record.of_quantity("joint_angle").values():
-        moves = signal.valid.any() and np.nanmax(signal.values) - np.nanmin(signal.values) > MOVED
-        if signal.side == "motor" and signal.joint not in driven and moves:
+        if signal.side == "motor" and signal.joint not in driven and _moves(signal):
             yield Problem(
                 f"signals.{signal.name}",
                 f"is a motor's angle and moves, but is not in drive: the model holds {signal.joint!r} still",
             )
 
 
+def _moves(signal: Signal) -> bool:
+    """Whether an encoder shows more than its noise and one of its steps do."""
+    seen = signal.values[signal.valid, 0]
+    steps = np.diff(np.unique(seen))
+    coarse = ONE_STEP * float(np.min(steps)) if len(steps) else 0.0
+    still = max(MOVED, NOISY * (signal.noise_std or 0.0), coarse)
+    return len(seen) > 0 and float(np.ptp(seen)) > still
+
+
 def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:
     """Joints that turn as fast as motors; shafts before gears are motors' own."""
     shafts = {gear.input for gear in arm.gears}
     return too_fast(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
-
-
-def _rigid_span(record: Record, arm: Arm, signal: Signal) -> float:
-    """Over how much the rigid arm would move the signal's point along the recorded joint angles, at most [m].
-
-    Zero where no angles drive. A turn of the frame leaves at least 1/sqrt(3) of it along one of its axes.
-    """
-    drives = [record.signals[name] for name in record.drive]
-    if not drives or any(s.quantity != "joint_angle" or not s.valid.any() for s in drives):
-        return 0.0
-    return float(np.max(np.ptp(rigid_places(record, arm, str(signal.point)), axis=0)))
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:

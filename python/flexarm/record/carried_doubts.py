@@ -2,7 +2,8 @@
 
 Grams for kilograms, millimetres for metres, degrees for radians. The model with what the run carried is
 doubted as any model is (`flexarm.arm.warnings`), and a load of `MORE` times the whole nominal arm with its
-own loads besides: one in grams is a thousand times too heavy, and no arm carries loads so unlike one another.
+own loads besides: one in grams is a thousand times too heavy, and no arm carries loads so unlike one another,
+but in orbit, where nothing weighs.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def _heavy(record: Record, arm: Arm) -> Iterable[Problem]:
     ]
     whole = links + sum(own.values()) if links else 0.0
     for where, name, mass in stated:
-        if whole > 0 and mass > MORE * whole:
+        if whole > 0 and mass > MORE * whole and any(arm.gravity):
             nominal = f"the model has {own[name]:g} kg there and weighs {whole:.3g} kg in all"
             yield Problem(where, f"is {mass:g} kg, {nominal}; masses are in kg, not in g")
 

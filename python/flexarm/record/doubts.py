@@ -8,22 +8,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.geared import shaft_ratio
 from flexarm.errors import Problem
 from flexarm.record.frame_doubts import rotation_doubts
 from flexarm.record.lasting import doubts_of_spans
 from flexarm.record.noise_doubts import clock_doubts, noise_doubts
 from flexarm.record.signal import Signal
+from flexarm.record.table import Frame
 
 if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
     from flexarm.record.record import Record
 
 
 INPUTS = ("force", "payload_mass")
 """Quantities that say what an arm was told and are compared with nothing."""
+FARTHEST = 4 * pi
+"""Angle that hardly any joint reaches at its output [rad]: wrists of robots turn by 7 rad."""
+DISTANT = 1000.0
+"""Distance that no arm reaches or moves over [m]."""
 
 
-def doubts(record: Record) -> Iterable[Problem]:
-    """All doubts about a record."""
+def doubts(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
+    """All doubts about a record, of an arm with gears if one is given."""
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
     yield from clocks_apart(record)
@@ -33,7 +40,7 @@ def doubts(record: Record) -> Iterable[Problem]:
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
-    yield from doubted_units(record)
+    yield from doubted_units(record, arm)
     yield from rotation_doubts(record)
     yield from clock_doubts(record)
     for signal in record.signals.values():
@@ -49,14 +56,31 @@ def doubts(record: Record) -> Iterable[Problem]:
             )
 
 
-def doubted_units(record: Record) -> Iterable[Problem]:
-    """Values that no sensor shows in the unit that is stated."""
+def doubted_units(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
+    """Values that no sensor shows in the unit that is stated.
+
+    Parameters
+    ----------
+    record : Record
+        What was measured.
+    arm : Arm, optional
+        Whose gears are between the shafts of motors and what they turn.
+    """
     for name, frame in record.frames.items():
         if max(map(abs, frame.rpy)) > 2 * pi:
             yield Problem(f"frames.{name}.rpy", f"is {list(frame.rpy)} rad; write degrees as radians")
     for signal in record.signals.values():
         if signal.valid.any():
-            yield from (Problem(f"signals.{signal.name}", what) for what in _unit(signal))
+            ratio = shaft_ratio(signal.joint, arm.gears) if arm is not None else 1.0
+            found = [*_unit(signal, ratio)]
+            if signal.quantity == "position" and arm is None:  # `against_arm` has its reach
+                found += _distant(signal, stands_elsewhere(record.frame_of(signal)))
+            yield from (Problem(f"signals.{signal.name}", what) for what in found)
+
+
+def stands_elsewhere(frame: Frame) -> bool:
+    """Whether places in a frame are far from where they are in the base, as of a tracker or a map."""
+    return frame.unknown or any(frame.xyz)
 
 
 def clocks_apart(record: Record) -> Iterable[Problem]:
@@ -108,16 +132,15 @@ def _ran(record: Record, signals: Sequence[Signal]) -> tuple[float, float]:
     return float(first), float(last)
 
 
-def _unit(signal: Signal) -> Iterable[str]:
+def _unit(signal: Signal, ratio: float) -> Iterable[str]:
     """Values that contradict their unit."""
     largest = float(np.nanmax(np.abs(signal.values)))
-    if signal.quantity in ("joint_angle", "joint_command") and signal.unit == "rad" and largest > 2 * pi:
+    turned = largest / ratio
+    if signal.quantity in ("joint_angle", "joint_command") and signal.unit == "rad" and turned > FARTHEST:
         yield (
-            f"reaches {largest:g} rad at the output, {largest / (2 * pi):.1f} turns; if the file holds "
+            f"reaches {turned:g} rad at the output, {turned / (2 * pi):.1f} turns; if the file holds "
             'degrees, say unit = "deg", if it holds the motor\'s own angle, divide it by the ratio'
         )
-    if signal.quantity == "position" and largest > 1000:
-        yield f'reaches {largest:g} m; if the file holds millimetres, say unit = "mm"'
     if signal.quantity == "inclination" and largest > 2 * pi:
         yield f'reaches {largest:g} rad; if the file holds degrees, say unit = "deg"'
     if signal.quantity == "orientation":
@@ -132,6 +155,14 @@ def _unit(signal: Signal) -> Iterable[str]:
                 f"has a typical magnitude of {typical:g} m/s2; specific force at rest is 9.81 m/s2; "
                 'if the file holds multiples of g, say unit = "g"'
             )
+
+
+def _distant(signal: Signal, elsewhere: bool) -> Iterable[str]:
+    """Places beyond any arm, or that lie further apart."""
+    span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
+    size, what = (span, "moves over") if elsewhere else (float(np.nanmax(np.abs(signal.values))), "reaches")
+    if size > DISTANT:
+        yield f'{what} {size:g} m; if the file holds millimetres, say unit = "mm"'
 
 
 def _dead(signal: Signal) -> Iterable[str]:

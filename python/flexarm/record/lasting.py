@@ -92,8 +92,7 @@ def motion_of(name: str, time: Floats, values: Floats, unit: str) -> Motion:
 
 def doubts_of_spans(record: Record) -> Iterable[Problem]:
     """(1), (2) and the first of (3) of a record's signals."""
-    spans = {s.name: span_of(s.time) for s in record.signals.values() if len(s.time) >= LEAST_ROWS}
-    apart = _apart(spans)
+    spans, apart = _spans(record), spans_apart(record)
     yield from apart
     if not spans or apart:
         return
@@ -101,6 +100,15 @@ def doubts_of_spans(record: Record) -> Iterable[Problem]:
     motions = [_motion(record.signals[name]) for name in record.drive if name in spans]
     first = motions[0].name if motions else next(iter(spans))
     yield from (Problem(f"signals.{first}.time", what) for what in too_long(whole, motions))
+
+
+def spans_apart(record: Record) -> list[Problem]:
+    """(1) and the first of (3): signals that saw next to nothing of one another's motion."""
+    return _apart(_spans(record))
+
+
+def _spans(record: Record) -> dict[str, Span]:
+    return {s.name: span_of(s.time) for s in record.signals.values() if len(s.time) >= LEAST_ROWS}
 
 
 def _motion(signal: Signal) -> Motion:

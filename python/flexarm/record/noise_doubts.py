@@ -33,6 +33,8 @@ PART, PART_ELSE = 0.03, 0.5
 """Least share of the motion that such a noise is of places and angles, and of what rings or rubs."""
 STEADY = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities that do not ring by as much as they move."""
+NONE = 1e-9
+"""Scatter over the stated noise below which it is rounding, of an arm at rest that was simulated."""
 ORDERS = (1, 2, 3)
 """k of (1); the least bound counts."""
 THINNED = 20.0
@@ -65,7 +67,7 @@ def noise_doubts(signal: Signal) -> Iterable[Problem]:
 def _noise(signal: Signal, stated: float) -> Iterable[str]:
     scatter, shown = _scatter(signal), float(np.max(np.nanstd(signal.values, axis=0)))
     part = PART if signal.quantity in STEADY else PART_ELSE
-    if scatter and stated > max(LOUD * scatter, part * shown):
+    if scatter > NONE * stated and stated > max(LOUD * scatter, part * shown):
         yield (
             f"is {stated:.3g} {signal.unit}, but values scatter by {scatter:.2g} {signal.unit} at most; "
             "noise_std is in the unit of the signal"
@@ -82,8 +84,8 @@ def _step(signal: Signal) -> float:
     """Step of which all readings of a channel are multiples, 0 if there is none."""
     from flexarm.measurement.lattice import lattice_step
 
-    if signal.quantity in ("joint_angle", "joint_command"):
-        return 0.0
+    if signal.quantity in ("joint_angle", "joint_command", "force", "payload_mass"):
+        return 0.0  # encoders count, and who loads an arm does so in equal steps
     return max(lattice_step(column) for column in signal.values.T)
 
 

@@ -157,11 +157,17 @@ class Record:
         """A changed copy."""
         return replace(self, **changes)
 
-    def check(self) -> list[Problem]:
-        """What looks wrong in the record by itself: units, dead channels, gaps."""
+    def check(self, arm: Arm | None = None) -> list[Problem]:
+        """What looks wrong in the record by itself: units, dead channels, gaps.
+
+        Parameters
+        ----------
+        arm : Arm, optional
+            Whose gears turn shafts of motors more often than joints turn.
+        """
         from flexarm.record.doubts import doubts
 
-        return [*self.notes, *doubts(self)]
+        return [*self.notes, *doubts(self, arm)]
 
     def check_against(self, arm: Arm) -> list[Problem]:
         """What does not fit a model.

@@ -38,7 +38,8 @@ def gap_along(d: Diagnosis, record: str) -> Figure:
         largest = max(last.max[name] or 0.0, 2 * (noise_of(last) or 0.0))
         factor, unit = scale([largest], last.unit)
         draw(row[1], {model: last}, name, factor)
-        row[1].set(ylabel=f"[{unit}]", ylim=(-1.15 * factor * largest, 1.15 * factor * largest))
+        end = 1.15 * factor * largest or 1.0  # nothing is left where nothing moves and no noise is stated
+        row[1].set(ylabel=f"[{unit}]", ylim=(-end, end))
     titles = (f"{record}: measured − model", "what is left, enlarged")
     for ax, title in zip(axes[0], titles, strict=False):
         ax.set_title(title)

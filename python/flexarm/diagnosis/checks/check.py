@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from flexarm.comparison.beside import beside
+from flexarm.diagnosis.checks.borne_out import borne_out
 from flexarm.diagnosis.checks.checked import Checked, Removed
 from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
 from flexarm.diagnosis.checks.doubted import doubted
@@ -104,6 +105,7 @@ def check(
     faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
+    sure = {v.record: borne_out(arm, named[v.record], v.channels) for v in verdicts if v.drive is None}
     compared = {name: tuple(subject.evidence) for name, subject in subjects.items()}
     return Checked(
         named,
@@ -111,7 +113,7 @@ def check(
         tuple(outliers),
         tuple(remarks),
         {**compared, **dict.fromkeys(empty, ())},
-        (*doubted(arm, named), *doubts),
+        (*doubted(arm, named, sure), *doubts),
     )
 
 

@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.geared import moved_with, shaft_ratio
+from flexarm.arm.sizes import LONGEST
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.measurement.torque import gear_ratio
+from flexarm.record.doubts import FARTHEST
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -27,8 +30,6 @@ FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0
 """Wrong units of angles and counts; the joint's own ratio and its inverse come on top."""
 OF_ALL = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3)
 """The same of all drives together."""
-FARTHEST = 4 * pi
-"""Angles of a revolute joint beyond which a hypothesis is not tried [rad]; lengths likewise [m]."""
 LEAST = 1e-3
 """Standard deviation of a motion that a hypothesis must leave [rad or m]."""
 NEAR = 12.0
@@ -57,7 +58,7 @@ def hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> l
     turning = [signal for signal in drives if signal.unit == "rad"]
     if moving and len(turning) > 1:
         found += _units(turning, arm, OF_ALL)
-    wild = {signal.name for signal in turning if _farthest(signal) > FARTHEST}
+    wild = {signal.name for signal in drives if _over(signal, arm) > 1}
     return sorted(found, key=lambda each: not wild <= {effect.at for effect in each})
 
 
@@ -71,7 +72,7 @@ def _units(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list
     return [
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
         for each in [*alike, *own]
-        if all(_farthest(signal) / f < FARTHEST for signal, f in zip(drives, each, strict=True))
+        if all(_over(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
         and any(_spread(signal) / f > LEAST for signal, f in zip(drives, each, strict=True))
     ]
 
@@ -89,8 +90,10 @@ def factors_of(hypothesis: Hypothesis) -> dict[str, float]:
     }
 
 
-def _farthest(signal: Signal) -> float:
-    return float(np.nanmax(np.abs(signal.values), initial=0.0))
+def _over(signal: Signal, arm: Arm) -> float:
+    """How far a drive goes, over what arms do: a hypothesis that leaves more is not tried."""
+    most = FARTHEST * shaft_ratio(signal.joint, arm.gears) if signal.unit == "rad" else LONGEST
+    return float(np.nanmax(np.abs(signal.values), initial=0.0)) / most
 
 
 def _spread(signal: Signal) -> float:
@@ -108,13 +111,14 @@ def disturbed(arm: Arm, joint: str, found: Sequence[Finding]) -> bool:
 
 
 def moves(arm: Arm, joint: str, signal: Signal) -> bool:
-    """Whether a joint moves the place of a signal; torques are left to their own joint."""
+    """Whether a joint, with what gears move along, moves a signal's place; torques are of their own joint."""
     if signal.joint is not None:
         return signal.joint == joint
+    together = moved_with({joint}, arm.gears)
     link = signal.link or (arm.point(signal.point).link if signal.point is not None else "")
     while link and link != "base":
         above = next(each for each in arm.joints if each.child.split(":")[0] == link.split(":")[0])
-        if above.name == joint:
+        if above.name in together:
             return True
         link = above.parent
     return False

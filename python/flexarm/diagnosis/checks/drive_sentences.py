@@ -36,8 +36,9 @@ def said_of(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
     times = listed(list(dict.fromkeys(f"{factor:.5g}" for factor in factors.values())))
     parts = listed(list(dict.fromkeys(f"1/{factor:.5g}" for factor in factors.values())))
     at, factor = next(iter(factors.items()))
+    what = "angle" if all(record.signals[each].unit == "rad" for each in factors) else "length"
     why = _of_ratios(arm, record, factors) or unit_named(factor, 0.0, record.signals[at].unit)
-    return f"{drives} {times} times the angle{why}: driven by {parts} of it the model follows {others}"
+    return f"{drives} {times} times the {what}{why}: driven by {parts} of it the model follows {others}"
 
 
 def _of_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:

@@ -21,5 +21,5 @@ def remarks_on_few_poses(subjects: Mapping[str, Subject]) -> Iterator[str]:
                 continue
             count = len(np.unique(signal.pose[signal.valid]))
             if count < LEAST_POSES:
-                many = f"{count} pose{'s' * (count > 1)}"
-                yield f"{name}: {signal.name} holds {many}, and an outlier is looked for among {LEAST_POSES}"
+                many = f"{name}: {signal.name} holds {count} pose{'s' * (count > 1)}"
+                yield f"{many}; outliers are looked for among {LEAST_POSES} or more"
