@@ -26,6 +26,7 @@ from flexarm.diagnosis.checks.lost import without_lost_channels
 from flexarm.diagnosis.checks.merge import Verdict, merged
 from flexarm.diagnosis.checks.placing import placing
 from flexarm.diagnosis.checks.runs import run
+from flexarm.diagnosis.checks.shifted import remarks_on_shifts
 from flexarm.diagnosis.checks.skipped import remarks_on_skipped
 from flexarm.diagnosis.checks.spikes import clean_drives, clean_evidence, without_rows
 from flexarm.diagnosis.checks.stamps import remarks_on_stamps
@@ -105,6 +106,7 @@ def check(
     faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
         remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
+        remarks += remarks_on_shifts(subjects)
     sure = {v.record: borne_out(arm, named[v.record], v.channels) for v in verdicts if v.drive is None}
     compared = {name: tuple(subject.evidence) for name, subject in subjects.items()}
     return Checked(
