@@ -258,10 +258,12 @@ def _weighed(name: str, found: Sequence[Finding], drive: DriveFinding | None) ->
 
 
 def _without_frozen(record: Record, verdict: Verdict) -> tuple[Record, list[str]]:
-    """The record without rows that repeat a value."""
+    """The record without rows that repeat a value, and what else channels show that is no fault."""
     notes = []
     for each in verdict.channels:
         if each.frozen:
             record = without_rows(record, each.channel.signal.name, each.frozen)
             notes.append(f"{verdict.record}: {each.sentence}; these rows are removed")
+        elif each.sentence and not each.name:
+            notes.append(f"{verdict.record}: {each.sentence}")
     return record, notes

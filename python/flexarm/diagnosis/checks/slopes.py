@@ -2,13 +2,16 @@
 
 A sensor in order has slope 1 within what missing effects do to it (`IN_ORDER`): an arm 5 % too long, a
 payload twice as heavy. A slope counts only if the channel then follows the prediction to `FOLLOWS` of its
-motion and is known to five sigma. Factors near a conversion of units are named after it.
+motion and is known to five sigma. Factors near a conversion of units are named after it, of a torque also
+those of its joint's gear. What bears a load shows any other factor up to `HEAVIER` where the arm carries what
+no one stated: that is said, and no fault.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from math import log, pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +21,18 @@ from flexarm.diagnosis.checks.finding import PRIOR, Finding, cost, log_bayes
 from flexarm.diagnosis.checks.no_fault import values_at
 from flexarm.diagnosis.checks.regression import Fit
 from flexarm.diagnosis.wording import with_unit
+from flexarm.measurement.torque import gear_ratio
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Signal
 
 IN_ORDER = 1.6
 """Slopes between its inverse and it need no other unit."""
-LOOSE = {"motor_torque": 3.0, "motor_voltage": 3.0, "strain": 3.0}
-"""The same for what the nominal model knows less well."""
+LOOSE = {"motor_torque": 3.0, "motor_voltage": 3.0, "strain": 3.0, "deflection": 3.0}
+"""The same for what bears loads, and the nominal model knows less well."""
+HEAVIER = 20.0
+"""Factor, or its inverse, that a load which is not stated may give to these."""
 FOLLOWS = 0.3
 """Greatest share of the motion that a hypothesis may leave."""
 CERTAIN = 5.0
@@ -72,7 +82,7 @@ def judged(channel: Channel, subject: Subject, placement: Placement) -> Finding:
         return replace(here, strange=_strange(channel, own))
     if fit.slope < 0 and _late(channel, subject, placement, fit):
         return replace(here, strange=True)
-    return _flipped(channel, fit, own) if not another_unit else _scaled(channel, fit, own)
+    return _flipped(channel, fit, own) if not another_unit else _scaled(channel, fit, own, subject.arm)
 
 
 def in_order(channel: Channel, own: Fit) -> Finding:
@@ -91,18 +101,32 @@ def _flipped(channel: Channel, fit: Fit, own: Fit) -> Finding:
     return _found(channel, own, "sign_error", bayes, turned, {}, sentence)
 
 
-def _scaled(channel: Channel, fit: Fit, own: Fit) -> Finding:
+def _scaled(channel: Channel, fit: Fit, own: Fit, arm: Arm) -> Finding:
     factor = abs(fit.slope)
     bayes = log_bayes(len(channel.rows), own.scatter, fit.scatter)
     turned = "against the model and " if fit.slope < 0 else ""
     relative = fit.std / factor
+    why = of_gear(channel.signal, factor, relative, arm)
+    why = why or unit_named(factor, relative, channel.signal.unit)
+    times = f"{channel.label} moves {turned}{factor:.5g} times as far as the model says"
+    if not why and fit.slope > 0 and channel.signal.quantity in LOOSE and 1 / HEAVIER < factor < HEAVIER:
+        load = "does the arm carry what model and record state?"
+        return replace(in_order(channel, own), sentence=f"{times}, which no unit gives: {load}")
     sentence = (
-        f"{channel.label} moves {turned}{factor:.5g} times as far as the model says "
-        f"(+- {100 * relative:.1f} %){unit_named(factor, relative, channel.signal.unit)}; "
+        f"{times} (+- {100 * relative:.1f} %){why}; "
         f"with that taken back {100 * fit.missed:.2g} % of its motion is left"
     )
     values = {"factor": (factor, fit.std, "-")}
     return _found(channel, own, "unit_error", bayes, fit, values, sentence)
+
+
+def of_gear(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
+    """That a torque's factor is its gear's ratio, or the inverse, for a sentence."""
+    ratio = gear_ratio(arm, str(signal.joint)) if signal.quantity == "motor_torque" else 1.0
+    for own, side, other in ((ratio, "output", "motor"), (1 / ratio, "motor", "output")):
+        if ratio != 1 and abs(log(factor / abs(own))) < max(0.1, 3 * relative):
+            return f", as a torque on the {side} side does that is said to be on the {other} side"
+    return ""
 
 
 def unit_named(factor: float, relative: float, unit: str) -> str:
