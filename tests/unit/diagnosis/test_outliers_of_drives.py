@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.checks.spikes import drive_spikes
+from flexarm.diagnosis.checks.spikes import clean_drives, drive_spikes
 from flexarm.drive import Drive
 from flexarm.example.motion import joined
+from flexarm.record import Record, Signal
 
 
 def resampled(time, angle, rate):
@@ -44,3 +45,15 @@ def test_planted_outliers_are_found_and_no_others(name, noise):
     planted = [0, 700, 1700, 1701, 2500]
     samples[planted] += np.array([5e-4, -5e-4, 5e-4, 6e-4, 5e-4])
     assert set(planted) == set(np.flatnonzero(drive_spikes(samples, noise)))
+
+
+@pytest.mark.parametrize("row", [0, -1])
+def test_a_row_at_an_end_is_told_as_far_off_as_it_is(row):
+    """A reading at an end that is written twice, beside 0.3 rad/s at 250 Hz, is 1.2 mrad off, not 0."""
+    t = np.arange(0, 8, 4e-3)
+    angle = 0.3 / 0.5 * np.sin(0.5 * (t - t[row]))
+    angle[row] = angle[row + 1 if row == 0 else row - 1]
+    hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", side="motor", time=t, values=angle)
+    _, [removed] = clean_drives("run", Record(signals=[hinge], drive=("hinge",)))
+    assert removed.rows == (row % len(t),)
+    assert removed.size == pytest.approx(1.2e-3, rel=1e-3)

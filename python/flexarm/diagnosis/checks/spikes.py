@@ -193,11 +193,17 @@ def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> Removed:
-    """With the root mean square distance of `values`, all axes together, from the line between neighbours."""
+    """With the root mean square distance of `values`, all axes together, from the line through neighbours."""
     good = ~rows & np.isfinite(values).all(axis=1)
-    off = [y[rows] - np.interp(signal.time[rows], signal.time[good], y[good]) for y in values.T]
+    off = [y[rows] - _line(signal.time[rows], signal.time[good], y[good]) for y in values.T]
     size = float(np.sqrt(np.nanmean(np.sum(np.square(off), axis=0))))
     return Removed(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)
+
+
+def _line(at: Floats, time: Floats, y: Floats) -> Floats:
+    """The line between neighbours; before the first and after the last the one through two of them."""
+    first = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)
+    return np.asarray(y[first] + (y[first + 1] - y[first]) * (at - time[first]) / np.diff(time)[first])
 
 
 def without_rows(record: Record, name: str, rows: tuple[int, ...]) -> Record:
