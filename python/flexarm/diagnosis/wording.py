@@ -6,7 +6,7 @@ and an estimate with the digits that its interval leaves: two of the interval's 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -141,3 +141,13 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     ('a, b and c', 'a or b')
     """
     return " ".join([", ".join(words[:-1]), last, words[-1]]) if len(words) > 1 else "".join(words)
+
+
+def times_noise(sizes: Mapping[str, float]) -> str:
+    """Signals with sizes over their noise.
+
+    >>> times_noise({"tip": 4.41, "hub": 0.5}), times_noise({"tip": 4.41})
+    ('tip by 4.4 and hub by 0.5 times their noise', 'tip by 4.4 times its noise')
+    """
+    whose = "its" if len(sizes) == 1 else "their"
+    return f"{listed([f'{name} by {size:.2g}' for name, size in sizes.items()])} times {whose} noise"

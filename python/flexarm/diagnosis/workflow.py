@@ -42,9 +42,14 @@ from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
 from flexarm.diagnosis.outcome.swings import swings
 from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed
 from flexarm.diagnosis.outcome.verified import Bench, verified
-from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals, weighed_by_drives
+from flexarm.diagnosis.residuals.drive_noise import (
+    allow_for_drives,
+    shaken_signals,
+    shaken_told,
+    weighed_by_drives,
+)
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.step_errors import unsteady_signals
+from flexarm.diagnosis.residuals.step_errors import unsteady_told
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -168,8 +173,8 @@ def diagnose(
             *parted.remarks,
             *unfitted(observed, checked.compared),
             *unweighed(observed),
-            *(shaken | shaken_signals(observed)).values(),
-            *(unsteady_signals(observed).values() if choice.best.has_corners else ()),
+            *shaken_told(shaken | shaken_signals(observed), observed),
+            *(unsteady_told(observed) if choice.best.has_corners else ()),
             *swings(choice.best, observed),
             *seen.remarks,
         ),

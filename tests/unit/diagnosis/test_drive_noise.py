@@ -7,7 +7,12 @@ from arms import crane, hinge, smooth_step, tracker
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.choosing.evidence import above_noise
-from flexarm.diagnosis.residuals.drive_noise import allow_for_drives, shaken_signals, weighed_by_drives
+from flexarm.diagnosis.residuals.drive_noise import (
+    allow_for_drives,
+    shaken_signals,
+    shaken_told,
+    weighed_by_drives,
+)
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Frame
@@ -50,8 +55,9 @@ def test_the_right_model_leaves_no_gap_but_the_noise_that_is_foretold(arm):
     assert left(there, residual).max() > 1.0
     allow_for_drives(there, arm)
     assert left(there, residual).max() < 1.0  # a mode is shaken by a few independent values
-    [said] = shaken_signals(there).values()
-    assert said.startswith("noise of hinge, as stated, moves tip by up to ")
+    [said] = shaken_told(shaken_signals(there), there)
+    assert said.startswith("noise of hinge, as stated, moves tip by ")
+    assert said.endswith(" times its noise, which is no gap")
 
 
 def test_a_gap_stays_a_gap(arm):
@@ -68,6 +74,7 @@ def test_a_good_encoder_changes_nothing(arm):
     allow_for_drives(there, arm)
     assert there.rows is rows
     assert shaken_signals(there) == {}
+    assert shaken_told({}, there) == []
 
 
 def test_the_same_model_is_allowed_the_same_and_never_less(arm):

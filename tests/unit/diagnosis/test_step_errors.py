@@ -9,7 +9,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.choosing.evidence import DISCREPANCY, above_noise, discrepancies
 from flexarm.diagnosis.residuals.corners import has_corners
 from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.step_errors import allow_for_steps, unsteady_signals
+from flexarm.diagnosis.residuals.step_errors import allow_for_steps, unsteady_told
 from flexarm.effects import Backlash, JointCompliance
 
 TRACKER = 1e-4
@@ -50,7 +50,7 @@ def test_what_no_step_is_fine_enough_for_is_no_gap(arm):
     assert most(there, bouncing) > 1.0
     allow_for_steps(there, bouncing)
     assert most(there, bouncing) < 1.0
-    [said] = unsteady_signals(there).values()
+    [said] = unsteady_told(there)
     assert said.startswith("no time step is fine enough for what bounces: half of it moves tip by ")
     assert discrepancies(there, corners=True).max() > 1.0
 
@@ -81,7 +81,7 @@ def test_laws_without_corners_and_those_that_lie_on_a_flank_are_as_exact_as_ever
         there = observed(model)
         allow_for_steps(there, model)
         assert all(each.unsteady == 0.0 for each in there.rows)
-        assert unsteady_signals(there) == {}
+        assert unsteady_told(there) == []
         assert set(discrepancies(there, corners=True)) == {DISCREPANCY}
 
 

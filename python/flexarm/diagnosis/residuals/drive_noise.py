@@ -15,6 +15,7 @@ else seem to lack something.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
@@ -25,6 +26,7 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fitting.fit import FAILED
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.wording import listed, times_noise
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.smoothing import smooth
 from flexarm.record import Record
@@ -54,18 +56,20 @@ def allow_for_drives(observed: Observed, arm: Arm) -> None:
         observed.rows = tuple(replace(each, shaken=max(each.shaken, s)) for each, s in rows)
 
 
-def shaken_signals(observed: Observed) -> dict[str, str]:
-    """Sentences on signals that noise of the drives moves by more than `SAID` times their own, by signal."""
+def shaken_signals(observed: Observed) -> dict[str, float]:
+    """By how many times their own noise that of the drives moves signals, where it is more than `SAID`."""
     most: dict[str, float] = {}
     for each in observed.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.shaken))
-    names = dict.fromkeys(n for r in observed.records.values() for n in r.drive)
-    noise = f"noise of {' and '.join(names)}, as stated,"
-    return {
-        signal: f"{noise} moves {signal} by up to {size:.2g} times its own, which is no gap"
-        for signal, size in most.items()
-        if size > SAID
-    }
+    return {signal: size for signal, size in most.items() if size > SAID}
+
+
+def shaken_told(sizes: Mapping[str, float], observed: Observed) -> list[str]:
+    """A sentence on what `shaken_signals` found, if that is something."""
+    if not sizes:
+        return []
+    drives = dict.fromkeys(name for record in observed.records.values() for name in record.drive)
+    return [f"noise of {listed(list(drives))}, as stated, moves {times_noise(sizes)}, which is no gap"]
 
 
 def weighed_by_drives(observed: Observed) -> Observed:

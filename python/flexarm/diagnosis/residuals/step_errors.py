@@ -22,6 +22,7 @@ from flexarm.arm import Arm
 from flexarm.diagnosis.fitting.fit import FAILED
 from flexarm.diagnosis.residuals.corners import has_corners
 from flexarm.diagnosis.residuals.observed import Observed, extrapolated
+from flexarm.diagnosis.wording import times_noise
 
 COUNTS = 0.3
 """Least error of some channel, over its noise, that counts: a smaller one is what any simulation errs by."""
@@ -43,14 +44,11 @@ def allow_for_steps(observed: Observed, arm: Arm) -> None:
         observed.rows = tuple(replace(each, unsteady=max(each.unsteady, s)) for each, s in rows)
 
 
-def unsteady_signals(observed: Observed) -> dict[str, str]:
-    """Sentences on signals of which no step is fine enough, by signal."""
+def unsteady_told(observed: Observed) -> list[str]:
+    """A sentence on signals of which no step is fine enough, if there are some."""
     most: dict[str, float] = {}
     for each in observed.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.unsteady))
-    return {
-        signal: f"no time step is fine enough for what bounces: half of it moves {signal} by {size:.2g} "
-        "times its noise, which is no gap"
-        for signal, size in most.items()
-        if size > COUNTS
-    }
+    sizes = {signal: size for signal, size in most.items() if size > COUNTS}
+    said = "no time step is fine enough for what bounces: half of it moves"
+    return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []
