@@ -32,8 +32,8 @@ def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[s
     with blame_one_of(model, files, records, arm):
         found = check(arm, records)
     next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
-    judged = found.usable and not found.doubts
-    return _told(found), [found.summary(), *([next_step] if judged else [])], _faults(found, files)
+    ready = found.usable and found.judged
+    return _told(found), [found.summary(), *([next_step] if ready else [])], _faults(found, files)
 
 
 def _faults(found: Checked, files: dict[str, Path]) -> Faults:

@@ -178,7 +178,7 @@ def subject(
         if name in skipped:
             continue
         if not signal.valid.any():
-            skipped[name] = "no row holds a value in every channel"
+            skipped[name] = _empty(signal)
             continue
         try:
             read(simulation, signal, stamps[name][:1])
@@ -187,3 +187,11 @@ def subject(
         else:
             kept[name] = signal
     return Subject(simulation, record, stamps, kept, skipped, simulation.arm if arm is None else arm)
+
+
+def _empty(signal: Signal) -> str:
+    """Why a signal is not compared of which no row is whole, and what to do where a channel is to blame."""
+    found = "no row holds a value in every channel"
+    if 0 < len(signal.empty) < signal.values.shape[1]:
+        return f"{found}, {', '.join(signal.empty)} holds none; leave it out of axes and channels"
+    return found

@@ -46,7 +46,9 @@ def doubts(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():
-            yield Problem(where, f"holds no value in {len(signal)} rows")
+            lost = signal.empty if len(signal.empty) < signal.values.shape[1] else ()
+            along = f" along {', '.join(lost)}" if lost else ""
+            yield Problem(where, f"holds no value{along} in {len(signal)} rows")
             continue
         yield from (Problem(where, what) for what in (*_dead(signal), *_gaps(signal)))
         yield from noise_doubts(signal)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
-from flexarm.quantities import QUANTITIES, Quantity
+from flexarm.quantities import QUANTITIES, Quantity, channel_names
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -122,6 +122,13 @@ class Signal:
     def valid(self) -> NDArray[np.bool_]:
         """Rows of which every channel holds a value, shape (n,)."""
         return np.asarray(np.isfinite(self.values).all(axis=1))
+
+    @property
+    def empty(self) -> tuple[str, ...]:
+        """Channels without any value: axes, or x, y, z, w of a quaternion; "" of a scalar."""
+        names = channel_names(self.quantity, self.axes)
+        found = np.isfinite(self.values).any(axis=0).tolist()
+        return tuple(name for name, any_value in zip(names, found, strict=True) if not any_value)
 
     @property
     def rate_hz(self) -> float:

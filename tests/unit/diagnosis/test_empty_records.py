@@ -125,3 +125,25 @@ def test_what_is_doubted_in_a_model_is_told_by_its_diagnosis():
     found = flexarm.diagnose(crane(uncertainty={"points.tip.position_m": 30.0}), {"one": poses(8)}, jobs=1)
     [told] = [remark for remark in found.remarks if remark.startswith("model: ")]
     assert "uncertainty.points.tip.position_m: is 30 m (1 sigma), further than the arm reaches" in told
+
+
+def test_a_comparison_without_an_axis_says_which_one_and_what_to_do():
+    record = without_axes(poses(8), 1)
+    with pytest.raises(InvalidParameter, match="z holds none; leave it out of axes and channels"):
+        flexarm.compare(crane(), record)
+    assert "holds no value along z in 8 rows" in [problem.what for problem in record.check()]
+
+
+def test_no_sensor_is_judged_where_nothing_is_compared():
+    found = check(crane(), {"none": without_axes(poses(8), 0, 1)})
+    assert found.usable and not found.judged
+    assert found.summary().startswith("1 record checked: no sensor can be judged: nothing is compared")
+
+
+def test_a_drive_without_a_value_is_told_without_a_warning_of_numpy(recwarn):
+    time = np.arange(0, 2, 0.01)
+    hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=time, values=np.nan * time)
+    tip = Signal(name="tip", quantity="position", point="tip", time=time, values=np.ones((len(time), 3)))
+    [doubt] = check(crane(), {"run": Record(signals=[hinge, tip], drive=("hinge",))}).doubts
+    assert "drop-outs leave no value of it" in doubt
+    assert not recwarn.list

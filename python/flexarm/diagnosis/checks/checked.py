@@ -106,6 +106,11 @@ class Checked:
         """Whether no sensor is at fault."""
         return not self.faults
 
+    @property
+    def judged(self) -> bool:
+        """Whether sensors were laid beside a model that nothing is doubted of."""
+        return not self.doubts and (not self.compared or any(self.compared.values()))
+
     def comparable(self) -> dict[str, Record]:
         """The records that something can be compared of; all of them if that is true of none."""
         found = {name: record for name, record in self.records.items() if self.compared.get(name, True)}
@@ -140,6 +145,8 @@ class Checked:
             return "data are unusable"
         if self.doubts:
             return "sensors cannot be judged beside this model until what is doubted is mended"
+        if not self.judged:
+            return "no sensor can be judged: nothing is compared with the model"
         return "no sensor is at fault"
 
     def __repr__(self) -> str:

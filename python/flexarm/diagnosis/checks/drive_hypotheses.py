@@ -46,7 +46,8 @@ def hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> l
     """
     from flexarm.effects import SignError
 
-    drives = [signal for name in record.drive if (signal := record.signals[name]).joint is not None]
+    drives = [record.signals[name] for name in record.drive]
+    drives = [signal for signal in drives if signal.joint is not None and signal.valid.any()]
     moving = [
         signal
         for signal in drives
