@@ -127,8 +127,9 @@ class Signal:
     def empty(self) -> tuple[str, ...]:
         """Channels without any value: axes, or x, y, z, w of a quaternion; "" of a scalar."""
         names = channel_names(self.quantity, self.axes)
-        found = np.isfinite(self.values).any(axis=0).tolist()
-        return tuple(name for name, any_value in zip(names, found, strict=True) if not any_value)
+        return tuple(
+            name for name, column in zip(names, self.values.T, strict=True) if not np.isfinite(column).any()
+        )
 
     @property
     def rate_hz(self) -> float:
