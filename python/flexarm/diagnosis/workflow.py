@@ -22,7 +22,7 @@ from flexarm.diagnosis.candidates.candidates import candidates
 from flexarm.diagnosis.candidates.coarse_encoders import CoarseEncoder, with_coarse_encoders
 from flexarm.diagnosis.checks.check import check, cleaned, named_records
 from flexarm.diagnosis.checks.checked import Checked
-from flexarm.diagnosis.choosing.acceptance import leaves_anything, leaves_gap
+from flexarm.diagnosis.choosing.acceptance import LEFT_SHARE, NEARLY_ALL, leaves_anything, leaves_gap
 from flexarm.diagnosis.choosing.choose import Choice, choose
 from flexarm.diagnosis.choosing.constancy import constancy
 from flexarm.diagnosis.choosing.screen import probe
@@ -33,7 +33,7 @@ from flexarm.diagnosis.fitting.unknowns import unknowns
 from flexarm.diagnosis.gap.rhythm import rhythms
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.named import NamedEffect
-from flexarm.diagnosis.outcome.ends import ends_sentence
+from flexarm.diagnosis.outcome.ends import ends_sentence, far_out
 from flexarm.diagnosis.outcome.estimates import Estimates, estimates
 from flexarm.diagnosis.outcome.left_open import left_open
 from flexarm.diagnosis.outcome.naming import named_effects, rejected
@@ -203,13 +203,14 @@ def _conclusion(
 ) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
-    What leaves a small part of a gap, with a parameter that each record would have otherwise, mimics it, and
-    so does what explains all with a size that nothing has.
+    What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
+    machine has, mimics it, and so does what explains all with a size where fits end.
     """
     sizes = estimates(choice.best, observed, seed)
     drifts = tuple(constancy(choice.best, observed, choice.value))
     wrong = any(not each["constant"] for each in drifts) and leaves_anything(choice.best, observed)
-    open_gap = wrong or leaves_gap(choice.best, choice.null, observed)
+    share = NEARLY_ALL if far_out(choice.best) else LEFT_SHARE
+    open_gap = wrong or leaves_gap(choice.best, choice.null, observed, share)
     ends = ends_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (

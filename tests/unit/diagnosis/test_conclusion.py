@@ -6,27 +6,32 @@ import pytest
 
 from flexarm.diagnosis import workflow
 
+GAP = 26.0
+"""Of the nominal model, over the noise."""
+
 
 @pytest.mark.parametrize(
-    ("constant", "left", "ends", "verdict"),
+    ("constant", "left", "far", "ends", "verdict"),
     [
-        (True, 1.3, "", "effects"),  # a twentieth of the gap: no model is exact
-        (False, 1.3, "", "unexplained"),  # three wrong names mimic a link that hardens, each record its own
-        (False, 0.4, "", "effects"),  # in the noise there is nothing to be mimicked
-        (True, 0.4, "at its end", "unexplained"),  # a link that hardens, told as rigid
+        (True, 1.3, False, "", "effects"),  # a twentieth of the gap: no model is exact
+        (False, 1.3, False, "", "unexplained"),  # three wrong names mimic a link that hardens
+        (False, 0.4, False, "", "effects"),  # in the noise there is nothing to be mimicked
+        (True, 1.3, True, "", "unexplained"),  # an encoder eccentric by 0.1 rad, told for a soft shoulder
+        (True, 0.4, True, "", "effects"),  # some machine is unlike all others
+        (True, 0.4, True, "at its end", "unexplained"),  # a link that hardens, told as rigid
     ],
 )
-def test_what_moves_or_is_at_its_end_does_not_explain(monkeypatch, constant, left, ends, verdict):
-    fit = SimpleNamespace(rest=None, members=(), has_corners=False)
-    choice = SimpleNamespace(best=fit, null=fit, value={})
+def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, constant, left, far, ends, verdict):
+    null, fit = (SimpleNamespace(rest=rest, members=(), has_corners=False) for rest in (GAP, left))
+    choice = SimpleNamespace(best=fit, null=null, value={})
     monkeypatch.setattr(
-        "flexarm.diagnosis.choosing.acceptance.above_noise", lambda rest, observed, corners: {"tip": left}
+        "flexarm.diagnosis.choosing.acceptance.above_noise", lambda rest, observed, corners: {"tip": rest}
     )
     for name, said in {
         "estimates": None,
         "constancy": [{"constant": constant}],
-        "leaves_gap": False,
         "ends_sentence": ends,
+        "far_out": far,
         "named_effects": ["joint stiffening"],
         "worth_keeping": True,
         "repaired": None,

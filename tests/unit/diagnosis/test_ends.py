@@ -12,7 +12,7 @@ import flexarm
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.fitting.coordinate import Coordinate
 from flexarm.diagnosis.fitting.fit import Fit
-from flexarm.diagnosis.outcome.ends import at_ends, ends_sentence
+from flexarm.diagnosis.outcome.ends import at_ends, ends_sentence, far_out
 from flexarm.effects import PayloadMass
 
 SCALE = Coordinate(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))
@@ -43,6 +43,15 @@ def test_a_size_that_is_far_off_but_not_at_the_end_is_a_size():
 def test_what_only_shapes_a_law_may_vanish():
     """A spring's damping that tends to nothing is none, and a spring all the same."""
     assert at_ends(fit(1.0, -DAMPING.bound)) == []
+
+
+def test_a_size_of_one_machine_in_ten_thousand_is_far_out_and_a_load_that_is_none_is_not():
+    """Four sigmas; a linear prior, of an offset say, is of what is usual and excludes nothing."""
+    assert far_out(fit(4.1)) and far_out(fit(-4.1))
+    assert not far_out(fit(3.9))
+    assert not far_out(fit(1.0, -8.0))  # damping only shapes the law
+    linear = Coordinate(0, "scale", Prior(-1.0, 1.0, 0.0, "linear", "m", "a test"))
+    assert not far_out(fit(9.0, coordinates=(linear,)))
 
 
 def test_phases_have_no_end():

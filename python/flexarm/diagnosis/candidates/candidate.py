@@ -51,7 +51,7 @@ class Candidate:
     needs : Effect or None
         What the model must have besides, and has not.
     priors : dict of str to Prior
-        Those that the records state better than the effect does, which does not know them.
+        Those that records or model state better than the effect does, which does not know them.
     """
 
     effect: Effect

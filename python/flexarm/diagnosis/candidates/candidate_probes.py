@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import exp, isinf, log, pi
+from dataclasses import replace
+from math import exp, inf, isinf, log, pi
 from typing import Any
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect, effect_class
+from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.diagnosis.candidates.candidate import SHAPES, SPRINGS, WAVES, value_of
 from flexarm.diagnosis.residuals.observed import Observed
@@ -26,14 +28,25 @@ OF_READING, OF_NOISE = 0.1, 10.0
 """Below which 95 % of offsets are: part of the greatest reading, but at least this often the noise."""
 SOFTER = (1.0, 30.0, 300.0)
 """How much softer than typical a spring is probed: once it moves a mode by itself, it is no small step."""
+OF_STATED = 5.0
+"""Within which 95 % of springs are as stated."""
+STEP = 1.2
+"""How much softer than stated a spring is probed at least, and `SOFTER` times that."""
 
 
 def variants(
-    name: str, effect: Effect, arm: Arm, rhythm: Sequence[float], softer: Sequence[float]
+    name: str,
+    effect: Effect,
+    without: Effect | None,
+    arm: Arm,
+    rhythm: Sequence[float],
+    softer: Sequence[float],
 ) -> Iterator[dict[str, float]]:
     """What is not fitted but tried, or where a fit starts."""
-    if name in SPRINGS and softer:
-        yield from ({"stiffness": TYPICAL_STIFFNESS / times} for times in softer)
+    if name in SPRINGS:
+        stated = value_of(without, "stiffness") if without is not None else inf
+        stiffness = TYPICAL_STIFFNESS if isinf(stated) else stated / STEP
+        yield from ({"stiffness": stiffness / times} for times in softer)
     elif name == "transmission_error":
         yield from ({"multiple": m} for m in MULTIPLES)
     elif name == "external_vibration":
@@ -60,10 +73,10 @@ def probes(
 ) -> Iterator[Effect]:
     """One for each direction, eq. (1) of `candidate`."""
     if name in SPRINGS:
-        stiffness = value_of(without, "stiffness") if without is not None else float("inf")
-        there = value_of(effect, "stiffness") if isinf(stiffness) else stiffness / 1.2
-        rigid = isinf(stiffness) or without is None
-        damping = TYPICAL_DAMPING * there if rigid else value_of(without, "damping")
+        stated = value_of(without, "stiffness") if without is not None else inf
+        there = value_of(effect, "stiffness")
+        rigid = isinf(stated)
+        damping = TYPICAL_DAMPING * there if rigid else value_of(without, "damping") * STEP * there / stated
         yield effect.with_parameters({"stiffness": there, "damping": damping})
     elif name in WAVES:
         for phase in (0.0, pi / 2):
@@ -103,6 +116,15 @@ def offset_priors(signal: str, observed: Observed) -> dict[str, Prior]:
     source = f"{100 * OF_READING:g} % of the greatest reading in the records"
     unit = observed.records[rows[0].record].signals[signal].unit
     return {"offset": Prior(-high, high, 0.0, "linear", unit, source)}
+
+
+def spring_priors(spring: Effect | None, arm: Arm) -> dict[str, Prior]:
+    """What a stiffness may be that the model states, if it does: near that, whatever others have."""
+    if spring is None or isinf(k := value_of(spring, "stiffness")):
+        return {}
+    source = f"engineering judgement: data sheets and earlier fits hold to a factor of {OF_STATED:g}"
+    usual = priors_in(spring, arm)["stiffness"]
+    return {"stiffness": replace(usual, low=k / OF_STATED, high=k * OF_STATED, typical=k, source=source)}
 
 
 def command_priors() -> dict[str, Prior]:

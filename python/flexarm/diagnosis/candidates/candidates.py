@@ -18,6 +18,7 @@ from flexarm.diagnosis.candidates.candidate_probes import (
     nulls,
     offset_priors,
     probes,
+    spring_priors,
     typical_of,
     variants,
 )
@@ -66,14 +67,16 @@ def candidates(
         if name in LEFT_OUT or (poses and name in IN_MOTION):
             continue
         for at in places_of(name, observed, arm):
-            found += _at_place(name, at, arm, rhythm, softer, _stated(name, at, observed))
+            found += _at_place(name, at, arm, rhythm, softer, _stated(name, at, arm, observed))
     return [_of_poses(candidate) for candidate in found] if poses else found
 
 
-def _stated(name: str, at: str, observed: Observed) -> dict[str, Prior]:
-    """Priors that follow from the records."""
+def _stated(name: str, at: str, arm: Arm, observed: Observed) -> dict[str, Prior]:
+    """Priors that follow from the records, and of springs from the model."""
     if name == "sensor_offset":
         return offset_priors(at, observed)
+    if name in SPRINGS:
+        return spring_priors(arm.effect(name, at), arm)
     return command_priors() if name == "time_delay" and at in late_commands(observed) else {}
 
 
@@ -104,7 +107,7 @@ def _at_place(
             needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=damping)
     there = arm if needs is None else arm.with_effect(needs)
     typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
-    for fixed in variants(name, typical, arm, rhythm, softer if without is None else ()):
+    for fixed in variants(name, typical, without, arm, rhythm, softer):
         effect = typical.with_parameters(fixed)
         held = {key for key, value in fixed.items() if key not in STARTS or value == 0}
         priors = {**priors_in(effect, there), **stated}

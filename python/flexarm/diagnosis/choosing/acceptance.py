@@ -72,6 +72,8 @@ LEFT = 1.0
 """What may be left above the noise of a model that explains a record, over the noise."""
 LEFT_SHARE = 0.07
 """The same, of what the nominal model leaves."""
+NEARLY_ALL = 0.01
+"""The same of a size that machines do not have."""
 
 
 def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
@@ -183,8 +185,8 @@ def leaves_anything(fit: Fit, observed: Observed) -> bool:
     return max(above_noise(fit.rest, observed, fit.has_corners).values()) > LEFT
 
 
-def leaves_gap(fit: Fit, null: Fit, observed: Observed) -> bool:
-    """Whether a fit leaves so much that something else must be there."""
+def leaves_gap(fit: Fit, null: Fit, observed: Observed, share: float = LEFT_SHARE) -> bool:
+    """Whether a fit leaves so much, or another share of the gap, that something else must be there."""
     first = max(above_noise(null.rest, observed, null.has_corners).values())
     left = max(above_noise(fit.rest, observed, fit.has_corners).values())
-    return left > max(LEFT, LEFT_SHARE * first)  # eq. (4)
+    return left > max(LEFT, share * first)  # eq. (4)

@@ -1,0 +1,69 @@
+"""A spring that the model states may be far off, and rather near it than where catalogues have most."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from arms import crane, smooth_step
+from planted import run_of
+
+import flexarm
+from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.candidates.candidate_probes import OF_STATED, SOFTER, STEP, spring_priors
+from flexarm.diagnosis.candidates.candidates import candidates
+from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.effects import JointCompliance
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "three_joints.toml"
+
+
+def springs_at_the_hinge():
+    """Candidates of a model that states 120 kN m/rad and 240 N m s/rad."""
+    run = run_of("one joint")
+    observed = Observed(run.simulation.arm, {"run": run.showing({}, 1).record})
+    found = candidates(observed, observed.arm, softer=SOFTER)
+    return [each for each in found if each.place == ("joint_compliance", "hinge")]
+
+
+def test_it_is_probed_a_little_softer_and_so_soft_that_it_moves_a_mode():
+    found = [probe for each in springs_at_the_hinge() for probe in each.probes]
+    assert [each.stiffness for each in found] == pytest.approx([1.2e5 / STEP / times for times in SOFTER])
+    assert [each.damping for each in found] == pytest.approx([240.0 / times for times in SOFTER])
+
+
+def test_what_it_may_be_is_about_what_is_stated():
+    for each in springs_at_the_hinge():
+        prior = each.priors_in(run_of("one joint").simulation.arm)["stiffness"]
+        assert (prior.low, prior.typical, prior.high) == (1.2e5 / OF_STATED, 1.2e5, 1.2e5 * OF_STATED)
+        assert prior.unit == "N m/rad"
+
+
+def test_a_joint_that_is_rigid_in_the_model_has_what_machines_have():
+    assert spring_priors(None, crane()) == {}
+    assert spring_priors(JointCompliance(at="hinge", damping=1.0), crane()) == {}
+
+
+def test_a_shoulder_a_thirtieth_as_stiff_as_stated_is_found_in_three_joints():
+    """The tip hangs 0.3 m low. By small steps alone an eccentric encoder of 0.1 rad was named, at 0.98."""
+    stated = flexarm.Arm.from_toml(EXAMPLE)
+    soft = stated.with_effect(JointCompliance(at="shoulder", stiffness=6e3, damping=60.0))
+    t = np.arange(0, 8, 0.02)
+    angles = {
+        "waist": 0.8 * smooth_step((t - 0.5) / 4),
+        "shoulder": 0.5 + 0.6 * smooth_step((t - 1) / 3),
+        "elbow": 0.9 - 0.7 * smooth_step((t - 2) / 4),
+    }
+    run = flexarm.simulate(soft, flexarm.Drive.from_samples(t, angles), step=0.004, rotations=True)
+    seen = [
+        *(Sensor(name=n, quantity="joint_angle", joint=n, rate_hz=50, noise_std=1e-5) for n in angles),
+        Sensor(name="tip", quantity="position", point="tip", rate_hz=10, noise_std=5e-5),
+        Sensor(name="level", quantity="inclination", point="tip", axes=["z"], rate_hz=50, noise_std=1e-4),
+        Sensor(
+            name="torque", quantity="motor_torque", joint="elbow", side="output", rate_hz=200, noise_std=0.5
+        ),
+    ]
+    record = flexarm.measure(run, seen, np.random.default_rng(7), drive=list(angles))
+    found = flexarm.diagnose(stated, {"run": record}, jobs=1, step=0.004)
+    [spring] = found.effects
+    assert (found.verdict, spring.name, spring.at) == ("effects", "joint_compliance", "shoulder")
+    assert spring.parameters[0].value == pytest.approx(6e3, rel=2e-3)
