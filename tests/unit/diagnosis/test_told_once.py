@@ -7,10 +7,11 @@ import diagnoses
 import numpy as np
 import pytest
 
+from flexarm.diagnosis.gap.pooled_gap import PooledGap
 from flexarm.diagnosis.named import Alternative, NamedEffect
 from flexarm.diagnosis.outcome import evidence_sentence as sentence
 from flexarm.diagnosis.outcome import naming
-from flexarm.diagnosis.outcome.sentences import headline, verdict_sentence
+from flexarm.diagnosis.outcome.sentences import _change, headline, verdict_sentence
 
 
 def plain(text: str) -> str:
@@ -147,3 +148,17 @@ def test_intervals_and_columns_say_what_they_are():
     assert "rms before" in text and "max after" in text
     assert "other (held out)" in text
     assert "90 % interval" in text
+
+
+@pytest.mark.parametrize(
+    ("sizes", "said"),
+    [
+        ((6.3e-3, 6e-5, 5.7e-5), "shrinks from 6.30 mm to 0.0600 mm rms; sensor noise is 0.0570 mm."),
+        ((0.31, 1.16e-4, 8.66e-5), "shrinks from 0.310 m to 0.116 mm rms; sensor noise is 0.0866 mm."),
+        ((2e-3, 3e-3, None), "grows from 2.00 mm to 3.00 mm rms."),
+        ((2e-3, 1.99e-3, None), "is 1.99 mm rms."),
+        ((0.0, 0.0, None), "is 0 m rms."),
+    ],
+)
+def test_a_gap_has_one_unit_unless_a_thousandth_is_left(sizes, said):
+    assert _change(PooledGap(*sizes, None, None), "m") == said

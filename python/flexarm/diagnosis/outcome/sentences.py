@@ -112,12 +112,13 @@ def gap_sentence(diagnosis: Diagnosis) -> str:
 
 def _stays(gap: PooledGap) -> bool:
     """Whether a gap changes by less than a per cent, which is no change."""
-    return 0.99 < (gap.after_rms or 0.0) / (gap.before_rms or 1.0) < 1.01
+    before, after = gap.before_rms or 0.0, gap.after_rms or 0.0
+    return abs(after - before) <= 0.01 * before
 
 
 def _change(gap: PooledGap, unit: str) -> str:
     """What happens to a gap, and the noise."""
-    before, after, noise = _in_one_unit(gap, unit)
+    before, after, noise = _with_units(gap, unit)
     shrinks = "shrinks" if (gap.after_rms or 0.0) < (gap.before_rms or 0.0) else "grows"
     size = f"is {after} rms" if _stays(gap) else f"{shrinks} from {before} to {after} rms"
     return f"{size}{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
@@ -182,12 +183,17 @@ def _unusable(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
-def _in_one_unit(gap: PooledGap, unit: str) -> tuple[str, str, str]:
-    """Before, after and noise with the prefix that suits the first."""
-    factor, shown = scale([gap.before_rms], unit)
-    values = (gap.before_rms, gap.after_rms, gap.noise_rms)
-    before, after, noise = (f"{number(None if v is None else factor * v)} {shown}".rstrip() for v in values)
-    return before, after, noise
+def _with_units(gap: PooledGap, unit: str) -> tuple[str, str, str]:
+    """Before, after and noise with the prefix that suits the first, or the rest if that is a thousandth."""
+    first = scale([gap.before_rms], unit)
+    little = max(gap.after_rms or 0.0, gap.noise_rms or 0.0) < 1e-3 * (gap.before_rms or 0.0)
+    rest = scale([gap.after_rms, gap.noise_rms], unit) if little else first
+
+    def said(value: float | None, prefix: tuple[float, str]) -> str:
+        factor, shown = prefix
+        return f"{number(None if value is None else factor * value)} {shown}".rstrip()
+
+    return said(gap.before_rms, first), said(gap.after_rms, rest), said(gap.noise_rms, rest)
 
 
 def _article(kind: str) -> str:
