@@ -131,6 +131,18 @@ def test_check_tells_signals_rates_and_drop_outs(
     assert "clock tracker: 0.01 +- 0.002 s" in capsys.readouterr().out
 
 
+def test_check_tells_what_a_run_carried_with_units(
+    record_dir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = record_dir / "record.toml"
+    stated = "[payloads]\nhook = {}\ncase = {mass = 5, inertia = [0.1, 0.1, 0.2], position = [0, 0, 1.1]}\n"
+    file.write_text(file.read_text().replace("[payloads]\n", stated))
+    assert run(["check", str(record_dir)]) == 0
+    told = capsys.readouterr().out
+    assert "payload case: 5 kg, inertia 0.1, 0.1, 0.2 kg m2, at 0, 0, 1.1 m\n" in told
+    assert "payload hook: as in the model\n" in told
+
+
 def test_warnings_leave_the_exit_code_at_0(
     tmp_path: Path, model_text: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -153,6 +153,8 @@ def test_unknown_clock_and_frame_are_found(run):
     )
     found = compare(arm(), record)
     assert found.aligned.placement.clocks["tracker"].delay == pytest.approx(3601.25, abs=1e-4)
+    delay = next(line for line in found.summary().splitlines() if "delay of tracker" in line).split()[3]
+    assert float(delay) == pytest.approx(3601.25, abs=1e-4)  # not 3.601e+03: it is copied into the record
     pose = found.aligned.placement.frames["tracker"]
     point = np.array([[0.3, 0.1, 2.0]])
     np.testing.assert_allclose(pose.positions(point), where.positions(point), atol=5 * TRACKER)

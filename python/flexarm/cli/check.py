@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.arm.weight import Body, WeightStatement
     from flexarm.record import Record
+    from flexarm.record.table import CarriedPayload
 
 Told = tuple[dict[str, Any], list[str], list[Problem]]
 """For programs, in lines for a person, and warnings."""
@@ -214,9 +215,21 @@ def _signal(record: Record, name: str) -> dict[str, Any]:
     }
 
 
+def _carried(load: CarriedPayload) -> str:
+    """What a run carried, with units."""
+    said = []
+    if load.mass is not None:
+        said.append(f"{load.mass:g} kg")
+    if load.inertia is not None:
+        said.append(f"inertia {', '.join(f'{number:g}' for number in load.inertia)} kg m2")
+    if load.position is not None:
+        said.append(f"at {', '.join(f'{number:g}' for number in load.position)} m")
+    return ", ".join(said) or "as in the model"
+
+
 def _head(record: Record) -> list[str]:
     lines = [repr(record).strip("<>"), f"  drive: {', '.join(record.drive) or 'none'}"]
-    lines += [f"  payload {name}: {load.to_plain()}" for name, load in record.payloads.items()]
+    lines += [f"  payload {name}: {_carried(load)}" for name, load in record.payloads.items()]
     lines += [f"  controller of {name}: {dict(values)}" for name, values in record.controllers.items()]
     lines += [f"  link {name}: drawn out to {drawn.length:g} m" for name, drawn in record.links.items()]
     for i, (name, clock) in enumerate(record.clocks.items()):

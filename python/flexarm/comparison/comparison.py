@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -79,7 +80,8 @@ class Comparison:
             lines += ["", "aligned, +- 1 sigma beside the stated one"]
             rows = zip(self.aligned.unknowns, self.aligned.values, self.aligned.std, strict=True)
             lines += [
-                f"  {u!s:<36}{value:12.3e} +- {std:8.1e}  ({u.sigma:.1e}) {u.unit}" for u, value, std in rows
+                f"  {u!s:<36}{_to_its_sigma(value, std):>12} +- {std:8.1e}  ({u.sigma:.1e}) {u.unit}"
+                for u, value, std in rows
             ]
         lines += [f"not compared: {name}: {why}" for name, why in self.skipped.items()]
         lines += [f"note: {note}" for note in self.notes]
@@ -137,6 +139,13 @@ class Comparison:
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _to_its_sigma(value: float, std: float) -> str:
+    """Four digits, or as many as its deviation needs: what a clock is late by may be copied into a record."""
+    if abs(value) < 1 or not 0 < std < 1e-3 * abs(value):
+        return f"{value:.3e}"
+    return f"{value:.{max(1 - math.floor(math.log10(std)), 0)}f}"
 
 
 def _cell(value: float | None) -> str:
