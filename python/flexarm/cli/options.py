@@ -27,7 +27,13 @@ JointValues = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Force = Annotated[bool, typer.Option("--force", help="Write into a directory that holds files.")]
+Force = Annotated[
+    bool,
+    typer.Option(
+        "--force",
+        help="Write into a directory that holds files: those of the same name are replaced, others stay.",
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]
 
 
