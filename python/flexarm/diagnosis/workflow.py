@@ -40,7 +40,7 @@ from flexarm.diagnosis.outcome.naming import named_effects, rejected
 from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
 from flexarm.diagnosis.outcome.swings import swings
-from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed
+from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.outcome.verified import Bench, verified
 from flexarm.diagnosis.residuals.drive_noise import (
     allow_for_drives,
@@ -173,6 +173,7 @@ def diagnose(
             *parted.remarks,
             *unfitted(observed, checked.compared),
             *unweighed(observed),
+            *weighed_loads(observed),
             *shaken_told(shaken | shaken_signals(observed), observed),
             *(unsteady_told(observed) if choice.best.has_corners else ()),
             *swings(choice.best, observed),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.fitting.unknowns import UNKNOWN_DELAY, UNKNOWN_POSE, nominal, unknowns
+from flexarm.diagnosis.fitting.unknowns import UNKNOWN_DELAY, UNKNOWN_POSE, known_loads, nominal, unknowns
 from flexarm.record import Record, Signal
 from flexarm.record.table import CarriedPayload, Clock, Frame
 
@@ -47,6 +47,7 @@ def test_a_mass_is_known_where_every_record_weighed_it(loads, uncertain, key):
     arm = crane(uncertainty={key: 0.05})
     records = {f"{k}": record(payloads={"load": CarriedPayload(**load)}) for k, load in enumerate(loads)}
     assert [each.key for each in nominal(arm, records)] == uncertain
+    assert known_loads(arm, records) == ([] if uncertain else ["load"])
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,9 @@ import pytest
 from flexarm import Record, Signal
 from flexarm.comparison import compare
 from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed
+from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.record import CarriedPayload
 
 
 def changed(record: Record, name: str, **changes: object) -> Record:
@@ -81,3 +82,14 @@ def test_a_signal_of_which_nothing_is_fitted_is_told():
     assert list(unfitted(observed, {"a": ("tip", "few")})) == [
         "a: few is not fitted: no noise is stated, and its values are too few or too even to show it"
     ]
+
+
+def test_a_mass_that_the_records_state_is_believed_and_that_is_said():
+    """Two campaigns that wrote 5 kg for 6.5 kg were told as a load off its centre."""
+    arm = diagnoses.nominal().replace(uncertainty={"payloads.load.mass": 0.05})
+    weighing = diagnoses.record(1).replace(payloads={"load": CarriedPayload(mass=5.0)})
+    [said] = weighed_loads(Observed(arm, {"a": weighing}, step=0.01))
+    assert said.startswith(
+        "the mass of load is what the records state, and its uncertainty in the model has no part"
+    )
+    assert list(weighed_loads(Observed(arm, {"a": diagnoses.record(1)}, step=0.01))) == []

@@ -185,6 +185,11 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
     return found
 
 
+def known_loads(arm: Arm, records: Mapping[str, Record]) -> list[str]:
+    """Payloads whose mass has an uncertainty in the model and is known, as every record weighed it."""
+    return [bare.split(".")[1] for key in arm.uncertainty if _known(bare := _bare(arm, key), records)]
+
+
 def _known(key: str, records: Mapping[str, Record]) -> bool:
     """Whether a value is the mass of a payload that every record weighed."""
     table, name, *rest = key.split(".")

@@ -1,10 +1,11 @@
-"""What is said of signals of which no noise is stated, and of those that no fit sees."""
+"""What is said of signals and loads that a fit takes otherwise than a reader may think, or does not see."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
 from flexarm.comparison.unknowns import movable, noise_is_stated
+from flexarm.diagnosis.fitting.unknowns import known_loads
 from flexarm.diagnosis.residuals.observed import Observed
 from flexarm.diagnosis.wording import listed, with_unit
 from flexarm.record import Signal
@@ -45,6 +46,15 @@ def unfitted(observed: Observed, compared: Mapping[str, Sequence[str]]) -> Itera
                 stated = noise_is_stated(_signal(observed, record, name).noise_std)
                 why = "none of its values lies in the time of the drives" if stated else _SILENT
                 yield f"{record}: {name} is not fitted: {why}"
+
+
+def weighed_loads(observed: Observed) -> Iterator[str]:
+    """A sentence for each payload of which the records state the mass and the model an uncertainty."""
+    for load in known_loads(observed.arm, observed.records):
+        yield (
+            f"the mass of {load} is what the records state, and its uncertainty in the model has no part: "
+            "if it was weighed wrongly, leave it out of the records, or other effects stand in for it"
+        )
 
 
 def _signal(observed: Observed, record: str, name: str) -> Signal:
