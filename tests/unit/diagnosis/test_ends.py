@@ -32,7 +32,9 @@ def test_a_size_at_either_end_is_told_with_what_machines_have(sign):
     [said] = at_ends(fit(0.99 * sign * SCALE.bound))
     assert said.startswith("scale of link stiffness at forearm rests where fits end, at ")
     assert said.endswith("(95 % of machines have 0.600 to 1.25)")
-    assert ends_sentence(fit(0.99 * sign * SCALE.bound)).startswith("What would explain the gap is no value")
+    assert ends_sentence(fit(0.99 * sign * SCALE.bound)).startswith(
+        "What fits best has a value that no machine has"
+    )
 
 
 def test_a_size_that_is_far_off_but_not_at_the_end_is_a_size():

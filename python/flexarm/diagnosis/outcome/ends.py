@@ -5,8 +5,9 @@ written down wrong is found. What is still at the end of that is no size: the li
 or none at all, fits best, and it stands in for something that no name covers. Only a load may be none at all:
 a gripper that let go of it carries nothing, which is told as a thirtieth of the mass that was written down.
 
-A size beyond `FAR` sigmas that is not at an end is believed where it explains nearly all, as what is true
-does; what is left of a model that is nearly right is none of its excuses.
+A size beyond `FAR` sigmas that is not at an end is believed where it explains nearly all, as the true one
+does. The larger part of a gap that others may leave is for nominal values that are a little off
+(`choosing.acceptance`).
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def sizes(fit: Fit) -> Iterator[tuple[int, Coordinate, float]]:
 
 
 def far_out(fit: Fit) -> bool:
-    """Whether an effect has a size of which only the logarithm is known, beyond `FAR` sigmas."""
+    """Whether the size of an effect is beyond `FAR` sigmas of a logarithmic prior."""
     return any(each.prior.scale == "log" and abs(z) > FAR for _, each, z in sizes(fit))
 
 
@@ -59,4 +60,4 @@ def at_ends(fit: Fit) -> list[str]:
 def ends_sentence(fit: Fit) -> str:
     """The same as a sentence of what remains; empty where no effect is at an end."""
     found = at_ends(fit)
-    return f"What would explain the gap is no value that a machine has: {listed(found)}." if found else ""
+    return f"What fits best has a value that no machine has: {listed(found)}." if found else ""
