@@ -17,24 +17,29 @@ from flexarm.effects import JointCompliance
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_joints.toml"
 
 
+STATED = JointCompliance(at="hinge", stiffness=3e5, damping=600.0)
+"""Stiffer than what is typical where a model states nothing."""
+
+
 def springs_at_the_hinge():
-    """Candidates of a model that states 120 kN m/rad and 240 N m s/rad."""
+    """Candidates of a model with `STATED`, and the model."""
     run = run_of("one joint")
-    observed = Observed(run.simulation.arm, {"run": run.showing({}, 1).record})
-    found = candidates(observed, observed.arm, softer=SOFTER)
-    return [each for each in found if each.place == ("joint_compliance", "hinge")]
+    arm = run.simulation.arm.with_effect(STATED)
+    observed = Observed(arm, {"run": run.showing({}, 1).record})
+    return [c for c in candidates(observed, arm, softer=SOFTER) if c.name == STATED.name], arm
 
 
 def test_it_is_probed_a_little_softer_and_so_soft_that_it_moves_a_mode():
-    found = [probe for each in springs_at_the_hinge() for probe in each.probes]
-    assert [each.stiffness for each in found] == pytest.approx([1.2e5 / STEP / times for times in SOFTER])
-    assert [each.damping for each in found] == pytest.approx([240.0 / times for times in SOFTER])
+    found = [probe for each in springs_at_the_hinge()[0] for probe in each.probes]
+    assert [each.stiffness for each in found] == pytest.approx([3e5 / STEP / times for times in SOFTER])
+    assert [each.damping for each in found] == pytest.approx([600.0 / times for times in SOFTER])
 
 
 def test_what_it_may_be_is_about_what_is_stated():
-    for each in springs_at_the_hinge():
-        prior = each.priors_in(run_of("one joint").simulation.arm)["stiffness"]
-        assert (prior.low, prior.typical, prior.high) == (1.2e5 / OF_STATED, 1.2e5, 1.2e5 * OF_STATED)
+    found, arm = springs_at_the_hinge()
+    for each in found:
+        prior = each.priors_in(arm)["stiffness"]
+        assert (prior.low, prior.typical, prior.high) == (3e5 / OF_STATED, 3e5, 3e5 * OF_STATED)
         assert prior.unit == "N m/rad"
 
 
