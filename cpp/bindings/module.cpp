@@ -5,6 +5,7 @@
 #include "bindings.hpp"
 #include "flexarm/build_info.hpp"
 #include "flexarm/errors.hpp"
+#include "flexarm/interrupt.hpp"
 
 namespace py = pybind11;
 
@@ -25,6 +26,12 @@ void translate(std::exception_ptr pointer) {
              py::arg("residual") = error.residual);
     PyErr_SetObject(type.ptr(), instance.ptr());
   }
+}
+
+/// Python's signal handlers run here, Ctrl-C's among them, if this is the main thread.
+void check_signals() {
+  const py::gil_scoped_acquire lock;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
 void bind_build_info(py::module_& m) {
@@ -49,6 +56,7 @@ void bind_build_info(py::module_& m) {
 PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of flexarm (private).";
   py::register_exception_translator(&translate);
+  flexarm::set_interrupt_check(&check_signals);
   bind_build_info(m);
   bind_geometry(m);
   bind_joints(m);

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/interrupt.hpp"
 #include "flexarm/simulation/backlash.hpp"
 #include "flexarm/solvers/increment.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
@@ -42,6 +43,7 @@ class Newton {
 
   Outcome solve(State& state, const Loads& loads) {
     for (int k = 0; k < options_.max_iterations; ++k) {
+      check_interrupt();
       ++iterations;
       if (!factor_.factor(system_.tangent(state, loads, {0, 0, 1, scale_}))) return Outcome::singular;
       unbalanced(state, loads);
@@ -68,7 +70,7 @@ class Newton {
   double unbalanced(const State& state, const Loads& loads) {
     system_.residual(state, loads, false, r_);
     system_.violation(state, phi_);
-    return r_.head(system_.n_free()).cwiseAbs().maxCoeff();
+    return r_.head(system_.n_free()).lpNorm<Eigen::Infinity>();
   }
 
   const System& system_;

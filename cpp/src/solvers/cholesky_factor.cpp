@@ -8,6 +8,7 @@
 #include <chrono>
 #include <new>
 
+#include "flexarm/interrupt.hpp"
 #include "flexarm/solvers/blas_info.hpp"
 
 namespace flexarm::solvers {
@@ -183,11 +184,13 @@ CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_uniq
   report_.blas = loaded_blas();
   cholmod_sparse S = view(A);
   backend_->analyse(S, report_);
+  check_interrupt();
   backend_->factor(S, A, report_);
 }
 
 void CholeskyFactor::solve(Eigen::Ref<MatrixXd> X) const {
   for (Index k = 0; k < X.cols(); k += block_columns) {
+    check_interrupt();
     backend_->solve(X.middleCols(k, std::min(block_columns, X.cols() - k)));
   }
 }

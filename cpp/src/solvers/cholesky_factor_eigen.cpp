@@ -6,6 +6,7 @@
 #include <Eigen/SparseCholesky>
 #include <chrono>
 
+#include "flexarm/interrupt.hpp"
 #include "flexarm/solvers/blas_info.hpp"
 
 namespace flexarm::solvers {
@@ -53,6 +54,7 @@ CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_uniq
 }
 
 void CholeskyFactor::solve(Eigen::Ref<Eigen::MatrixXd> X) const {
+  check_interrupt();
   X = backend_->ldlt.solve(Eigen::MatrixXd(X));
 }
 

@@ -6,6 +6,7 @@
 
 #include "flexarm/dense.hpp"
 #include "flexarm/errors.hpp"
+#include "flexarm/interrupt.hpp"
 #include "flexarm/solvers/damped_modes.hpp"
 #include "flexarm/solvers/saddle_point.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
@@ -73,6 +74,7 @@ Solutions solve_by_subspace(const SparseMatrix& K, const SparseMatrix& M, const 
   Solutions found{VectorXd::Zero(p), random_start(n, p)};
   MatrixXd Y = MatrixXd::Zero(n + J.rows(), p);
   for (; found.iterations <= max_turns; ++found.iterations) {
+    check_interrupt();
     Y.topRows(n) = M * found.X;
     Y.bottomRows(J.rows()).setZero();
     factor.solve(Y);
