@@ -42,9 +42,55 @@ Vector6d bow_strain(const Matrix3d& R_LS, const model::BeamLink& beam) {
   return strain;
 }
 
+template <class... Values>
+void require_finite(const std::string& owner, const Values&... values) {
+  const auto finite = [](const auto& value) {
+    if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
+      return std::isfinite(value);
+    } else {
+      return value.allFinite();
+    }
+  };
+  if (!(finite(values) && ...)) throw InvalidParameter(owner + ": all numbers must be finite");
+}
+
+struct RequireFinite {
+  void operator()(const model::BeamLink& beam) const {
+    const auto& [A, Iy, Iz, J, Ay, Az] = beam.section;  // shear areas may be infinite
+    const auto& [E, G, rho] = beam.material;
+    require_finite("link '" + beam.name + "'", beam.end, beam.up, A, Iy, Iz, J, E, G, rho, beam.damping_ratio,
+                   beam.bending_scale, beam.mass_scale, beam.bow, beam.bow_time);
+  }
+  void operator()(const model::RigidLink& body) const {
+    require_finite("link '" + body.name + "'", body.mass, body.com, body.inertia);
+  }
+  void operator()(const model::SuperElementLink& part) const {
+    const std::string owner = "link '" + part.name + "'";
+    require_finite(owner, part.stiffness, part.mass, part.damping, part.damping_ratio);
+    for (const Frame& frame : part.frames) require_finite(owner, frame.R, frame.x);
+  }
+};
+
+/// Laws check their own numbers.
+void require_finite(const model::Arm& arm) {
+  require_finite("arm '" + arm.name + "'", arm.gravity);
+  for (const model::Link& link : arm.links) std::visit(RequireFinite{}, link);
+  for (const auto& p : arm.payloads)
+    require_finite("payload '" + p.name + "'", p.position, p.mass, p.inertia, p.offset);
+  for (const auto& p : arm.points) require_finite("point '" + p.name + "'", p.position);
+  for (const auto& j : arm.joints) {
+    require_finite("joint '" + j.name + "'", j.origin.R, j.origin.x, j.axis, j.drive_train.gear_ratio,
+                   j.drive_train.rotor_inertia);
+  }
+  for (const auto& g : arm.gears) require_finite("gear '" + g.name + "'", g.ratio);
+  if (const auto& p = arm.pedestal)
+    require_finite("pedestal", p->axis, p->stiffness, p->damping, p->amplitude, p->frequency, p->phase);
+}
+
 }  // namespace
 
 System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& drives) : arm_(arm) {
+  require_finite(arm_);
   std::vector<std::vector<double>> occupied(arm_.links.size());
   const auto occupy = [&](const std::string& link, const Vector3d& position) {
     const int k = link_index(link.substr(0, link.find(':')));

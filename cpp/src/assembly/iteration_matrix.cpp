@@ -14,7 +14,7 @@ constexpr double negligible = 1e-12;
 }  // namespace
 
 template <int D>
-const Eigen::SparseMatrix<double>& IterationMatrixIn<D>::assemble(const StateIn<D>& state,
+const Eigen::SparseMatrix<double>* IterationMatrixIn<D>::assemble(const StateIn<D>& state,
                                                                   const LoadsIn<D>& loads,
                                                                   const TangentFactors& factors,
                                                                   const VectorXd& law_tangents) {
@@ -24,10 +24,11 @@ const Eigen::SparseMatrix<double>& IterationMatrixIn<D>::assemble(const StateIn<
   std::size_t k = 0;
   system_.emit_tangent(state, loads, factors, law_tangents,
                        [&](int, int, double value) { values[slots_[k++]] += value; });
+  if (!std::isfinite(full_.coeffs().sum())) return nullptr;  // as is the sum of what is not
   const bool grown = significant_entries_join();
   if (grown) matrix_.resize(full_.rows(), full_.cols());
   compress();
-  return matrix_;
+  return &matrix_;
 }
 
 template <int D>

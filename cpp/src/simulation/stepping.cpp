@@ -57,7 +57,7 @@ Stepping::Stepping(const System& system, double step, double alpha)
       step_(step),
       stepper_(system, solvers::HhtCoefficients::from_alpha(alpha), Loads{system.arm().gravity, {}, {}},
                {.reproducible = true}) {
-  if (!(step > 0)) throw InvalidParameter("step must be positive, got " + std::to_string(step) + " s");
+  solvers::check_step(step);
 }
 
 Moment Stepping::advance(const Moment& from, const std::vector<JointInput>& inputs,

@@ -15,6 +15,8 @@ using Clock = std::chrono::steady_clock;
 /// Steps between two looks at the clock; the callback itself comes ten times a second or more often.
 constexpr long steps_between_looks = 32;
 constexpr double seconds_between_calls = 0.02;
+/// More would not fit into any memory, nor their number into every index.
+constexpr long most_steps = 1'000'000'000;
 
 }  // namespace
 
@@ -78,9 +80,8 @@ template solvers::Drives drives_of_joints<3>(const assembly::SystemIn<3>&, const
 
 Eigen::Index number_of_steps(std::size_t n_joints, const std::vector<PiecewisePolynomial>& drives,
                              const TransientOptions& options) {
-  if (!(options.step > 0))
-    throw InvalidParameter("step must be positive, got " + std::to_string(options.step) + " s");
-  if (!(options.end > options.start)) {
+  solvers::check_step(options.step);
+  if (!(options.end > options.start && std::isfinite(options.end - options.start))) {
     throw InvalidParameter("the end of a run must lie after its start " + std::to_string(options.start) +
                            " s, got " + std::to_string(options.end) + " s");
   }
@@ -88,7 +89,12 @@ Eigen::Index number_of_steps(std::size_t n_joints, const std::vector<PiecewisePo
     throw InvalidParameter("one drive for each of the " + std::to_string(n_joints) +
                            " joints is needed, got " + std::to_string(drives.size()));
   }
-  return static_cast<Eigen::Index>(std::ceil((options.end - options.start) / options.step - 1e-9));
+  const double n = std::ceil((options.end - options.start) / options.step - 1e-9);
+  if (!(n <= most_steps)) {
+    throw InvalidParameter("a run may have " + std::to_string(most_steps) + " steps, got " +
+                           std::to_string(n));
+  }
+  return static_cast<Eigen::Index>(n);
 }
 
 namespace {

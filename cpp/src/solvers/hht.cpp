@@ -32,6 +32,13 @@ HhtCoefficients HhtCoefficients::from_spectral_radius(double rho) {
   return from_alpha((rho - 1) / (rho + 1));
 }
 
+void check_step(double h) {
+  if (h >= shortest_step && std::isfinite(h)) return;
+  char text[100];
+  std::snprintf(text, sizeof text, "step must be positive, at least %g s and finite, got %g s", shortest_step, h);
+  throw InvalidParameter(text);
+}
+
 template <int D>
 HhtStepperIn<D>::HhtStepperIn(const SystemIn<D>& system, const HhtCoefficients& coefficients,
                               const LoadsIn<D>& loads, HhtOptions options)
@@ -67,14 +74,14 @@ void HhtStepperIn<D>::advance(StateIn<D>& state, double h, const Drives& drives)
 template <int D>
 void HhtStepperIn<D>::halve(StateIn<D>& state, double h, const Drives& drives, int depth) {
   if (depth > options_.max_halvings) {
-    const double residual = r_.head(system_.n_free()).cwiseAbs().maxCoeff();
+    const double residual = r_.head(system_.n_free()).template lpNorm<Eigen::Infinity>();
     char text[200];
     std::snprintf(text, sizeof text,
-                  "step %ld, t = %.6g s: residual %.1e N left after %d iterations with the step halved %d "
+                  "step %ld, t = %.6g s: residual %.1e N left after %d iterations%s, with the step halved %d "
                   "times to %.1e s",
-                  statistics_.steps + 1, state.t + h, residual, options_.max_iterations,
-                  options_.max_halvings, h);
-    throw NotConverged(text, state.t + h, options_.max_iterations, residual);
+                  statistics_.steps + 1, state.t + h, residual, iteration_,
+                  singular_ ? ", where the matrix is singular or not finite" : "", options_.max_halvings, h);
+    throw NotConverged(text, state.t + h, iteration_, residual);
   }
   ++statistics_.halvings;
   for (int half = 0; half < 2; ++half) {
@@ -107,6 +114,8 @@ bool HhtStepperIn<D>::step(StateIn<D>& state, double h, const Drives& drives) {
     const double t = state.t;
     state.t += h;
     const bool regular = factor(state, h);
+    iteration_ = 0;
+    if (!regular) system_.evaluate(state, loads_, r_, phi_, welds_.joints());  // for the message
     state.t = t;
     if (!regular) return false;
   }
@@ -220,6 +229,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
     system_.evaluate(state, loads_, r_, phi_, welds_.joints());
     solve(state, h, k > 0 && !fresh);  // eq. (5)
     ++statistics_.iterations;
+    iteration_ = k + 1;
     if (!std::isfinite(dx_.sum())) return false;  // as is the sum of what is not
     const double size = increment_norm(system_, dx_);
 
@@ -281,8 +291,9 @@ bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
     matrix_.forget();
     factor_ = KeptFactor();
   }
-  const Eigen::SparseMatrix<double>& S = matrix_.assemble(state, loads_, c, law_tangents);
-  if (!factor_.factor(welds_.any() ? welds_.reduce(S) : S)) {
+  const Eigen::SparseMatrix<double>* S = matrix_.assemble(state, loads_, c, law_tangents);
+  singular_ = S == nullptr || !factor_.factor(welds_.any() ? welds_.reduce(*S) : *S);
+  if (singular_) {
     factored_h_ = 0;
     return false;
   }

@@ -123,6 +123,7 @@ SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
 bool SparseFactor::factor(const Eigen::SparseMatrix<double>& matrix) {
   ++factorisations_;
+  if (!std::isfinite(matrix.coeffs().sum())) return false;                    // as is the sum of what is not
   if (matrix.nonZeros() != entries_) backend_ = std::make_unique<Backend>();  // another pattern
   entries_ = matrix.nonZeros();
   return backend_->factor(matrix);

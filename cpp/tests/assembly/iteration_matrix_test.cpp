@@ -19,7 +19,7 @@ TEST_CASE("Numbers added into the known pattern give the tangent, in every new s
     const State state = random_state(system, seed);
     const TangentFactors c{100.0 * seed, 10, 1, 50};
     const auto kept = system.law_tangents(state, c, false);
-    const MatrixXd fast = matrix.assemble(state, loads, c, kept);
+    const MatrixXd fast = *matrix.assemble(state, loads, c, kept);
     const MatrixXd plain = system.tangent(state, loads, c);
     // Entry by entry, beside the largest of its row and column; below 1e-12 of these they are left out.
     const VectorXd beside = plain.cwiseAbs().rowwise().maxCoeff().cwiseSqrt();
@@ -44,7 +44,7 @@ TEST_CASE("Friction enters the tangent with its present stiffness") {
   };
   IterationMatrix matrix(system);
   const TangentFactors c{0, 0, 1};
-  const MatrixXd S = matrix.assemble(state, Loads{}, c, system.law_tangents(state, c, true));
+  const MatrixXd S = *matrix.assemble(state, Loads{}, c, system.law_tangents(state, c, true));
   const int scalars = n - system.scalar_offset();
   CHECK(relative_error(S.block(system.scalar_offset(), system.scalar_offset(), scalars, scalars),
                        differences(f, n, 1e-4).bottomRightCorner(scalars, scalars)) < 1e-9);
@@ -56,7 +56,7 @@ TEST_CASE(
   IterationMatrix matrix(system);
   const TangentFactors c{1e4, 100, 1, 1e4};
   const auto entries = [&](const State& state) {
-    return matrix.assemble(state, Loads{}, c, VectorXd()).nonZeros();
+    return matrix.assemble(state, Loads{}, c, VectorXd())->nonZeros();
   };
   const State straight = system.rigid_state({0.3});
   State in_plane = straight, bent = random_state(system, 7);
@@ -67,6 +67,18 @@ TEST_CASE(
   const auto plane = entries(in_plane), space = entries(bent);
   CHECK(plane < 0.7 * space);
   CHECK(entries(straight) == space);  // the pattern never shrinks
-  const MatrixXd S = matrix.assemble(straight, Loads{}, c, VectorXd());
+  const MatrixXd S = *matrix.assemble(straight, Loads{}, c, VectorXd());
   CHECK(relative_error(S, MatrixXd(system.tangent(straight, Loads{}, c))) < 1e-12);
+}
+
+TEST_CASE("Numbers that are not finite give no matrix and leave the pattern as it was") {
+  const System system(paper_arm(), {{"hinge", DriveKind::motor_angle}});
+  const State state = system.rigid_state({0.3});
+  IterationMatrix matrix(system), fresh(system);
+  const TangentFactors c{1e4, 100, 1, 1e4};
+  CHECK(matrix.assemble(state, Loads{}, {HUGE_VAL, 100, 1, 1e4}, VectorXd()) == nullptr);
+  CHECK(matrix.assemble(state, Loads{}, {std::nan(""), 100, 1, 1e4}, VectorXd()) == nullptr);
+  const auto* after = matrix.assemble(state, Loads{}, c, VectorXd());
+  REQUIRE(after != nullptr);
+  CHECK(after->nonZeros() == fresh.assemble(state, Loads{}, c, VectorXd())->nonZeros());
 }

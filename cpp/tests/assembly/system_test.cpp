@@ -257,3 +257,26 @@ TEST_CASE("What does not fit together is refused by name") {
   CHECK_THROWS_WITH_AS(System(arm, {}), doctest::Contains("gear 'pair': input and output are both driven"),
                        InvalidParameter);
 }
+
+TEST_CASE("A model with a number that is not finite is refused by the name of its part") {
+  const auto message = [](const flexarm::model::Arm& arm) -> std::string {
+    try {
+      const System system(arm, {});
+    } catch (const flexarm::InvalidParameter& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(message(paper_arm()).empty());
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    auto arm = paper_arm();
+    arm.gravity.z() = bad;
+    CHECK(message(arm).find("arm") == 0);
+    arm = paper_arm();
+    std::get<flexarm::model::BeamLink>(arm.links.front()).material.density = bad;
+    CHECK(message(arm).find("link '") == 0);
+    arm = paper_arm();
+    arm.joints.front().origin.x.x() = bad;
+    CHECK(message(arm).find("joint 'hinge'") == 0);
+  }
+}

@@ -266,3 +266,30 @@ TEST_CASE("One factorisation serves a rigid rotation through a half turn") {
   CHECK(stepper.statistics().factorisations <= 3);
   CHECK(stepper.statistics().iterations <= 4 * stepper.statistics().steps);
 }
+
+TEST_CASE("A step below a nanosecond, or none at all, is refused") {
+  flexarm::solvers::check_step(1e-9);
+  for (const double h : {0.0, -1e-3, 1e-10, 1e-76, std::nan(""), HUGE_VAL}) {
+    CAPTURE(h);
+    CHECK_THROWS_AS(flexarm::solvers::check_step(h), flexarm::InvalidParameter);
+  }
+}
+
+TEST_CASE("A matrix that is not finite ends the step with its time and the residual of the state") {
+  const System system(paper_arm(), {{"hinge", DriveKind::motor_angle}});
+  const State start = system.rigid_state({0.3});
+  State state = start;
+  HhtStepper stepper(system, HhtCoefficients::from_alpha(-0.05), {});
+  VectorXd r(system.n_velocities());
+  system.residual(start, {}, true, r);
+  try {
+    stepper.advance(state, 1e-160, hold(start));  // 1/(β h²) overflows
+    FAIL("the step must fail");
+  } catch (const NotConverged& failure) {
+    CHECK(std::string(failure.what()).find("singular or not finite") != std::string::npos);
+    CHECK(failure.time > 0);
+    CHECK(failure.iteration == 0);
+    CHECK(failure.residual == near(r.head(system.n_free()).cwiseAbs().maxCoeff()));
+  }
+  CHECK(state.t == start.t);
+}

@@ -155,3 +155,16 @@ TEST_CASE("A factor moves with its owner") {
   second.solve(x);
   CHECK(error(x, VectorXd::Ones(24)) < 1e-11);
 }
+
+TEST_CASE("A matrix with a number that is not finite has no factors") {
+  SparseMatrix A = saddle(20, 3, 5);
+  SparseFactor factor;
+  CHECK(factor.factor(A));
+  const double kept = A.valuePtr()[7];
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    A.valuePtr()[7] = bad;
+    CHECK_FALSE(factor.factor(A));
+  }
+  A.valuePtr()[7] = kept;
+  CHECK(factor.factor(A));
+}

@@ -51,7 +51,7 @@ std::pair<double, double> compare(const SystemIn<D>& system, const StateIn<D>& t
   IterationMatrixIn<D> matrix(system);
   SparseFactor kept, present;
   const VectorXd laws = system.law_tangents(then, factors, true);
-  REQUIRE(kept.factor(matrix.assemble(then, weightless, factors, laws)));
+  REQUIRE(kept.factor(*matrix.assemble(then, weightless, factors, laws)));
   TangentChangesIn<D> changes(system, {system, false});
   changes.keep(then, factors, laws, kept);
 
@@ -60,7 +60,7 @@ std::pair<double, double> compare(const SystemIn<D>& system, const StateIn<D>& t
   kept.solve(x);
   const VectorXd uncorrected = x;
   changes.correct(now, x);
-  REQUIRE(present.factor(matrix.assemble(now, weightless, factors, chords(system, now, x))));
+  REQUIRE(present.factor(*matrix.assemble(now, weightless, factors, chords(system, now, x))));
   present.solve(exact);
   VectorXd again = uncorrected;
   changes.correct(now, again, true);
@@ -131,7 +131,7 @@ TEST_CASE("A large correction follows a law beyond its tangent, whatever else ha
     IterationMatrixIn<3> matrix(system);
     SparseFactor kept;
     const VectorXd tangents = system.law_tangents(then, factors, true);
-    REQUIRE(kept.factor(matrix.assemble(then, weightless, factors, tangents)));
+    REQUIRE(kept.factor(*matrix.assemble(then, weightless, factors, tangents)));
     TangentChangesIn<3> changes(system, {system, false});
     changes.keep(then, factors, tangents, kept);
     const VectorXd b = 1e5 * Random(5).vector(system.n_unknowns());
@@ -142,7 +142,7 @@ TEST_CASE("A large correction follows a law beyond its tangent, whatever else ha
     const VectorXd along = chords(system, now, x);
     CHECK(relative_error(along, system.law_tangents(now, factors, true)) > 0.01);
     SparseFactor with_chords;
-    REQUIRE(with_chords.factor(matrix.assemble(now, weightless, factors, along)));
+    REQUIRE(with_chords.factor(*matrix.assemble(now, weightless, factors, along)));
     VectorXd expected = b;
     with_chords.solve(expected);
     CHECK(relative_error(x, expected) < 1e-8);

@@ -19,7 +19,8 @@ class IterationMatrixIn {
   explicit IterationMatrixIn(const SystemIn<D>& system) : system_(system) {}
 
   /// The pattern of the result changes from one call to the next only by growing.
-  const Eigen::SparseMatrix<double>& assemble(const StateIn<D>& state, const LoadsIn<D>& loads,
+  /// @return null if a number is not finite; the pattern stays as it was
+  const Eigen::SparseMatrix<double>* assemble(const StateIn<D>& state, const LoadsIn<D>& loads,
                                               const TangentFactors& factors, const VectorXd& law_tangents);
 
   /// The next pattern is that of the next numbers, whatever came before.

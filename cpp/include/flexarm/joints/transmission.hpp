@@ -58,7 +58,7 @@ struct Transmission {
       throw InvalidParameter("scale of a gear ratio must not be zero, got " + std::to_string(scale));
     }
     const double swing = std::abs(scale * amplitude * multiple);
-    if (!(swing < 1)) {
+    if (!(swing < 1 && std::isfinite(phase))) {
       throw InvalidParameter("transmission error: an amplitude of " + std::to_string(amplitude) + " rad at " +
                              std::to_string(multiple) +
                              " per radian of the output would turn the output back while the motor goes on; "

@@ -51,6 +51,13 @@ struct HhtCoefficients {
   double spectral_radius() const { return (1 + alpha) / (1 - alpha); }
 };
 
+/// The shortest time step [s]. Sound passes 5 µm of steel in it, far less than a finite element; much below
+/// it 1/(β h²) overflows.
+constexpr double shortest_step = 1e-9;
+
+/// @throws InvalidParameter unless a step is finite and at least shortest_step.
+void check_step(double h);
+
 /// What drives the arm at one instant: prescribed scalar coordinates with their derivatives, and motor
 /// torques.
 struct DriveValues {
@@ -150,6 +157,8 @@ class HhtStepperIn {
   assembly::IterationMatrixIn<D> matrix_;
   KeptFactor factor_;
   double factored_h_ = 0;  // step for which the factors hold; 0: none
+  bool singular_ = false;  // the matrix of the last attempt to factor
+  int iteration_ = 0;      // the last one made
   HhtMemoryIn<D> memory_;
   double mass_scale_;
 

@@ -19,7 +19,7 @@ class SparseFactor {
   SparseFactor& operator=(SparseFactor&&) noexcept;
 
   /// Factors a compressed square matrix. The first call fixes the pattern, which may only grow later.
-  /// @return false if the matrix is singular to working precision.
+  /// @return false if the matrix is singular to working precision, or not finite.
   bool factor(const Eigen::SparseMatrix<double>& matrix);
 
   /// x := A⁻¹ x for every column, in place.

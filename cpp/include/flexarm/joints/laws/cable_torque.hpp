@@ -3,6 +3,7 @@
 /// rad.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "flexarm/errors.hpp"
@@ -24,9 +25,10 @@ struct CableTorque {
   }
 
   void check() const {
-    if (!(stiffness >= 0)) {
+    if (!(stiffness >= 0 && std::isfinite(stiffness) && std::isfinite(rest_angle))) {
       throw InvalidParameter("stiffness of the cables must not be negative, got " +
-                             std::to_string(stiffness) + " N m/rad");
+                             std::to_string(stiffness) + " N m/rad, and be finite like the rest angle, got " +
+                             std::to_string(rest_angle) + " rad");
     }
   }
 };

@@ -47,10 +47,10 @@ struct DahlFriction {
   }
 
   void check() const {
-    if (!(torque >= 0)) {
+    if (!(torque >= 0 && std::isfinite(torque))) {
       throw InvalidParameter("friction torque must not be negative, got " + std::to_string(torque) + " N m");
     }
-    if (!(width > 0)) {
+    if (!(width > 0 && std::isfinite(width))) {
       throw InvalidParameter("friction width must be positive, got " + std::to_string(width) + " rad");
     }
   }

@@ -83,7 +83,8 @@ struct LugreFriction {
   }
 
   static void require(bool holds, const std::string& what, double value, const std::string& unit) {
-    if (!holds) throw InvalidParameter(what + ", got " + std::to_string(value) + " " + unit);
+    if (!holds || !std::isfinite(value))
+      throw InvalidParameter(what + ", got " + std::to_string(value) + " " + unit);
   }
 };
 

@@ -96,7 +96,7 @@ struct ReducerSpring {
   }
 
   static void require(bool holds, const std::string& what, double value, const std::string& unit) {
-    if (!holds)
+    if (!holds || !std::isfinite(value))
       throw InvalidParameter(what + ", got " + std::to_string(value) + (unit.empty() ? "" : " ") + unit);
   }
 };

@@ -2,6 +2,7 @@
 /// Viscous friction:  Q = b x'.  Unit: N m s/rad.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "flexarm/errors.hpp"
@@ -22,7 +23,7 @@ struct ViscousFriction {
   }
 
   void check() const {
-    if (!(coefficient >= 0)) {
+    if (!(coefficient >= 0 && std::isfinite(coefficient))) {
       throw InvalidParameter("viscous friction must not be negative, got " + std::to_string(coefficient) +
                              " N m s/rad");
     }
