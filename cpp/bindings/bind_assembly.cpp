@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "checks.hpp"
 #include "flexarm/assembly/system.hpp"
 
 namespace py = pybind11;
@@ -41,11 +42,20 @@ void bind_assembly(py::module_& m) {
       .def_property_readonly("n_unknowns", &System::n_unknowns)
       .def_property_readonly("mass", &System::mass, "Mass of everything [kg].")
       .def("rigid_state", &System::rigid_state, "The undeformed arm.", py::arg("joint_values"))
-      .def("point_frame", &System::point_frame, "Frame of a point.", py::arg("state"), py::arg("point"))
+      .def(
+          "point_frame",
+          [](const System& system, const State& state, int point) {
+            checks::fits(system, state);
+            checks::index("point", point, system.points().size());
+            return system.point_frame(state, point);
+          },
+          "Frame of a point.", py::arg("state"), py::arg("point"))
       .def(
           "part_shape",
           [](const System& system, const State& state, int part) {
-            const auto& element = system.superelements().at(part);
+            checks::fits(system, state);
+            checks::index("super-element", part, system.superelements().size());
+            const auto& element = system.superelements()[static_cast<std::size_t>(part)];
             const auto shape = element.shape(system.configuration(element, state));
             return std::pair(shape.frame, shape.u);
           },

@@ -22,7 +22,15 @@ using Column = py::array_t<Number, py::array::c_style | py::array::forcecast>;
 class SharedMatrix {
  public:
   SharedMatrix(const py::object& matrix, const char* name) {
+    if (!py::hasattr(matrix, "tocsc"))
+      throw flexarm::InvalidParameter(std::string(name) + " matrix: must be one of scipy.sparse, got " +
+                                      py::type::of(matrix).attr("__name__").cast<std::string>());
     py::object columns = matrix.attr("tocsc")();
+    try {
+      columns.attr("check_format")(true);  // its indices are within the matrix
+    } catch (const py::error_already_set& error) {
+      throw flexarm::InvalidParameter(std::string(name) + " matrix: " + error.what());
+    }
     if (!columns.attr("has_canonical_format").cast<bool>()) {
       columns = columns.attr("copy")();
       columns.attr("sum_duplicates")();

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "checks.hpp"
 #include "flexarm/simulation/cubic_spline.hpp"
 #include "flexarm/simulation/differentiated_run.hpp"
 #include "flexarm/simulation/differentiated_sampled_run.hpp"
@@ -27,6 +28,7 @@ Transient run(const System& system, const Equilibrium& equilibrium,
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     return progress.is_none() || !progress(done).is(py::bool_(false));
   };
+  checks::fits(system, equilibrium);
   const py::gil_scoped_release unlock;
   return simulate(system, equilibrium, drives, options, poll);
 }
@@ -43,6 +45,14 @@ std::vector<Variation> variations(const State& state, const std::vector<Varied>&
                                   const std::vector<PiecewisePolynomial>& drives = {}) {
   std::vector<Variation> found;
   for (const Varied& p : varied) {
+    for (const System* system : {p.plus.get(), p.minus.get()}) checks::fits(*system, state);
+    for (const auto* own : {&p.drives_plus, &p.drives_minus, &drives}) {
+      if (!own->empty())
+        checks::size("drives", static_cast<Eigen::Index>(own->size()),
+                     static_cast<Eigen::Index>(p.plus->joints().size()));
+    }
+    checks::size("drives with the parameter down", static_cast<Eigen::Index>(p.drives_minus.size()),
+                 static_cast<Eigen::Index>(p.drives_plus.size()));
     Variation one{p.plus.get(), p.minus.get(), p.up, p.down, {}, {}};
     if (!p.drives_plus.empty()) {
       one.drive_plus = drives_of_joints(*p.plus, state, p.drives_plus);
@@ -65,6 +75,8 @@ DifferentiatedRun run_differentiated(const System& system, const Equilibrium& eq
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     return progress.is_none() || !progress(done).is(py::bool_(false));
   };
+  checks::fits(system, equilibrium);
+  checks::fits(system, initial, static_cast<Eigen::Index>(varied.size()));
   const py::gil_scoped_release unlock;
   return simulate(system, equilibrium, drives, options, variations(equilibrium.state, varied, drives),
                   initial, poll);
@@ -79,6 +91,10 @@ void bind_statics(py::module_& m) {
   m.def(
       "static_equilibrium",
       [](const System& system, const std::vector<double>& joint_values, const Loads& loads) {
+        checks::fits(system, loads);
+        for (const double value : joint_values) {
+          if (!std::isfinite(value)) throw flexarm::InvalidParameter("values of joints must be finite");
+        }
         return static_equilibrium(system, joint_values, loads);
       },
       "Equilibrium of the loaded arm, drives held.", py::arg("system"), py::arg("joint_values"),
@@ -89,8 +105,14 @@ void bind_statics(py::module_& m) {
       .def_readonly("damped_frequency_hz", &Modes::damped_frequency_hz)
       .def_readonly("shapes", &Modes::shapes)
       .def_readonly("iterations", &Modes::iterations);
-  m.def("modes", &modes, "Lowest modes about an equilibrium.", py::arg("system"), py::arg("equilibrium"),
-        py::arg("count"), py::call_guard<py::gil_scoped_release>());
+  m.def(
+      "modes",
+      [](const System& system, const Equilibrium& equilibrium, int count) {
+        checks::fits(system, equilibrium);
+        return modes(system, equilibrium, count);
+      },
+      "Lowest modes about an equilibrium.", py::arg("system"), py::arg("equilibrium"), py::arg("count"),
+      py::call_guard<py::gil_scoped_release>());
 
   py::class_<SectionForces>(m, "SectionForces", "Section forces at both ends of a beam.")
       .def_readonly("start", &SectionForces::start)
@@ -98,25 +120,38 @@ void bind_statics(py::module_& m) {
   m.def(
       "section_forces",
       [](const System& system, const State& state, const Loads& loads, int link) {
+        checks::fits(system, state);
+        checks::fits(system, loads);
+        checks::index("link", link, system.meshes().size());
         return section_forces(system, state, loads, link);
       },
       "Section forces of a link.", py::arg("system"), py::arg("state"), py::arg("loads"), py::arg("link"));
   m.def(
       "joint_torque",
-      [](const System& system, const State& state, int joint) { return joint_torque(system, state, joint); },
+      [](const System& system, const State& state, int joint) {
+        checks::fits(system, state);
+        checks::index("joint", joint, system.joints().size());
+        return joint_torque(system, state, joint);
+      },
       "Torque on the child about the axis.", py::arg("system"), py::arg("state"), py::arg("joint"));
   m.def(
       "motor_torques",
       [](const System& system, const State& state, bool friction) {
+        checks::fits(system, state);
         return motor_torques(system, state, friction);
       },
       "Motor torques, output-referred.", py::arg("system"), py::arg("state"), py::arg("friction"));
   m.def(
-      "base_wrench", [](const System& system, const State& state) { return base_wrench(system, state); },
+      "base_wrench",
+      [](const System& system, const State& state) {
+        checks::fits(system, state);
+        return base_wrench(system, state);
+      },
       "What the arm puts on the base.", py::arg("system"), py::arg("state"));
   m.def(
       "joint_angles",
       [](const System& system, const State& state) {
+        checks::fits(system, state);
         Eigen::VectorXd theta = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system.joints().size()));
         for (std::size_t j = 0; j < system.joints().size(); ++j) {
           if (system.joints()[j].theta >= 0)
@@ -195,7 +230,7 @@ void bind_transient(py::module_& m) {
   py::class_<Varied>(m, "Varied", "Models with a parameter a little up and a little down.")
       .def(py::init<std::shared_ptr<System>, std::shared_ptr<System>, double, double,
                     std::vector<PiecewisePolynomial>, std::vector<PiecewisePolynomial>>(),
-           py::arg("plus"), py::arg("minus"), py::arg("up"), py::arg("down"),
+           py::arg("plus").none(false), py::arg("minus").none(false), py::arg("up"), py::arg("down"),
            py::arg("drives_plus") = std::vector<PiecewisePolynomial>{},
            py::arg("drives_minus") = std::vector<PiecewisePolynomial>{})
       .def_readonly("plus", &Varied::plus)
@@ -209,6 +244,7 @@ void bind_transient(py::module_& m) {
   m.def(
       "static_derivative",
       [](const System& system, Equilibrium equilibrium, const std::vector<Varied>& varied, double t) {
+        checks::fits(system, equilibrium);
         equilibrium.state.t = equilibrium.state.start = t;
         return static_derivative(system, equilibrium, variations(equilibrium.state, varied));
       },
@@ -218,6 +254,7 @@ void bind_transient(py::module_& m) {
   m.def(
       "frequency_derivatives",
       [](const System& system, const Equilibrium& equilibrium, int count, const std::vector<Varied>& varied) {
+        checks::fits(system, equilibrium);
         return frequency_derivatives(system, equilibrium, count, variations(equilibrium.state, varied));
       },
       "df/dp of the lowest modes, (mode, parameter) [Hz per unit].", py::arg("system"),
@@ -225,20 +262,39 @@ void bind_transient(py::module_& m) {
   m.def(
       "moved",
       [](const System& system, const State& state, const StateDerivative& derivative, Eigen::Index k,
-         double amount) { return moved(system, state, derivative, k, amount); },
+         double amount) {
+        checks::fits(system, state);
+        checks::fits(system, derivative, derivative.size());
+        checks::index("parameter", k, static_cast<std::size_t>(derivative.size()));
+        return moved(system, state, derivative, k, amount);
+      },
       "The state moved along its derivative by an amount of the k-th parameter.", py::arg("system"),
       py::arg("state"), py::arg("derivative"), py::arg("k"), py::arg("amount"));
-  m.def("released_derivative",
-        py::overload_cast<const System&, const StateDerivative&, const System&>(&released),
-        "The derivative with motors let go.", py::arg("held"), py::arg("derivative"), py::arg("system"));
+  m.def(
+      "released_derivative",
+      [](const System& held, const StateDerivative& derivative, const System& system) {
+        checks::same_arm(held, system);
+        checks::fits(held, derivative, derivative.size());
+        return released(held, derivative, system);
+      },
+      "The derivative with motors let go.", py::arg("held"), py::arg("derivative"), py::arg("system"));
   m.def("simulate_differentiated", &run_differentiated, "A run with derivatives.", py::arg("system"),
         py::arg("equilibrium"), py::arg("drives"), py::arg("options"), py::arg("varied"), py::arg("initial"),
         py::arg("progress") = py::none());
-  m.def("released", py::overload_cast<const System&, const Equilibrium&, const System&>(&released),
-        "The equilibrium with motors let go.", py::arg("held"), py::arg("equilibrium"), py::arg("system"));
+  m.def(
+      "released",
+      [](const System& held, const Equilibrium& equilibrium, const System& system) {
+        checks::same_arm(held, system);
+        checks::fits(held, equilibrium);
+        return released(held, equilibrium, system);
+      },
+      "The equilibrium with motors let go.", py::arg("held"), py::arg("equilibrium"), py::arg("system"));
   py::class_<SampledRun>(m, "SampledRun", "A run under a sampled controller.")
-      .def(py::init<const System&, const Equilibrium&, std::vector<PiecewisePolynomial>,
-                    const TransientOptions&>(),
+      .def(py::init([](const System& system, const Equilibrium& equilibrium,
+                       std::vector<PiecewisePolynomial> drives, const TransientOptions& options) {
+             checks::fits(system, equilibrium);
+             return std::make_unique<SampledRun>(system, equilibrium, std::move(drives), options);
+           }),
            py::arg("system"), py::arg("equilibrium"), py::arg("drives"), py::arg("options"),
            py::keep_alive<1, 2>())
       .def("advance", &SampledRun::advance, "Steps with motor torques held.", py::arg("motor_torque"),
@@ -250,8 +306,20 @@ void bind_transient(py::module_& m) {
       .def_property_readonly("drive_rates", &SampledRun::drive_rates)
       .def_property_readonly("joint_angles", &SampledRun::joint_angles)
       .def_property_readonly("joint_rates", &SampledRun::joint_rates)
-      .def("point_position", &SampledRun::point_position, py::arg("point"))
-      .def("point_velocity", &SampledRun::point_velocity, py::arg("point"))
+      .def(
+          "point_position",
+          [](const SampledRun& run, int point) {
+            checks::index("point", point, run.system().points().size());
+            return run.point_position(point);
+          },
+          py::arg("point"))
+      .def(
+          "point_velocity",
+          [](const SampledRun& run, int point) {
+            checks::index("point", point, run.system().points().size());
+            return run.point_velocity(point);
+          },
+          py::arg("point"))
       .def_property_readonly("statistics", &SampledRun::statistics)
       .def("result", &SampledRun::result, "What was recorded so far.");
   using Differentiated = DifferentiatedSampledRun;
@@ -260,6 +328,8 @@ void bind_transient(py::module_& m) {
       .def(py::init([](const System& system, const Equilibrium& equilibrium,
                        const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
                        const std::vector<Varied>& varied, const StateDerivative& initial) {
+             checks::fits(system, equilibrium);
+             checks::fits(system, initial, static_cast<Eigen::Index>(varied.size()));
              return std::make_unique<Differentiated>(system, equilibrium, drives, options,
                                                      variations(equilibrium.state, varied, drives), initial);
            }),
@@ -272,7 +342,13 @@ void bind_transient(py::module_& m) {
       .def_property_readonly("drive_rate_slopes", &Differentiated::drive_rate_slopes)
       .def_property_readonly("joint_angle_slopes", &Differentiated::joint_angle_slopes)
       .def_property_readonly("joint_rate_slopes", &Differentiated::joint_rate_slopes)
-      .def("point_position_slopes", &Differentiated::point_position_slopes, py::arg("point"))
+      .def(
+          "point_position_slopes",
+          [](const Differentiated& run, int point) {
+            checks::index("point", point, run.run().system().points().size());
+            return run.point_position_slopes(point);
+          },
+          py::arg("point"))
       .def("result", &Differentiated::result, "What was recorded so far.");
 }
 

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "checks.hpp"
 #include "flexarm/errors.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/snapshots.hpp"
@@ -83,6 +84,9 @@ std::vector<JointInput> joint_inputs(
     const Eigen::Ref<const Eigen::Matrix<double, -1, 3, Eigen::RowMajor>>& rows) {
   std::vector<JointInput> inputs(static_cast<std::size_t>(rows.rows()));
   for (Index j = 0; j < rows.rows(); ++j) {
+    if (!std::isfinite(rows(j, 0)) || (!std::isnan(rows(j, 1)) && !rows.row(j).allFinite())) {
+      throw flexarm::InvalidParameter("what joint " + std::to_string(j) + " is told must be finite");
+    }
     inputs[static_cast<std::size_t>(j)] = {rows(j, 0), !std::isnan(rows(j, 1)), rows(j, 1), rows(j, 2)};
   }
   return inputs;
@@ -126,9 +130,10 @@ void bind_moments(py::module_& m) {
         const auto [steps, accepted, contraction, h] = counts;
         Moment now{state_of(system, state), {nullptr, contraction, accepted}, steps};
         if (!factored.empty()) {
-          if (!(h > 0)) throw flexarm::InvalidParameter("the step of a stored state must be positive");
+          flexarm::solvers::check_step(h);
           Loads loads{.gravity = system.arm().gravity, .points = {}, .torques = {}};
           for (const auto& [point, force] : forces) loads.points.push_back({.point = point, .force = force});
+          checks::fits(system, loads);
           now.memory.factored = std::make_shared<const Linearisation>(state_of(system, factored), loads, h);
         }
         return now;
@@ -138,15 +143,26 @@ void bind_moments(py::module_& m) {
 }
 
 void bind_steps(py::module_& m) {
+  m.def("check_step", &flexarm::solvers::check_step, "Refuses a time step that is too short or not finite.",
+        py::arg("step"));
   py::class_<Stepping>(m, "Stepping", "One step at a time.")
       .def(py::init<const System&, double, double>(), py::arg("system"), py::arg("step"), py::arg("alpha"),
            py::keep_alive<1, 2>())
-      .def("start", &Stepping::start, "The moment of an equilibrium, at t = 0.", py::arg("equilibrium"))
+      .def(
+          "start",
+          [](const Stepping& stepping, const Equilibrium& equilibrium) {
+            checks::fits(stepping.system(), equilibrium);
+            return stepping.start(equilibrium);
+          },
+          "The moment of an equilibrium, at t = 0.", py::arg("equilibrium"))
       .def(
           "advance",
           [](Stepping& stepping, const Moment& from,
              const Eigen::Ref<const Eigen::Matrix<double, -1, 3, Eigen::RowMajor>>& inputs,
              const std::vector<flexarm::assembly::PointLoad>& points) {
+            checks::fits(stepping.system(), from.state);
+            if (from.memory.factored) checks::fits(stepping.system(), from.memory.factored->state);
+            checks::fits(stepping.system(), flexarm::assembly::Loads{.points = points});
             return stepping.advance(from, joint_inputs(inputs), points);
           },
           "The next moment; rows of inputs: value, rate, acceleration.", py::arg("moment"), py::arg("inputs"),
@@ -158,13 +174,31 @@ void bind_snapshots(py::module_& m) {
   py::class_<Snapshots>(m, "Snapshots", "States looked at one by one.")
       .def_readonly("run", &Snapshots::run)
       .def_readonly("acceleration", &Snapshots::acceleration);
-  m.def("snapshots", &snapshots, "What a run would have recorded in these states.", py::arg("system"),
-        py::arg("states"), py::arg("loads"), py::call_guard<py::gil_scoped_release>());
-  m.def("displaced", &displaced, "A state moved, with velocities and accelerations.", py::arg("system"),
-        py::arg("state"), py::arg("increment"), py::arg("v"), py::arg("v_dot"));
+  m.def(
+      "snapshots",
+      [](const System& system, const std::vector<State>& states, const Loads& loads) {
+        checks::fits(system, loads);
+        for (const State& state : states) checks::fits(system, state);
+        return snapshots(system, states, loads);
+      },
+      "What a run would have recorded in these states.", py::arg("system"), py::arg("states"),
+      py::arg("loads"), py::call_guard<py::gil_scoped_release>());
+  m.def(
+      "displaced",
+      [](const System& system, const State& state, const VectorXd& increment, const VectorXd& v,
+         const VectorXd& v_dot) {
+        checks::fits(system, state);
+        checks::size("increment", increment.size(), system.n_free());
+        checks::size("v", v.size(), system.n_free());
+        checks::size("v_dot", v_dot.size(), system.n_free());
+        return displaced(system, state, increment, v, v_dot);
+      },
+      "A state moved, with velocities and accelerations.", py::arg("system"), py::arg("state"),
+      py::arg("increment"), py::arg("v"), py::arg("v_dot"));
   m.def(
       "tangents",
       [](const System& system, const Equilibrium& at) {
+        checks::fits(system, at);
         const auto part = [&](double mass, double damping, double stiffness) {
           return MatrixXd(system.tangent(at.state, at.loads, {mass, damping, stiffness}, false));
         };
@@ -185,7 +219,9 @@ void bind_snapshots(py::module_& m) {
   m.def(
       "joint_reading",
       [](const System& system, const State& state, int joint) {
-        const auto at = system.joints().at(static_cast<std::size_t>(joint));
+        checks::fits(system, state);
+        checks::index("joint", joint, system.joints().size());
+        const auto at = system.joints()[static_cast<std::size_t>(joint)];
         const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
         const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system.scalar_offset() + s]; };
         return std::tuple(angle(at.theta), rate(at.theta), angle(at.phi), rate(at.phi),
@@ -196,6 +232,8 @@ void bind_snapshots(py::module_& m) {
   m.def(
       "point_reading",
       [](const System& system, const State& state, int point) {
+        checks::fits(system, state);
+        checks::index("point", point, system.points().size());
         const auto H = system.point_frame(state, point);
         const auto V = system.point_velocity(state, point);
         return std::tuple(H.x, Eigen::Vector3d(H.R * V.head<3>()), H.R, Eigen::Vector3d(V.tail<3>()),

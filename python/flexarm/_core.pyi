@@ -70,6 +70,7 @@ __all__: list[str] = [
     "assemble_solids",
     "base_wrench",
     "build_info",
+    "check_step",
     "cubic_spline",
     "displaced",
     "exp6",
@@ -1086,6 +1087,11 @@ def base_wrench(
 def build_info() -> BuildInfo:
     """
     What this build of the core is made of.
+    """
+
+def check_step(step: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    """
+    Refuses a time step that is too short or not finite.
     """
 
 def cubic_spline(

@@ -220,5 +220,5 @@ def test_record_with_a_command_drives_through_the_controller() -> None:
 def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(InvalidParameter, match=r"joint 'hinge' is moved by a command, but has no controller"):
         simulate(rigid_arm(), step_command())
-    with pytest.raises(InvalidParameter, match=r"step must be positive, got 0 s"):
+    with pytest.raises(InvalidParameter, match="step must be positive"):
         simulate(rigid_arm(controllers=[CASCADE]), step_command(), step=0.0)

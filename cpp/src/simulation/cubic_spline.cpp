@@ -56,6 +56,9 @@ Eigen::MatrixXd cubic_spline(const VectorXd& x, const VectorXd& y) {
   }
   const Index m = x.size() - 1;
   const VectorXd h = x.tail(m) - x.head(m);
+  if (!(h.array() > 0).all() || !x.allFinite() || !y.allFinite()) {
+    throw InvalidParameter("the samples of a spline must be finite and its instants rise");
+  }
   const VectorXd delta = (y.tail(m) - y.head(m)).cwiseQuotient(h);
   const VectorXd d = m < 3 ? slopes_of_few(h, delta) : slopes(h, delta);
   Eigen::MatrixXd c(4, m);

@@ -65,6 +65,7 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
     throw InvalidParameter("one motor torque for each of the " + std::to_string(system_.joints().size()) +
                            " joints is needed, got " + std::to_string(motor_torque.size()));
   }
+  if (!motor_torque.allFinite()) throw InvalidParameter("motor torques must be finite");
   for (std::size_t j = 0; j < system_.joints().size(); ++j) {
     if (system_.drives()[j] == assembly::DriveKind::torque) {
       torques_[system_.joints()[j].phi] = motor_torque[static_cast<Eigen::Index>(j)];

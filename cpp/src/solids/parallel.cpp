@@ -9,10 +9,18 @@
 #include "flexarm/errors.hpp"
 
 namespace flexarm::solids {
+namespace {
+
+// Beyond the cores of any machine.
+constexpr int most_threads = 4096;
+
+}  // namespace
 
 int thread_count(int asked) {
-  if (asked < 0)
-    throw InvalidParameter("threads must be 0 (one a core) or more, got " + std::to_string(asked));
+  if (asked < 0 || asked > most_threads) {
+    throw InvalidParameter("threads must be 0 (one a core) or up to " + std::to_string(most_threads) +
+                           ", got " + std::to_string(asked));
+  }
   if (asked > 0) return asked;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }

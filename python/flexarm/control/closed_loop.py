@@ -93,8 +93,7 @@ def simulate_closed_loop(
     >>> command = Drive.from_samples([0, 1, 2], {"hinge": [0, 0.1, 0.1]}, side="command")  # doctest: +SKIP
     >>> run = simulate_closed_loop(arm, command)  # doctest: +SKIP
     """
-    if not step > 0:
-        raise InvalidParameter(f"step must be positive, got {step:g} s")
+    _core.check_step(step)
     record = drive if isinstance(drive, Record) else None
     if isinstance(drive, Record):
         arm, drive = drive.applied_to(arm), Drive.from_record(drive, drive.applied_to(arm))

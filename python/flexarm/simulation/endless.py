@@ -35,7 +35,7 @@ def endless(record: Record, step: float) -> Iterable[Problem]:
 
 
 def _too_many(seconds: float, step: float) -> Iterable[Problem]:
-    steps = seconds / step if step > 0 else 0.0  # the core refuses a step that is none
+    steps = seconds / step if step > 0 else 0.0  # `_core.check_step` refuses a step that is none
     if steps > MOST_STEPS:
         what = f"lasts {seconds:.6g} s, {steps:.3g} steps of {step:g} s; allowed are {MOST_STEPS:.3g}"
         yield Problem("drive", what)

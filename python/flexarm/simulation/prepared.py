@@ -45,6 +45,7 @@ def prepared(
     arm: Arm, drive: Drive, step: float, alpha: float, end: float | None, forces: bool, rotations: bool
 ) -> PreparedRun:
     """The run, checked."""
+    _core.check_step(float(step))
     if not isinstance(drive, Drive):
         raise InvalidParameter(
             f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}",
@@ -60,7 +61,7 @@ def prepared(
         drive = drive.at_inputs(arm)
     options = _core.TransientOptions()
     options.step, options.alpha = float(step), float(alpha)
-    led = ceil(drive.lead / step) if drive.lead > 0 and step > 0 else 0
+    led = ceil(drive.lead / step) if drive.lead > 0 else 0
     options.start = drive.start - led * step if led else drive.start
     options.end = drive.end if end is None else float(end)
     refuse_endless(options.start, options.end, options.step)

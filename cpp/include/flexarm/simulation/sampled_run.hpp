@@ -31,6 +31,7 @@ class SampledRun {
   /// @throws NotConverged
   void advance(const Eigen::VectorXd& motor_torque, int n_steps);
 
+  const System& system() const { return system_; }
   bool done() const { return k_ >= n_steps_; }
   const State& state() const { return state_; }
   double time() const { return state_.t; }
