@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from threading import Event
 from typing import Any
 
 from flexarm.arm import Arm
@@ -15,6 +15,7 @@ from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.simulation import Progress, Simulation, reported, simulate
+from flexarm.threads import thread_pool
 
 
 def simulate_all(
@@ -46,20 +47,26 @@ def simulate_all(
     ------
     InvalidParameter, NotConverged
         If a run is no pair; else of the first run that fails: runs that have not begun are then left out.
+        Also in a process that `progress` forked, which has none of the threads.
     """
     wanted = [_pair(run, k) for k, run in enumerate(runs)]
     threads = jobs if jobs is not None else (os.cpu_count() or 1)
     if threads < 1:
         raise InvalidParameter(f"must be at least 1, got {threads}", where="jobs")
     found: list[Simulation] = []
-    with reported(progress, f"{len(wanted)} runs") as report, ThreadPoolExecutor(threads) as pool:
+    stopped, process = Event(), os.getpid()
+    options["progress"] = lambda done: not stopped.is_set()
+    with reported(progress, f"{len(wanted)} runs") as report, thread_pool(threads) as pool:
         waiting = [pool.submit(simulate, arm, drive, **options) for arm, drive in wanted]
         try:
             for each in waiting:
                 found.append(each.result())
                 if report is not None and report(len(found) / len(wanted)) is False:
                     break
+                if os.getpid() != process:
+                    raise InvalidParameter("has forked, and the new process has no threads", where="progress")
         finally:
+            stopped.set()  # a run that is under way ends early: on an error, or on Ctrl-C
             for each in waiting:
                 each.cancel()
     return found

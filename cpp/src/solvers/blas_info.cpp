@@ -3,6 +3,7 @@
 #if defined(FLEXARM_HAS_CHOLMOD) && __has_include(<dlfcn.h>)
 #include <cholmod.h>
 #include <dlfcn.h>
+#include <pthread.h>
 #endif
 
 namespace flexarm::solvers {
@@ -23,6 +24,15 @@ void* symbol_of_cholmod(const char* name) {
   return address;
 }
 
+using SetLevels = void (*)(int);
+SetLevels set_max_active_levels =
+    nullptr;  // of OpenMP; found before the fork, after which a lock may be held
+
+/// In the child of a fork.
+void run_in_one_thread() {
+  if (set_max_active_levels != nullptr) set_max_active_levels(0);
+}
+
 std::string file_of(void* address) {
   Dl_info library;
   return address != nullptr && dladdr(address, &library) != 0 ? library.dli_fname : "unknown";
@@ -38,13 +48,22 @@ std::string loaded_blas() {
   return file_of(symbol_of_cholmod("dgemm_"));
 }
 
+void survive_forks() {
+  [[maybe_unused]] static const int registered = [] {
+    set_max_active_levels = reinterpret_cast<SetLevels>(symbol_of_cholmod("omp_set_max_active_levels"));
+    return pthread_atfork(nullptr, nullptr, &run_in_one_thread);
+  }();
+}
+
 #elif defined(FLEXARM_HAS_CHOLMOD)
 
 std::string loaded_blas() { return "unknown"; }
+void survive_forks() {}
 
 #else
 
 std::string loaded_blas() { return "none, Eigen's own kernels"; }
+void survive_forks() {}
 
 #endif
 

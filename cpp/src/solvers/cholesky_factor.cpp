@@ -182,6 +182,7 @@ struct CholeskyFactor::Backend {
 
 CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_unique<Backend>()) {
   report_.blas = loaded_blas();
+  survive_forks();
   cholmod_sparse S = view(A);
   backend_->analyse(S, report_);
   check_interrupt();

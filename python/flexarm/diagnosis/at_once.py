@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
+
+from flexarm.threads import thread_pool
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
@@ -15,5 +16,5 @@ def at_once(do: Callable[[Given], Found], things: Iterable[Given], jobs: int) ->
     given = list(things)
     if jobs == 1 or len(given) < 2:
         return list(map(do, given))
-    with ThreadPoolExecutor(min(jobs, len(given))) as pool:
+    with thread_pool(min(jobs, len(given))) as pool:
         return list(pool.map(do, given))

@@ -86,6 +86,10 @@ class Simulation(Result):
         """All energies of the run."""
         return self.energy_record() if callable(self.energy_record) else self.energy_record
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what pickles and copies keep: energies as numbers, computed now where they were not."""
+        return {**self.__dict__, "energy_record": self.energies}
+
     @property
     def kinetic(self) -> Floats:
         """Kinetic energy [J], shape (n,)."""

@@ -11,4 +11,8 @@ namespace flexarm::solvers {
 /// the build calls no BLAS.
 std::string loaded_blas();
 
+/// Lets processes that are forked from now on use CHOLMOD. OpenMP's threads do not come along into them, and
+/// its parallel regions would wait for them for ever; there they run in one thread.
+void survive_forks();
+
 }  // namespace flexarm::solvers

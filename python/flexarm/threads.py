@@ -1,0 +1,42 @@
+"""Threads for runs side by side, beside which a process may be forked."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from importlib import _bootstrap  # type: ignore[attr-defined]
+
+PATIENCE = 10.0
+"""How long a fork waits for modules to be imported [s]."""
+
+
+def thread_pool(threads: int) -> ThreadPoolExecutor:
+    """Return a pool of so many threads, which import what they need while they work."""
+    _let_forks_wait()
+    return ThreadPoolExecutor(threads)
+
+
+@cache
+def _let_forks_wait() -> None:
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(before=_wait_for_imports)
+
+
+def _wait_for_imports() -> None:
+    """Wait until no other thread imports a module.
+
+    Its lock would go along into the forked process, where no thread is left to free it, and the next import
+    of the module would wait for ever.
+    """
+    until = time.monotonic() + PATIENCE
+    while _others_import() and time.monotonic() < until:
+        time.sleep(0.001)
+
+
+def _others_import() -> bool:
+    locks = [reference() for reference in list(getattr(_bootstrap, "_module_locks", {}).values())]
+    owners = {getattr(lock, "owner", None) for lock in locks}
+    return bool(owners - {None, threading.get_ident()})
