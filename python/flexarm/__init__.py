@@ -1,9 +1,11 @@
 """Flexible robot arms by finite element multibody simulation, beside what was measured on them."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
+TYPE_CHECKING = False  # typing would take longer than the rest of this module
 if TYPE_CHECKING:
+    from typing import Any
+
     from flexarm.arm import Arm
     from flexarm.campaign import simulate_all
     from flexarm.comparison.compare import compare
@@ -111,6 +113,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    from importlib import import_module
+
     if name == "__version__":
         return import_module("flexarm.configuration").version()
     if name in _EXPORTS:

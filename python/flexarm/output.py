@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from flexarm.errors import InvalidFile
+from flexarm.leaving import undone_on_leaving
 
 
 @contextmanager
@@ -49,13 +50,18 @@ def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
     except OSError as error:
         _remove_empty(made)
         raise InvalidFile(path, "output", f"cannot be written: {error.strerror}") from None
-    try:
-        partial.chmod(0o755)
-        yield partial
-        _move(partial, target, path)
-    except BaseException:
+
+    def undo() -> None:
         shutil.rmtree(partial, ignore_errors=True)
         _remove_empty(made)
+
+    try:
+        partial.chmod(0o755)
+        with undone_on_leaving(undo):
+            yield partial
+            _move(partial, target, path)
+    except BaseException:
+        undo()
         raise
 
 
@@ -83,8 +89,9 @@ def output_file(path: str | Path) -> Iterator[Path]:
         raise InvalidFile(path, "output", f"cannot be written: there is no directory {target.parent}")
     partial = target.with_name(f".{target.stem}.partial{target.suffix}")
     try:
-        yield partial
-        partial.replace(target)
+        with undone_on_leaving(lambda: partial.unlink(missing_ok=True)):
+            yield partial
+            partial.replace(target)
     except OSError as error:
         raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
     finally:

@@ -36,6 +36,16 @@ def test_import_loads_neither_numpy_nor_pydantic(tmp_path):
     assert not loaded_by("import flexarm", tmp_path) & {"numpy", "pydantic", *HEAVY}
 
 
+def test_a_command_handles_signals_before_it_imports_what_takes_time(tmp_path):
+    begun = loaded_by("import flexarm.cli", tmp_path) - loaded_by("", tmp_path)
+    assert not begun & {"dataclasses", "inspect", "numpy", "typer", "typing"}
+    assert {name for name in begun if name.startswith("flexarm")} == {
+        "flexarm",
+        "flexarm.cli",
+        "flexarm.leaving",
+    }
+
+
 @pytest.fixture
 def swing(tmp_path):
     paper_arm(1).to_toml(tmp_path / "arm.toml")

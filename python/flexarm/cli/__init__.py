@@ -1,5 +1,27 @@
 """The command `flexarm`: thin commands, one a file, that call the library."""
 
-from flexarm.cli.run import main
+from __future__ import annotations
+
+from flexarm.leaving import leave_when_told, stay
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import NoReturn
 
 __all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Entry point of the command line."""
+    leave_when_told()  # before all imports that take time
+    import gc
+    import sys
+
+    from flexarm.cli.run import run
+
+    gc.set_threshold(100_000)  # what imports make stays: looking through it again and again costs 50 ms
+    code = run(list(sys.argv[1:] if arguments is None else arguments))
+    stay()
+    gc.freeze()  # the process ends: nothing is to be found that it would not free anyway
+    sys.exit(code)

@@ -1,30 +1,18 @@
 """Runs a command and turns whatever happens into an exit code and one line on standard error.
 
 0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C, 143: SIGTERM, either of which is
-told, and leaves nothing behind. Never a traceback for a user's mistake.
+told, and leaves nothing behind; see `flexarm.leaving`. Never a traceback for a user's mistake.
 """
 
 from __future__ import annotations
 
-import gc
 import os
-import signal
 import sys
-from collections.abc import Sequence
-from typing import NoReturn
 
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+from flexarm.leaving import farewell
 
-INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED, TERMINATED = 2, 3, 130, 143
-
-
-def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Entry point of the command line."""
-    signal.signal(signal.SIGTERM, _terminate)
-    gc.set_threshold(100_000)  # what imports make stays: looking through it again and again costs 50 ms
-    code = run(list(sys.argv[1:] if arguments is None else arguments))
-    gc.freeze()  # the process ends: nothing is to be found that it would not free anyway
-    sys.exit(code)
+INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED = 2, 3, 130
 
 
 def run(arguments: list[str]) -> int:
@@ -50,14 +38,10 @@ def run(arguments: list[str]) -> int:
         code = app(args=arguments or ["--help"], prog_name="flexarm", standalone_mode=False)
         sys.stdout.flush()
         if code == INTERRUPTED:  # what typer makes of Ctrl-C
-            return _stopped("interrupted", INTERRUPTED)
+            return _interrupted()
         return code if isinstance(code, int) else 0
     except KeyboardInterrupt:
-        return _stopped("interrupted", INTERRUPTED)
-    except SystemExit as ending:
-        if ending.code == TERMINATED:
-            _stopped("terminated", TERMINATED)
-        raise
+        return _interrupted()
     except BrokenPipeError:  # the reader of our output went away, as `flexarm ... | head` does
         _mute_stdout()
         return 0
@@ -65,10 +49,10 @@ def run(arguments: list[str]) -> int:
         return _report(error)
 
 
-def _stopped(how: str, code: int) -> int:
-    """Says that a command was stopped; output is whole or not there, so there is none."""
-    print(f"{how}: nothing was written", file=sys.stderr)
-    return code
+def _interrupted() -> int:
+    """Say that a command was stopped, where a caller of `run` handles Ctrl-C by an exception."""
+    print(farewell("interrupted"), file=sys.stderr)
+    return INTERRUPTED
 
 
 def _mute_stdout() -> None:
@@ -79,7 +63,7 @@ def _mute_stdout() -> None:
 def _report(error: Exception) -> int:
     """Prints the error; anything that is not the user's or the numbers' fault is a bug and is raised."""
     if type(error).__name__ == "Abort":
-        return _stopped("interrupted", INTERRUPTED)
+        return _interrupted()
     if isinstance(error, InvalidFile):
         lines, code = error.lines(), INPUT_AT_FAULT
     elif isinstance(error, InvalidParameter):
@@ -122,8 +106,3 @@ def _told(error: NotConverged) -> str:
 
 def _one_line(message: str) -> str:
     return " ".join(message.split())
-
-
-def _terminate(number: int, frame: object) -> NoReturn:
-    """SIGTERM unwinds like Ctrl-C, so that no half-written output is left behind."""
-    raise SystemExit(TERMINATED)

@@ -13,13 +13,13 @@ from collections.abc import Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.leaving import scratch_directory, undone_on_leaving
 
 Part = tuple[Floats, tuple[tuple[int, ...], ...], Floats | None]
 """Points (n, 3), faces, and a value at each point to colour by; None: grey and seen through."""
@@ -54,17 +54,28 @@ def rendered(
         return None
     from matplotlib.image import imread
 
-    with TemporaryDirectory() as folder:
-        scene, image = Path(folder) / "scene.npz", Path(folder) / "image.png"
+    with scratch_directory() as folder:
+        scene, image = folder / "scene.npz", folder / "image.png"
         np.savez(scene, **_arrays(parts), largest=largest, colours=colours, view=view)
         command = [sys.executable, "-m", "flexarm.report.rendered", str(scene), str(image)]
+        if _done(command) and image.is_file():
+            return _cut(imread(image))
+    return None
+
+
+def _done(command: list[str]) -> bool:
+    """Run a command to its end; return False if it fails or takes too long."""
+    try:
+        renderer = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    except OSError:
+        return False
+    with renderer, undone_on_leaving(renderer.kill):
         try:
-            done = subprocess.run(command, capture_output=True, timeout=PATIENCE, check=False)
-        except (OSError, subprocess.TimeoutExpired):
-            return None
-        if done.returncode != 0 or not image.is_file():
-            return None
-        return _cut(imread(image))
+            return renderer.wait(PATIENCE) == 0
+        except subprocess.TimeoutExpired:
+            return False
+        finally:
+            renderer.kill()
 
 
 def _arrays(parts: Sequence[Part]) -> dict[str, Any]:

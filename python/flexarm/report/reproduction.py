@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
 
+from flexarm.leaving import scratch_directory
 from flexarm.mockup import solid_arm
 from flexarm.output import output_directory
 from flexarm.report.study import Report
@@ -48,10 +48,10 @@ def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed
     """
     with (
         output_directory(out, force) as directory,
-        TemporaryDirectory() as scratch,
+        scratch_directory() as scratch,
         _bar(progress) as report,
     ):
-        _write(directory, Path(scratch), report, seed)
+        _write(directory, scratch, report, seed)
 
 
 def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
