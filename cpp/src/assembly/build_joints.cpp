@@ -20,9 +20,13 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
   for (const model::Joint& joint : arm_.joints) {
     const auto found = drives.find(joint.name);
     const DriveKind kind = found == drives.end() ? DriveKind::locked : found->second;
+    const bool moves = joint.type == JointType::revolute || joint.type == JointType::prismatic;
+    if (!moves && kind != DriveKind::locked) {
+      throw InvalidParameter("joint '" + joint.name + "': only a revolute or prismatic joint can be driven");
+    }
     drives_.push_back(kind);
     JointCoordinates at;
-    if (joint.type == JointType::revolute || joint.type == JointType::prismatic) {
+    if (moves) {
       const bool driven = kind != DriveKind::torque && kind != DriveKind::free;
       const auto& train = joint.drive_train;
       const bool rigid = train.stages.empty() || kind == DriveKind::link_angle;

@@ -280,3 +280,14 @@ TEST_CASE("A model with a number that is not finite is refused by the name of it
     CHECK(message(arm).find("joint 'hinge'") == 0);
   }
 }
+
+TEST_CASE("A joint that neither turns nor slides takes no drive") {
+  auto arm = paper_arm();
+  for (const auto type : {flexarm::joints::JointType::fixed, flexarm::joints::JointType::spherical}) {
+    arm.joints.front().type = type;
+    CHECK(System(arm, {}).n_scalars() == 0);
+    CHECK_THROWS_WITH_AS(System(arm, {{"hinge", DriveKind::torque}}),
+                         "joint 'hinge': only a revolute or prismatic joint can be driven",
+                         flexarm::InvalidParameter);
+  }
+}
