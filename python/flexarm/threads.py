@@ -7,7 +7,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from importlib import _bootstrap  # type: ignore[attr-defined]
+from importlib import _bootstrap
 
 PATIENCE = 10.0
 """How long a fork waits for modules to be imported [s]."""

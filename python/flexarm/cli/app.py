@@ -43,7 +43,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm reduce hub.inp --interface ...          a solid part as a link
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted
-(Ctrl-C): nothing is written then.
+(Ctrl-C), 143 terminated (SIGTERM): nothing is written then.
 """
 
 

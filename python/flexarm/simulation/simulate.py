@@ -38,7 +38,7 @@ def simulate(
     drive : Drive or Record
         What moves the joints. A record's drive signals are smoothed by their noise, its payloads carried.
     step : float
-        Time step [s].
+        Time step [s], at least 1e-9.
     alpha : float
         Of the HHT method, -1/3 to 0; 0 damps nothing, negative values damp high frequencies.
     end : float, optional

@@ -43,7 +43,7 @@ class Stepper:
     forces : collection of str
         Points that forces will act on; on a beam they get a node of their own.
     step : float
-        Time step [s].
+        Time step [s], at least 1e-9.
     alpha : float
         Of the HHT method, -1/3 to 0; 0 damps nothing, negative values damp high frequencies.
 
