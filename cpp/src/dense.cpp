@@ -4,19 +4,45 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "flexarm/errors.hpp"
+
 namespace flexarm::dense {
+namespace {
+
+/// Eigen's iterations give any numbers, and no error, for a matrix that is not finite.
+const MatrixXd& finite(const MatrixXd& A) {
+  if (!A.allFinite()) throw NotConverged("a matrix of an eigenvalue problem is not finite", 0, 0, 0);
+  return A;
+}
+
+template <class Solver>
+const Solver& converged(const Solver& solver) {
+  if (solver.info() != Eigen::Success) throw NotConverged("an eigenvalue problem has no solution", 0, 0, 0);
+  return solver;
+}
+
+}  // namespace
 
 Eigenpairs eigenpairs(const MatrixXd& A) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(A);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(finite(A));
+  converged(solver);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
 VectorXd eigenvalues(const MatrixXd& A) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(finite(A), Eigen::EigenvaluesOnly);
+  return converged(solver).eigenvalues();
 }
 
 Eigenpairs eigenpairs(const MatrixXd& A, const MatrixXd& B) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(A, B);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(finite(A), finite(B));
+  converged(solver);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+ComplexEigenpairs general_eigenpairs(const MatrixXd& A) {
+  const Eigen::EigenSolver<MatrixXd> solver(finite(A));
+  converged(solver);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 

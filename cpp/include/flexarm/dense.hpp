@@ -4,7 +4,8 @@
 ///
 ///     A = V diag(λ) Vᵀ,   A V = B V diag(λ) with Vᵀ B V = I,   A = U diag(σ) Vᵀ                       (1)
 ///
-/// Eigenvalues rise, singular values fall.
+/// Eigenvalues rise, singular values fall. An eigenvalue problem throws NotConverged where its matrix is not
+/// finite, or its iteration finds no end.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,6 +26,14 @@ VectorXd eigenvalues(const MatrixXd& A);
 
 /// Equation (1) of a symmetric matrix beside a positive definite one.
 Eigenpairs eigenpairs(const MatrixXd& A, const MatrixXd& B);
+
+struct ComplexEigenpairs {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;
+};
+
+/// A V = V diag(λ) of any square matrix, in no order.
+ComplexEigenpairs general_eigenpairs(const MatrixXd& A);
 
 bool is_positive_definite(const MatrixXd& A);
 

@@ -1,10 +1,11 @@
 #include "flexarm/solvers/damped_modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseLU>
+#include <cmath>
 #include <complex>
 #include <vector>
 
+#include "flexarm/dense.hpp"
 #include "flexarm/solvers/saddle_point.hpp"
 
 namespace flexarm::solvers {
@@ -19,12 +20,14 @@ std::complex<double> refine(std::complex<double> mu, Eigen::VectorXcd x, const S
   const Eigen::VectorXcd weight = x / x.squaredNorm();
   for (int turn = 0; turn < 12; ++turn) {
     const Eigen::SparseMatrix<Complex> T = mu * mu * Mc + mu * Cc + Kc;
+    if (!std::isfinite(std::abs(T.sum()))) return mu;
     Eigen::SparseLU<Eigen::SparseMatrix<Complex>> factor(saddle_point<Complex>(T, J));
     if (factor.info() != Eigen::Success) return mu;  // T is singular: μ is exact
     Eigen::VectorXcd rhs = Eigen::VectorXcd::Zero(n + J.rows());
     rhs.head(n) = (2.0 * mu * Mc + Cc) * x;
     const Eigen::VectorXcd y = factor.solve(rhs).head(n);
     const Complex step = 1.0 / weight.dot(y);
+    if (!std::isfinite(std::abs(step))) return mu;
     x = step * y;
     mu -= step;
     if (std::abs(step) < 1e-12 * std::abs(mu)) break;
@@ -58,16 +61,16 @@ Eigen::VectorXcd damped_eigenvalues(const Eigen::VectorXd& omega_squared, const 
   A.topRightCorner(p, p).setIdentity();
   A.bottomLeftCorner(p, p).diagonal() = -omega_squared;
   A.bottomRightCorner(p, p) = -X.transpose() * (C * X);
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
-  const Eigen::MatrixXd share = solver.eigenvectors().topRows(p).cwiseAbs();  // of the undamped modes
+  const auto [values, vectors] = dense::general_eigenpairs(A);
+  const Eigen::MatrixXd share = vectors.topRows(p).cwiseAbs();  // of the undamped modes
   std::vector<bool> taken(static_cast<std::size_t>(2 * p), false);
   Eigen::VectorXcd mu(count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::Index own = most_like(k, share, solver.eigenvalues(), taken);
+    const Eigen::Index own = most_like(k, share, values, taken);
     if (own < 0) return mu.head(k);
     taken[static_cast<std::size_t>(own)] = true;
-    const Eigen::VectorXcd x = X * solver.eigenvectors().col(own).head(p);
-    mu[k] = refine(solver.eigenvalues()[own], x, K, C, M, J);
+    const Eigen::VectorXcd x = X * vectors.col(own).head(p);
+    mu[k] = refine(values[own], x, K, C, M, J);
   }
   return mu;
 }

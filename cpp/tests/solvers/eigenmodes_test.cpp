@@ -136,3 +136,18 @@ TEST_CASE("modes about an unstable equilibrium are refused") {
   chain.K.coeffRef(0, 0) -= 50000;
   CHECK_THROWS_AS(eigenmodes(chain.K, chain.none, chain.M, SparseMatrix(0, 5), 2), NotConverged);
 }
+
+TEST_CASE("An eigenvalue problem whose numbers overflow fails, damped or not") {
+  Eigen::SparseMatrix<double> K(2, 2), C(2, 2), M(2, 2), J(0, 2);
+  M.setIdentity();
+  for (int k = 0; k < 2; ++k) K.insert(k, k) = 1e4, C.insert(k, k) = 1;
+  CHECK(flexarm::solvers::eigenmodes(K, C, M, J, 2).damped.size() == 2);
+  for (const double bad : {HUGE_VAL, std::nan("")}) {
+    C.coeffRef(0, 0) = bad;
+    CHECK_THROWS_AS(flexarm::solvers::eigenmodes(K, C, M, J, 2), flexarm::NotConverged);
+    C.coeffRef(0, 0) = 1;
+    K.coeffRef(1, 1) = bad;
+    CHECK_THROWS_AS(flexarm::solvers::eigenmodes(K, C, M, J, 2), flexarm::NotConverged);
+    K.coeffRef(1, 1) = 1e4;
+  }
+}
