@@ -23,8 +23,8 @@ SYMMETRY = 1e-6
 ORTHONORMAL = 1e-6
 """How far R^T R may be from 1: frames printed with seven digits pass."""
 
-HUGE = 1e100
-"""No entry is as large; products of such numbers would overflow."""
+HUGE = 1e30
+"""No entry is as large: moduli end at 1e18 Pa, lengths at 1e10 m (`flexarm.tables.ranges`)."""
 
 VARIABLES = {
     "interfaces": "interface_name",

@@ -6,10 +6,22 @@ import re
 from collections.abc import Hashable
 from typing import Annotated, Any, Literal, NoReturn, Self, TypeVar, get_origin
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
+from annotated_types import Ge, Gt
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 from pydantic.fields import FieldInfo
 
 from flexarm.errors import InvalidParameter
+from flexarm.tables.ranges import NEVER_ZERO_ALONE, out_of_range
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
@@ -93,10 +105,27 @@ def unit_of(field: FieldInfo) -> str:
     return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
 
 
+def _is_size(field: FieldInfo) -> bool:
+    """Return True if a field's value cannot be negative, hence is no coordinate."""
+    return unit_of(field) in NEVER_ZERO_ALONE or Gt(0) in field.metadata or Ge(0) in field.metadata
+
+
 class Table(BaseModel):
-    """A frozen table. Made wrongly in Python, it raises `InvalidParameter`."""
+    """A frozen table. Made wrongly in Python, it raises `InvalidParameter`.
+
+    Every number must lie in the range of its unit, `flexarm.tables.ranges`.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _in_range(cls, value: Any, info: ValidationInfo) -> Any:
+        if isinstance(value, float | tuple | dict):
+            field = cls.model_fields[str(info.field_name)]
+            if wrong := out_of_range(value, unit_of(field), size=_is_size(field)):
+                raise ValueError(wrong)
+        return value
 
     def __init__(self, **values: Any) -> None:
         try:
