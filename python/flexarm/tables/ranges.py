@@ -1,7 +1,7 @@
 """Physical ranges of numbers: one row a unit, within which no product that flexarm forms can overflow.
 
 Each range is many orders of magnitude wider than what machines have, so that it refuses typing errors and
-damaged files and nothing else. Lengths go from an atom to coordinates of maps in millimetres taken for metres;
+damaged files and nothing else. Lengths go from an atom to coordinates of maps, in millimetres for metres;
 areas and moments of area are their powers; the others follow from materials and machines of such sizes. The
 largest products, such as E I or m L^2, then stay below 1e60, and the smallest that divide above 1e-60. Both
 are far from the ends of doubles. A value that no machine has within its range is a warning (`arm.sizes`).
