@@ -83,6 +83,79 @@ MISTAKES = {
 }  # fmt: skip
 
 
+SHAFTS = """
+[[joints]]
+name = "SHAFT"
+type = "revolute"
+parent = "base"
+child = "ROTOR"
+axis = [0, 1, 0]
+[[links]]
+name = "ROTOR"
+type = "rigid"
+mass = 1.0
+"""
+GEAR = '[[gears]]\nname = "{}"\ninput = "{}"\noutput = "{}"\nratio = {}\n'
+GEARS = {
+    "the same pair twice": (
+        [("shaft", "idler", 10), ("shaft", "idler", 10)],
+        "the output of gear 'g0' (ratio 10)",
+    ),
+    "two ratios": ([("shaft", "idler", 10), ("shaft", "idler", 12)], "(ratio 10) already, got ratio 12"),
+    "two inputs": ([("shaft", "idler", 10), ("spare", "idler", 12)], "a joint has one input"),
+    "there and back": (
+        [("shaft", "idler", 10), ("idler", "shaft", 0.1)],
+        "are coupled already by gears before it ('g0')",
+    ),
+    "a loop of three": (
+        [("shaft", "idler", 2), ("idler", "spare", 2), ("spare", "shaft", 2)],
+        "must not form a loop",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", GEARS)
+def test_gears_that_repeat_or_contradict_each_other_are_refused(
+    case: str, model_text: str, tmp_path: Path
+) -> None:
+    gears, what = GEARS[case]
+    text = model_text
+    for name in ("shaft", "idler", "spare"):
+        text += SHAFTS.replace("SHAFT", name).replace("ROTOR", f"{name}_rotor")
+    text += "".join(GEAR.format(f"g{k}", *gear) for k, gear in enumerate(gears))
+    (tmp_path / "arm.toml").write_text(text)
+    with pytest.raises(InvalidFile) as caught:
+        Arm.from_toml(tmp_path / "arm.toml")
+    (line,) = caught.value.lines()
+    assert f"gears.g{len(gears) - 1}.output" in line
+    assert what in line
+
+
+def test_gears_may_form_a_train_and_branch(model_text: str, tmp_path: Path) -> None:
+    text = model_text
+    for name in ("shaft", "idler", "spare"):
+        text += SHAFTS.replace("SHAFT", name).replace("ROTOR", f"{name}_rotor")
+    text += GEAR.format("g0", "shaft", "idler", 2) + GEAR.format("g1", "shaft", "spare", 3)
+    (tmp_path / "arm.toml").write_text(text)
+    assert len(Arm.from_toml(tmp_path / "arm.toml").gears) == 2
+
+
+def test_damping_of_a_link_without_mass_is_refused_in_model_and_effect(
+    model_text: str, tmp_path: Path
+) -> None:
+    """A ratio of damping is of a vibration, and a link without mass has none."""
+    weightless = model_text.replace("density = 7850", "density = 0")
+    effect = '[[effects]]\nname = "link_damping"\nat = "rod"\ndamping_ratio = 0.01\n'
+    undamped = weightless.replace("damping_ratio = 0.005", "")
+    for text, where in (
+        (weightless, "links.rod.damping_ratio"),
+        (undamped + effect, "effects.link_damping.rod"),
+    ):
+        (tmp_path / "arm.toml").write_text(text)
+        with pytest.raises(InvalidFile, match=rf"{where}.*must be 0 where the density is 0"):
+            Arm.from_toml(tmp_path / "arm.toml")
+
+
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_in_a_model_is_named_with_file_and_place(
     mistake: str, model_text: str, tmp_path: Path
