@@ -132,9 +132,9 @@ def _gears(arm: Arm) -> Found:
 
 
 def _coupled_twice(arm: Arm) -> Found:
-    """Gears must couple joints as a forest: a second path between two joints repeats or contradicts the first.
+    """Gears must couple joints as a forest, and an output has one input.
 
-    An output has one input, as its angle is one over the ratio times that of the input.
+    A second path between two joints repeats the first or contradicts it.
     """
     input_of: dict[str, Gear] = {}
     for i, gear in enumerate(arm.gears):
@@ -142,15 +142,15 @@ def _coupled_twice(arm: Arm) -> Found:
         if first := input_of.get(gear.output):
             yield (
                 ("gears", i, "output"),
-                f"joint {gear.output!r} is the output of gear {first.name!r} (ratio {first.ratio:g}) already, "
-                f"got ratio {gear.ratio:g}; a joint has one input",
+                f"joint {gear.output!r} is the output of gear {first.name!r} (ratio {first.ratio:g}) "
+                f"already, got ratio {gear.ratio:g}; a joint has one input",
             )
         elif gear.output in moved_with([gear.input], others):
             names = ", ".join(repr(other.name) for other in others)
             yield (
                 ("gears", i, "output"),
-                f"joints {gear.input!r} and {gear.output!r} are coupled already by gears before it ({names}); "
-                "gears must not form a loop",
+                f"joints {gear.input!r} and {gear.output!r} are coupled already by gears before it "
+                f"({names}); gears must not form a loop",
             )
         input_of.setdefault(gear.output, gear)
 

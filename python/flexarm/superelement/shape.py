@@ -13,6 +13,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.errors import Problem
 from flexarm.superelement.rigid_motion import PER_INTERFACE, freedom
+from flexarm.tables.table import check_label
 
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
@@ -58,6 +59,11 @@ def _names(interfaces: tuple[str, ...]) -> Iterator[Problem]:
     for i, name in enumerate(interfaces):
         if not name:
             yield Problem("interface_name", f"interface {i + 1} has no name")
+            continue
+        try:
+            check_label(name)
+        except ValueError as error:
+            yield Problem("interface_name", str(error))
         if name in interfaces[:i]:
             yield Problem("interface_name", f"{name!r} is given twice; names must differ")
 

@@ -78,18 +78,37 @@ def _list_of(count: int) -> BeforeValidator:
 _FORBIDDEN_IN_NAME = re.compile(r"[\s.:=,\"'\[\]{}#/\\\x00-\x1f\x7f]")
 
 
+LONGEST_NAME = 100
+"""Characters of a name: names of URDF files, which join words, stay below 70."""
+
+
+def check_label(label: str) -> str:
+    """Return `label` if it can name something: all its characters can be seen, and they are not too many.
+
+    Control characters cannot, nor marks that turn the direction of writing.
+    """
+    hidden = next((letter for letter in label if not letter.isprintable()), None)
+    if not label or hidden or label != label.strip():
+        why = "is empty" if not label else f"contains {hidden!r}" if hidden else "has blanks at its ends"
+        raise ValueError(f"name {label[:40]!r} {why}; allowed are characters that can be seen")
+    if len(label) > LONGEST_NAME:
+        raise ValueError(f"name {label[:40]!r}... has {len(label)} characters; allowed are {LONGEST_NAME}")
+    return label
+
+
 def check_name(name: str) -> str:
     """`name` if it is one: no spaces and none of the characters that have a meaning in files and options."""
     found = _FORBIDDEN_IN_NAME.search(name)
     if found or not name:
         why = f"contains {found.group()!r}" if found else "is empty"
-        raise ValueError(f"name {name!r} {why}; allowed are letters, digits, '_' and '-'")
-    return name
+        raise ValueError(f"name {name[:40]!r} {why}; allowed are letters, digits, '_' and '-'")
+    return check_label(name)
 
 
 Number = Annotated[float, Strict(), BeforeValidator(_plain)]
 Whole = Annotated[int, Strict(), BeforeValidator(_plain)]
 Name = Annotated[str, AfterValidator(check_name)]
+Label = Annotated[str, AfterValidator(check_label)]
 Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
 
