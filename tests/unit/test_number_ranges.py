@@ -13,8 +13,10 @@ import pytest
 
 import flexarm
 from flexarm import Arm, InvalidFile, InvalidParameter, NotConverged
+from flexarm.analytic import FlexibleLink
 from flexarm.arm import RigidLink
 from flexarm.arm.weight import weight_statement
+from flexarm.solids import SolidMesh
 from flexarm.tables.ranges import RANGES, range_of
 
 BEYOND = {
@@ -54,6 +56,14 @@ def test_the_ranges_hold_for_tables_made_in_python() -> None:
         RigidLink(name="body", mass=1e30)
     with pytest.raises(InvalidParameter, match="a whole number of thousands of digits"):
         RigidLink(name="body", mass=10**5000)
+
+
+def test_the_ranges_hold_for_meshes_and_analytic_links() -> None:
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1e300]])
+    with pytest.raises(InvalidParameter, match=r"points: coordinates must be finite and within \+-1e\+10 m"):
+        SolidMesh(corners, {"tet4": np.array([[0, 1, 2, 3]])}).check()
+    with pytest.raises(InvalidParameter, match=r"flexible link: length must be at most 1e\+10 m"):
+        FlexibleLink(length=1e130, bending_stiffness=1.0, mass_per_length=1.0)
 
 
 @pytest.mark.parametrize("unit", RANGES)
