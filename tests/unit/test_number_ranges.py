@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.helpers.parts import frame_part
 
 import flexarm
 from flexarm import Arm, InvalidFile, InvalidParameter, NotConverged
@@ -64,6 +65,18 @@ def test_the_ranges_hold_for_meshes_and_analytic_links() -> None:
         SolidMesh(corners, {"tet4": np.array([[0, 1, 2, 3]])}).check()
     with pytest.raises(InvalidParameter, match=r"flexible link: length must be at most 1e\+10 m"):
         FlexibleLink(length=1e130, bending_stiffness=1.0, mass_per_length=1.0)
+
+
+@pytest.mark.parametrize("factor", [1e-300, 1e-40, 0.0, 1e40])
+def test_matrices_of_a_part_of_any_scale_give_a_result_or_a_clear_error(factor: float) -> None:
+    part = frame_part()
+    for field in ("mass", "stiffness"):
+        try:
+            scaled = part.replace(**{field: factor * getattr(part, field)})
+            assert "super-element" in scaled.summary()
+            assert all(map(str, scaled.check()))
+        except InvalidParameter as error:
+            assert field in str(error)
 
 
 @pytest.mark.parametrize("unit", RANGES)

@@ -25,7 +25,8 @@ ORTHONORMAL = 1e-6
 """How far R^T R may be from 1: frames printed with seven digits pass."""
 
 HUGE = 1e30
-"""No entry is as large: moduli end at 1e18 Pa, lengths at 1e10 m (`flexarm.tables.ranges`)."""
+"""No entry is as large: moduli end at 1e18 Pa, lengths at 1e10 m (`flexarm.tables.ranges`). The largest entry
+of a matrix is not as small as its inverse, but in a matrix of zeros."""
 
 VARIABLES = {
     "interfaces": "interface_name",
@@ -102,6 +103,9 @@ def _not_finite(element: SuperElement) -> Iterator[Problem]:
             yield Problem(
                 variable, f"must be finite and below {HUGE:g}, got {values[at]} at {list(at)}{count}"
             )
+        elif field in ("stiffness", "mass", "damping") and 0 < np.abs(values).max() < 1 / HUGE:
+            what = f"must have an entry above {1 / HUGE:g}, got {np.abs(values).max():.3g} at most"
+            yield Problem(variable, what)
 
 
 def _frames(element: SuperElement) -> Iterator[Problem]:
