@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable
+from functools import cache
 from typing import Annotated, Any, Literal, NoReturn, Self, TypeVar, get_origin
 
 from annotated_types import Ge, Gt
@@ -124,9 +125,12 @@ def unit_of(field: FieldInfo) -> str:
     return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
 
 
-def _is_size(field: FieldInfo) -> bool:
-    """Return True if a field's value cannot be negative, hence is no coordinate."""
-    return unit_of(field) in NEVER_ZERO_ALONE or Gt(0) in field.metadata or Ge(0) in field.metadata
+@cache
+def _measure(table: type[Table], name: str) -> tuple[str, bool]:
+    """Return the unit of a field, and True if its value cannot be negative, hence is no coordinate."""
+    field = table.model_fields[name]
+    unit = unit_of(field)
+    return unit, unit in NEVER_ZERO_ALONE or Gt(0) in field.metadata or Ge(0) in field.metadata
 
 
 class Table(BaseModel):
@@ -141,8 +145,8 @@ class Table(BaseModel):
     @classmethod
     def _in_range(cls, value: Any, info: ValidationInfo) -> Any:
         if isinstance(value, float | tuple | dict):
-            field = cls.model_fields[str(info.field_name)]
-            if wrong := out_of_range(value, unit_of(field), size=_is_size(field)):
+            unit, size = _measure(cls, str(info.field_name))
+            if wrong := out_of_range(value, unit, size=size):
                 raise ValueError(wrong)
         return value
 
