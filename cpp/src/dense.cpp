@@ -17,7 +17,8 @@ const MatrixXd& finite(const MatrixXd& A) {
 
 template <class Solver>
 const Solver& converged(const Solver& solver) {
-  if (solver.info() != Eigen::Success) throw NotConverged("an eigenvalue problem has no solution", 0, 0, 0);
+  if (solver.info() != Eigen::Success || !solver.eigenvalues().allFinite())
+    throw NotConverged("an eigenvalue problem has no solution", 0, 0, 0);
   return solver;
 }
 

@@ -109,6 +109,7 @@ Eigenmodes eigenmodes(const SparseMatrix& K_raw, const SparseMatrix& C, const Sp
   Solutions found = n_motions <= dense_limit
                         ? solve_dense(shifted, M, J)
                         : solve_by_subspace(shifted, M, J, std::min<Eigen::Index>(count, n_motions));
+  if (found.nu.size() == 0) return modes;  // nothing has mass
   for (Eigen::Index k = 0; k < found.X.cols(); ++k) {
     found.X.col(k) /= std::sqrt(found.X.col(k).dot(M * found.X.col(k)));
   }

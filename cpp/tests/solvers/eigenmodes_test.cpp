@@ -137,6 +137,12 @@ TEST_CASE("modes about an unstable equilibrium are refused") {
   CHECK_THROWS_AS(eigenmodes(chain.K, chain.none, chain.M, SparseMatrix(0, 5), 2), NotConverged);
 }
 
+TEST_CASE("Motions without any mass have no modes, damped or not") {
+  Eigen::SparseMatrix<double> K(2, 2), C(2, 2), M(2, 2), J(0, 2);
+  for (int k = 0; k < 2; ++k) K.insert(k, k) = C.insert(k, k) = 1;
+  CHECK(flexarm::solvers::eigenmodes(K, C, M, J, 2).omega_squared.size() == 0);
+}
+
 TEST_CASE("An eigenvalue problem whose numbers overflow fails, damped or not") {
   Eigen::SparseMatrix<double> K(2, 2), C(2, 2), M(2, 2), J(0, 2);
   M.setIdentity();
