@@ -26,7 +26,7 @@ const Eigen::SparseMatrix<double>* IterationMatrixIn<D>::assemble(const StateIn<
                        [&](int, int, double value) { values[slots_[k++]] += value; });
   if (!std::isfinite(full_.coeffs().sum())) return nullptr;  // as is the sum of what is not
   const bool grown = significant_entries_join();
-  if (grown) matrix_.resize(full_.rows(), full_.cols());
+  if (grown || matrix_.rows() == 0) matrix_.resize(full_.rows(), full_.cols());
   compress();
   return &matrix_;
 }
@@ -72,7 +72,7 @@ bool IterationMatrixIn<D>::significant_entries_join() {
   std::size_t k = 0;
   for (int column = 0; column < full_.outerSize(); ++column) {
     for (Entry it(full_, column); it; ++it, ++k) {
-      const double beside = std::sqrt(largest[it.row()] * largest[column]);
+      const double beside = std::sqrt(largest[it.row()]) * std::sqrt(largest[column]);
       if (kept_[k] || !(std::abs(it.value()) > negligible * beside)) continue;
       kept_[k] = grown = true;
     }

@@ -78,6 +78,10 @@ TEST_CASE("Numbers that are not finite give no matrix and leave the pattern as i
   const TangentFactors c{1e4, 100, 1, 1e4};
   CHECK(matrix.assemble(state, Loads{}, {HUGE_VAL, 100, 1, 1e4}, VectorXd()) == nullptr);
   CHECK(matrix.assemble(state, Loads{}, {std::nan(""), 100, 1, 1e4}, VectorXd()) == nullptr);
+  IterationMatrix of_zeros(system);
+  const auto* zeros = of_zeros.assemble(state, Loads{.gravity = Vector3d::Zero()}, {0, 0, 0, 0}, VectorXd());
+  REQUIRE(zeros != nullptr);
+  CHECK(zeros->rows() == system.n_unknowns());
   const auto* after = matrix.assemble(state, Loads{}, c, VectorXd());
   REQUIRE(after != nullptr);
   CHECK(after->nonZeros() == fresh.assemble(state, Loads{}, c, VectorXd())->nonZeros());
