@@ -17,7 +17,8 @@ from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents
 from flexarm.opening_gaps import refuse_gaps_without_side
-from flexarm.result import Result, load, model_of, provenance
+from flexarm.reading import reading, require
+from flexarm.result import Result, counts, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities, collected, varied
 
 if TYPE_CHECKING:
@@ -91,16 +92,19 @@ class Modes(Result):
             If the file does not hold modes.
         """
         data = load(path, "modes")
-        arm = model_of(data)
-        return cls(
-            arm=arm,
-            frequency_hz=data["frequency"].values,
-            damped_frequency_hz=data["damped_frequency"].values,
-            damping_ratio=data["damping_ratio"].values,
-            shape=data["shape"].values,
-            solver={k: data.attrs[k] for k in ("backend", "iterations")},
-            sensitivities=Sensitivities.stored(arm, data),
-        )
+        arm = model_of(data, path)
+        per_mode = {name: ("mode",) for name in ("frequency", "damped_frequency", "damping_ratio")}
+        require(path, data, {**per_mode, "shape": ("mode", "point", "component")}, counts(arm))
+        with reading(path, "stored modes"):
+            return cls(
+                arm=arm,
+                frequency_hz=data["frequency"].values,
+                damped_frequency_hz=data["damped_frequency"].values,
+                damping_ratio=data["damping_ratio"].values,
+                shape=data["shape"].values,
+                solver={k: data.attrs[k] for k in ("backend", "iterations")},
+                sensitivities=Sensitivities.stored(arm, data),
+            )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Frequencies as stems, damping ratios beside them."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arm.inertia import Matrix
 from flexarm.arm.rotation import added, from_rpy, rotated, scaled, times, transposed
 from flexarm.errors import InvalidFile
+from flexarm.reading import reading, regular_file
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -77,12 +78,11 @@ def read_urdf(path: Path) -> dict[str, Any]:
     """
     from xml.etree import ElementTree
 
-    try:
-        robot = ElementTree.fromstring(path.read_bytes())
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
-    except ElementTree.ParseError as error:
-        raise InvalidFile(path, f"line {error.position[0]}", f"is no XML: {error}") from None
+    with reading(regular_file(path), "XML"):
+        try:
+            robot = ElementTree.fromstring(path.read_bytes())
+        except ElementTree.ParseError as error:
+            raise InvalidFile(path, f"line {error.position[0]}", f"is no XML: {error}") from None
     if robot.tag != "robot":
         raise InvalidFile(path, "file", f"must hold a <robot>, got <{robot.tag}>")
     reader = _Reader(path)

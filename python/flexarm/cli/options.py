@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexarm.cli.run import INPUT_AT_FAULT
-from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.errors import InvalidFile, InvalidParameter, Problem, printable
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -49,7 +49,7 @@ def load_arm(model: Path) -> Arm:
 def warn(file: Path, problems: Iterable[Problem]) -> None:
     """Prints `warning: FILE: WHERE: ...` on standard error for each problem."""
     for problem in problems:
-        print(f"warning: {file}: {problem}", file=sys.stderr)
+        print(printable(f"warning: {file}: {problem}"), file=sys.stderr)
 
 
 def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
@@ -60,7 +60,7 @@ def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
     found = list(faults)
     sys.stdout.flush()
     for file, problem in found:
-        print(f"error: {file}: {problem}", file=sys.stderr)
+        print(printable(f"error: {file}: {problem}"), file=sys.stderr)
     if found:
         raise typer.Exit(INPUT_AT_FAULT)
 

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+from flexarm.errors import InvalidFile, InvalidParameter, NotConverged, printable
 
 INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
@@ -102,7 +102,7 @@ def _report(error: Exception) -> int:
         raise error
     sys.stdout.flush()
     for line in lines:
-        print(f"error: {line}", file=sys.stderr)
+        print(f"error: {printable(line)}", file=sys.stderr)
     return code
 
 

@@ -15,6 +15,7 @@ from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.linear import matlab
 from flexarm.linear.modal_form import NO_POLE
 from flexarm.netcdf import Contents
+from flexarm.reading import require
 from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
@@ -135,17 +136,21 @@ class LinearModel(Result):
             If the file holds no linear model.
         """
         data = matlab.load(path) if Path(path).suffix == ".mat" else load(path, "linear model")
-        try:
-            arrays = {name: frozen(data[name].values) for name in (*MATRICES, *AT_REST)}
-            texts = {
-                f"{axis}_{what}s": tuple(str(text) for text in data[variable].values)
-                for axis in ("input", "output", "state")
-                for what, variable in (("name", axis), ("unit", f"{axis}_unit"))
-            }
-            fields: dict[str, Any] = {**arrays, **texts}
-            return cls(arm=model_of(data), **fields)
-        except KeyError as error:
-            raise InvalidFile(path, "file", f"is no linear model: {error} is missing") from None
+        arm = model_of(data, path)
+        texts: dict[str, Any] = {}
+        sizes = {"joint": len(arm.joints)}
+        for axis in ("input", "output", "state"):
+            for what, variable in (("name", axis), ("unit", f"{axis}_unit")):
+                if variable not in data:
+                    raise InvalidFile(path, variable, "is missing; a linear model names states and ports")
+                found = tuple(str(text) for text in np.ravel(data[variable].values))
+                if len(found) != sizes.setdefault(axis, len(found)):
+                    raise InvalidFile(path, variable, f"must hold {sizes[axis]} texts, got {len(found)}")
+                texts[f"{axis}_{what}s"] = found
+        sizes["from_state"] = sizes["state"]
+        axes = {**MATRICES, **{name: (axis,) for name, axis in AT_REST.items()}}
+        require(path, data, axes, sizes)
+        return cls(arm=arm, **{name: frozen(data[name].values) for name in axes}, **texts)
 
     def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
         """Size of the frequency response from an input (default: first) to an output, or all of its unit."""

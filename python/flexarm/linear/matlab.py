@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.errors import InvalidFile
+from flexarm.linear.mat_file import read_mat
 from flexarm.netcdf import Contents
 from flexarm.output import output_file
 
@@ -47,26 +48,16 @@ def load(path: str | Path) -> xr.Dataset:
         If the file is missing or no MAT file of a linear model.
     """
     import xarray as xr
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
 
-    try:
-        found = loadmat(path, appendmat=False)
-    except (OSError, ValueError, NotImplementedError, TypeError, MatReadError) as error:
-        raise InvalidFile(path, "file", f"cannot be read as a MAT file: {error}") from None
     data = xr.Dataset()
-    for name, values in found.items():
-        if name.startswith("__"):
-            continue
-        if values.dtype.kind == "U":
-            data.attrs[name] = str(values[0]) if values.size else ""
-        elif values.dtype.kind == "O":
-            data[name] = ((f"{name}_row",), [str(cell[0]) if cell.size else "" for cell in values[:, 0]])
+    for name, values in read_mat(path).items():
+        if isinstance(values, str):
+            data.attrs[name] = values
+        elif isinstance(values, list):
+            data[name] = ((f"{name}_row",), values)
         else:
-            column = name.endswith(("_at_rest", "_values"))
-            data[name] = (
-                ((f"{name}_row",), values[:, 0]) if column else ((f"{name}_row", f"{name}_column"), values)
-            )
+            array = values[:, 0] if name.endswith(("_at_rest", "_values")) and values.shape[1] else values
+            data[name] = (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array)
     if data.attrs.get("kind") != "linear model":
         raise InvalidFile(path, "kind", f"must be 'linear model', got {data.attrs.get('kind', 'none')!r}")
     return data

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arrays import Floats, frozen
-from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.errors import InvalidFile
 from flexarm.output import output_file
+from flexarm.reading import reading, regular_file, room
 
 FORMAT = "flexarm-state/1"
 
@@ -137,18 +138,13 @@ class State:
         InvalidFile
             If the file is missing or holds no state.
         """
-        try:
+        with reading(regular_file(path), "a stored state"), zipfile.ZipFile(path) as packed:
+            room(path, "file", sum(entry.file_size for entry in packed.infolist()))
             with np.load(path, allow_pickle=False) as file:
                 flat = {name: file[name] for name in file.files}
             if str(flat.pop("format", "")) != FORMAT:
                 raise InvalidFile(path, "format", f"is no stored state; needed is {FORMAT!r}")
             return cls(str(flat.pop("key")), None, Stored.from_flat(flat))
-        except InvalidParameter:
-            raise
-        except OSError as error:
-            raise InvalidFile(path, "file", f"cannot be read: {error.strerror or error}") from None
-        except (ValueError, KeyError, EOFError, AttributeError, zipfile.BadZipFile) as error:
-            raise InvalidFile(path, "file", f"cannot be read as a stored state: {error}") from None
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, State):

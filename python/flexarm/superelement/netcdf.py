@@ -16,9 +16,10 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.configuration import config
-from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.errors import InvalidFile, Problem
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
+from flexarm.reading import reading
 from flexarm.superelement.element import SuperElement
 from flexarm.superelement.rigid_motion import inertia_load
 from flexarm.superelement.variables import Variables, read_variables, texts
@@ -120,14 +121,9 @@ def load(path: str | Path) -> SuperElement:
     if data.attributes.get("format") != FORMAT:
         found = data.attributes.get("format", "none")
         raise InvalidFile(path, "format", f"the attribute must be {FORMAT!r}, got {found!r}")
-    try:
+    with reading(path, "a super-element"):
         element = _element(data, path)
         element.check()
-    except InvalidFile:
-        raise
-    except InvalidParameter as error:
-        first = error.problems[0]
-        raise InvalidFile(path, first.where, first.what, problems=error.problems) from None
     return element
 
 
@@ -186,6 +182,6 @@ def _quality(data: Variables) -> dict[str, Any]:
     """What `save` stored; another program's attribute of that name is left alone."""
     try:
         told = json.loads(data.attributes.get("quality", "{}"))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         return {}
     return told if isinstance(told, dict) else {}
