@@ -10,6 +10,7 @@ import os
 import stat
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,8 @@ SMALL = 2**28
 """Bytes that any file may unfold to: 256 MB, a part of 3000 freedoms."""
 EXPANSION = 20
 """Times its size that a compressed file may unfold to; measured numbers shrink by 2 to 10."""
+OUTSIDE: ContextVar[bool] = ContextVar("OUTSIDE", default=False)
+"""Whether records may name files outside their directories: what --allow-outside sets."""
 DEEPEST_INCLUDE = 20
 """Files that may include one another in turn."""
 MOST_INCLUDES = 1000
@@ -51,6 +54,14 @@ def regular_file(path: str | Path) -> Path:
     if not os.access(path, os.R_OK):
         raise InvalidFile(path, "file", "cannot be read: Permission denied")
     return Path(path)
+
+
+def is_inside(path: Path, folder: Path) -> bool:
+    """Return True if a path that can be followed lies in a folder, links and all."""
+    try:
+        return path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # links in a circle, a null byte, a name that is too long
+        return False
 
 
 def any_text(path: str | Path) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, load_arm, show_progress
+from flexarm.cli.options import AllowOutside, Force, Model, Out, load_arm, show_progress
 from flexarm.cli.phases import phases
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
@@ -39,6 +39,7 @@ def diagnose(
     jobs: Jobs = None,
     seed: Seed = 0,
     force: Force = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Name the physical effect that a model lacks.
 

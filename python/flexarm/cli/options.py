@@ -13,6 +13,7 @@ import typer
 
 from flexarm.cli.run import INPUT_AT_FAULT
 from flexarm.errors import InvalidFile, InvalidParameter, Problem, printable
+from flexarm.reading import OUTSIDE
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -32,6 +33,21 @@ Force = Annotated[
     typer.Option(
         "--force",
         help="Write into a directory that holds files: those of the same name are replaced, others stay.",
+    ),
+]
+
+
+def _allow_outside(allowed: bool) -> bool:
+    OUTSIDE.set(allowed)
+    return allowed
+
+
+AllowOutside = Annotated[
+    bool,
+    typer.Option(
+        "--allow-outside",
+        callback=_allow_outside,
+        help="Read files that a record names outside its directory.",
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Json, Model, blame, load_arm, print_json, show_progress, warn
+from flexarm.cli.options import (
+    AllowOutside,
+    Force,
+    Json,
+    Model,
+    blame,
+    load_arm,
+    print_json,
+    show_progress,
+    warn,
+)
 from flexarm.cli.phases import phases
 from flexarm.errors import InvalidFile
 
@@ -40,6 +50,7 @@ def plan(
     json: Json = False,
     jobs: Jobs = None,
     force: Force = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Which effects an experiment could tell apart, before it is run.
 

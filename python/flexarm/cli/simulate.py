@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
+from flexarm.cli.options import AllowOutside, Force, Model, Out, blame, load_arm, show_progress, warn
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def simulate(
     forces: Forces = False,
     seed: Seed = 0,
     force: Force = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Transient under a drive.
 

@@ -93,13 +93,15 @@ class Record:
     # ------------------------------------------------------------------ files
 
     @classmethod
-    def load(cls, path: str | Path) -> Record:
+    def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
         """The record in a directory.
 
         Parameters
         ----------
         path : str or Path
             The directory that holds `record.toml`, or that file.
+        allow_outside : bool
+            Read files that lie outside this directory, too.
 
         Raises
         ------
@@ -108,7 +110,7 @@ class Record:
         """
         from flexarm.record.load import load
 
-        return load(Path(path))
+        return load(Path(path), allow_outside)
 
     def save(self, path: str | Path, force: bool = False) -> None:
         """Writes `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
