@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm import _core
+from flexarm.arguments import ARM, COUNT, NAMES, PATH, VALUES, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
@@ -83,6 +84,7 @@ class Modes(Result):
         return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> Modes:
         """Reads what `save` wrote.
 
@@ -134,6 +136,7 @@ class Modes(Result):
         return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
 
 
+@takes(arm=ARM, joints=VALUES, count=COUNT, sensitivities=NAMES)
 def modes(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
+from flexarm.arguments import PATH, TABLES, takes
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.consistency import inconsistencies, missing
 from flexarm.arm.controller import Controller
@@ -94,6 +95,7 @@ class Arm(Table):
     # ------------------------------------------------------------------ files
 
     @classmethod
+    @takes(path=PATH)
     def from_toml(cls, path: str | Path) -> Self:
         """The arm in a model file.
 
@@ -117,6 +119,7 @@ class Arm(Table):
         return arm
 
     @classmethod
+    @takes(data=TABLES)
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """The arm in a dictionary that holds what the TOML file would.
 

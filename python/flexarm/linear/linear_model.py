@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexarm.arguments import NUMBERS, PATH, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile, InvalidParameter
@@ -72,6 +73,7 @@ class LinearModel(Result):
         values = np.linalg.eigvals(self.A).astype(complex) if len(self.A) else np.zeros(0, complex)
         return np.asarray(values[np.argsort(np.abs(values), kind="stable")])
 
+    @takes(frequency_hz=NUMBERS)
     def frequency_response(self, frequency_hz: ArrayLike) -> Complex:
         """C (i omega - A)^-1 B + D: shape (frequency, output, input)."""
         omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=float))
@@ -127,6 +129,7 @@ class LinearModel(Result):
             super().save(path)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> LinearModel:
         """Reads what `save` wrote, by the ending of its name.
 
@@ -150,7 +153,8 @@ class LinearModel(Result):
         sizes["from_state"] = sizes["state"]
         axes = {**MATRICES, **{name: (axis,) for name, axis in AT_REST.items()}}
         require(path, data, axes, sizes)
-        return cls(arm=arm, **{name: frozen(data[name].values) for name in axes}, **texts)
+        arrays: dict[str, Any] = {name: frozen(data[name].values) for name in axes}
+        return cls(arm=arm, **arrays, **texts)
 
     def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
         """Size of the frequency response from an input (default: first) to an output, or all of its unit."""

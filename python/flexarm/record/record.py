@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arguments import PATH, takes
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
@@ -93,6 +94,7 @@ class Record:
     # ------------------------------------------------------------------ files
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
         """The record in a directory.
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
+from flexarm.arguments import PATH, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile
 from flexarm.output import output_file
@@ -130,6 +131,7 @@ class State:
             np.savez(file, format=FORMAT, key=self._key, **self.stored.flat())
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> State:
         """Reads what `save` wrote.
 

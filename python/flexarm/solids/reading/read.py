@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 
+from flexarm.arguments import PATH, takes
 from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile
 from flexarm.reading import regular_file
@@ -26,6 +27,7 @@ FORMATS = {
 }
 
 
+@takes(path=PATH)
 def read_mesh(
     path: str | Path,
     unit: str = "m",
