@@ -73,12 +73,12 @@ def _is_number(value: object) -> bool:
     return not isinstance(value, str | bytes) and np.ndim(value) == 0  # type: ignore[arg-type]
 
 
-def _is_array(value: object, count: int | None = None) -> bool:
+def _is_row(value: object) -> bool:
     try:
         array = np.asarray(value)
     except (TypeError, ValueError, OverflowError):
         return False
-    return array.dtype.kind in "fiu" and (array.ndim <= 1 if count is None else array.shape == (count,))
+    return array.dtype.kind in "fiu" and array.ndim <= 1
 
 
 def _is_count(value: object) -> bool:
@@ -115,7 +115,7 @@ def _one_of(module: str, *names: str) -> Callable[[Any], bool]:
 ARM = Kind("an Arm", _one_of("flexarm.arm", "Arm"))
 DRIVE = Kind("a Drive or a Record", _one_of("flexarm", "Drive", "Record"))
 NUMBER = Kind("a number", _is_number)
-NUMBERS = Kind("a number or a row of numbers", _is_array)
+NUMBERS = Kind("a number or a row of numbers", _is_row)
 COUNT = Kind("a whole number", _is_count)
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 NAMES = Kind("a list of names", _is_names)
@@ -123,6 +123,6 @@ VALUES = Kind("a dictionary of numbers by name", _by_name(_is_number))
 PAIRS = Kind("a dictionary or pairs of texts", _is_pairs)
 ITEMS = Kind("a list", lambda value: isinstance(value, Iterable) and not isinstance(value, np.ndarray))
 TEXTS = Kind("a dictionary of texts by name", _by_name(lambda value: isinstance(value, str)))
-VECTORS = Kind("a dictionary of three numbers by name", _by_name(lambda value: _is_array(value, 3)))
+VECTORS = Kind("a dictionary of three numbers by name", _by_name(_is_row))
 TABLES = Kind("a dictionary, as a TOML file gives it", lambda value: isinstance(value, Mapping))
 PATH = Kind("a path of a file", lambda value: isinstance(value, str | os.PathLike))
