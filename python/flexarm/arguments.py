@@ -81,15 +81,15 @@ def _is_row(value: object) -> bool:
     return array.dtype.kind in "fiu" and array.ndim <= 1
 
 
-def _is_count(value: object) -> bool:
+def _is_count(value: Any) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool) and abs(value) < 2**31
 
 
-def _is_names(value: object) -> bool:
+def _is_names(value: Any) -> bool:
     if isinstance(value, Iterator):  # looked at once only, by whoever uses it
         return True
     named = isinstance(value, Collection) and not isinstance(value, str | bytes)
-    return named and all(isinstance(name, str) for name in value)  # type: ignore[union-attr]
+    return named and all(isinstance(name, str) for name in value)
 
 
 def _is_pairs(value: object) -> bool:

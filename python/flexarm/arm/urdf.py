@@ -87,8 +87,8 @@ def read_urdf(path: Path) -> dict[str, Any]:
     with reading(regular_file(path), "XML"):
         content = path.read_bytes()
         if _XACRO.search(_COMMENT.sub(b"", content)):
-            what = "is a xacro file that is not expanded; allowed is URDF, as `xacro in.xacro > arm.urdf` makes it"
-            raise InvalidFile(path, "file", what)
+            what = "is a xacro file that is not expanded; allowed is URDF"
+            raise InvalidFile(path, "file", f"{what}, as `xacro in.xacro > arm.urdf` makes it")
         try:
             robot = ElementTree.fromstring(content)
         except ElementTree.ParseError as error:
