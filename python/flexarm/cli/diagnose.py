@@ -64,14 +64,14 @@ def diagnose(
     read = {name: load_record(path, arm) for name, path in names.items()}
     held_out = None if hold_out is None else list(read.values())[-1]
     training = dict(list(read.items())[: len(records)])
+    from flexarm.input_files import hashes, input_files
     from flexarm.output import output_directory
 
-    with output_directory(out, force) as directory:
+    inputs = input_files(model, arm, read)
+    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
         with blame_one_of(model, names, read, arm):
             found = _diagnosed(arm, training, held_out, jobs, seed)
-        from flexarm.diagnosis.outcome.inputs import hashes
-
-        traced = {"inputs_sha256": hashes(model, arm, read)}
+        traced = {"inputs_sha256": hashes(inputs)}
         found = replace(found, provenance={**found.provenance, **traced})
         found.write(directory)
     print(found.summary())

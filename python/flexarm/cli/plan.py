@@ -60,9 +60,13 @@ def plan(
     if out is None:
         found = _planned(model, arm, motions, jobs)
     else:
+        from flexarm.input_files import input_files
         from flexarm.output import output_directory
+        from flexarm.record import Record
 
-        with output_directory(out, force) as directory:
+        records = {name: each for name, each in motions.items() if isinstance(each, Record)}
+        read = input_files(model, arm, records)
+        with output_directory(out, force, [*drive, *(more or ()), *read.values()]) as directory:
             found = _planned(model, arm, motions, jobs)
             found.write(directory)
     if json:

@@ -75,9 +75,7 @@ def reduced(
         )
 
 
-def draw(
-    solid: SolidMesh, element: SuperElement, interface: list[str] | None, path: Path, force: bool
-) -> None:
+def draw(solid: SolidMesh, element: SuperElement, interface: list[str] | None, path: Path) -> None:
     """A picture of part and interfaces."""
     from flexarm.reduction import InterfaceSet
     from flexarm.superelement.picture import picture, save_picture
@@ -88,4 +86,4 @@ def draw(
     }
     frames = {name: element.interface(name) for name in element.interfaces}
     title = f"{element.name}: {element.mass_total:.5g} kg, {solid.n_dof} degrees of freedom"
-    save_picture(picture(solid, sets, frames, title), path, force)
+    save_picture(picture(solid, sets, frames, title), path)

@@ -45,6 +45,9 @@ def run(arguments: list[str]) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from flexarm.cli.app import app_for
+        from flexarm.output import written
+
+        written.clear()
 
         app = app_for(arguments)
         code = app(args=arguments or ["--help"], prog_name="flexarm", standalone_mode=False)
@@ -66,8 +69,11 @@ def run(arguments: list[str]) -> int:
 
 
 def _stopped(how: str, code: int) -> int:
-    """Says that a command was stopped; output is whole or not there, so there is none."""
-    print(f"{how}: nothing was written", file=sys.stderr)
+    """Says that a command was stopped, and what was written: output is whole or not there."""
+    from flexarm.output import written
+
+    what = f"{', '.join(map(str, written))} was written whole" if written else "nothing was written"
+    print(f"{how}: {what}", file=sys.stderr)
     return code
 
 

@@ -56,12 +56,14 @@ def simulate(
     if not -1 / 3 - 1e-12 <= alpha <= 0:
         raise InvalidFile("command line", "--alpha", f"must lie between -1/3 and 0, got {alpha:g}")
     from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help
+    from flexarm.input_files import input_files
     from flexarm.output import output_directory
     from flexarm.record.against_arm import unplaced_effects
     from flexarm.record.save import write
 
-    with output_directory(out, force) as directory:
-        record = _record(drive, arm)
+    record = _record(drive, arm)
+    read = input_files(model, arm, {} if record is None else {"": record})
+    with output_directory(out, force, [drive, *read.values()], ["record.toml", "simulation.nc"]) as directory:
         motion = _motion(drive, arm, record)
         _refuse_endless(motion, step)
         with blame(model):

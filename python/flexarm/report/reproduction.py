@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,7 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from flexarm.mockup import solid_arm
-from flexarm.output import output_directory
+from flexarm.output import output_directory, write_file
 from flexarm.report.study import Report
 
 SEED = 2008
@@ -48,7 +47,7 @@ def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed
     """
     with (
         output_directory(out, force) as directory,
-        TemporaryDirectory() as scratch,
+        TemporaryDirectory(dir=directory.parent) as scratch,  # gone with the hidden directory
         _bar(progress) as report,
     ):
         _write(directory, Path(scratch), report, seed)
@@ -78,11 +77,13 @@ def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
     report(0.97, "page")
     (directory / RECORD).mkdir()
     write(found.record, directory / RECORD)
-    shutil.copytree(found.models.hinge.folder, directory / HINGE)
+    (directory / HINGE).mkdir()
+    for file in found.models.hinge.folder.iterdir():
+        write_file(directory / HINGE / file.name, file.read_bytes())
     solid_arm(replace(found.models.hinge, folder=directory / HINGE)).to_toml(directory / "model.toml")
-    (directory / "summary.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+    write_file(directory / "summary.json", json.dumps(numbers, indent=2) + "\n")
     seconds = {**found.seconds, "all": perf_counter() - began}
-    (directory / "index.html").write_text(page(found, numbers, seconds), encoding="utf-8")
+    write_file(directory / "index.html", page(found, numbers, seconds))
     report(1.0, "done")
 
 
