@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, load_arm, show_progress
-from flexarm.cli.phases import phases
+from flexarm.cli.options import Force, Model, Out, load_arm
+from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
 if TYPE_CHECKING:
@@ -81,12 +81,11 @@ def diagnose(
 def _diagnosed(
     arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int
 ) -> Diagnosis:
-    """The diagnosis, with a bar for a person at a terminal."""
+    """The diagnosis, which tells how far it is."""
     import flexarm
 
-    with phases(show_progress()) as tell:
-        progress = None if tell is None else lambda done, what: tell(what, done)
+    with progress() as tell:
         found: Diagnosis = flexarm.diagnose(
-            arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=progress
+            arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=tell
         )
     return found

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.cli.interfaces import read_interfaces
-from flexarm.cli.options import blame, show_progress, warn
+from flexarm.cli.options import blame, warn
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def reduced(
     recovery: bool,
 ) -> SuperElement:
     """The part reduced to its interfaces."""
-    from flexarm.cli.phases import phases
+    from flexarm.cli.progress import progress
     from flexarm.reduction import reduce_mesh
 
     pairs = read_interfaces(interface, _FORM)
@@ -60,7 +60,7 @@ def reduced(
         raise InvalidFile(
             "command line", "--interface", f"is needed, NAME=SET; the mesh has the sets {known}"
         )
-    with blame(file), phases(show_progress()) as progress:
+    with blame(file), progress() as tell:
         return reduce_mesh(
             solid,
             pairs,
@@ -71,7 +71,7 @@ def reduced(
             mass=mass,
             recovery=recovery,
             name=file.stem,
-            progress=progress,
+            progress=lambda phase, done: tell(done, phase),
         )
 
 

@@ -7,12 +7,14 @@ told, and leaves nothing behind. Never a traceback for a user's mistake.
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import signal
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
+from flexarm.cli import streams
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
 
 INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED, TERMINATED = 2, 3, 130, 143
@@ -20,6 +22,9 @@ INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Entry point of the command line."""
+    streams.prepare()
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of caches that it cannot write
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever a shell's profile asks of windows
     signal.signal(signal.SIGTERM, _terminate)
     gc.set_threshold(100_000)  # what imports make stays: looking through it again and again costs 50 ms
     code = run(list(sys.argv[1:] if arguments is None else arguments))

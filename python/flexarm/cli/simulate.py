@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
+from flexarm.cli.options import Force, Model, Out, blame, load_arm, warn
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -118,16 +118,18 @@ def _run(
     arm: Arm, motion: Motion, record: Record | None, step: float, alpha: float, forces: bool
 ) -> Simulation:
     """The transient, with what the sensors need."""
+    from flexarm.cli.progress import progress
     from flexarm.simulation import simulate as solve
 
     seen = {entry.quantity for entry in (arm.sensors if record is None else record.signals.values())}
-    return solve(
-        arm if record is None else record.applied_to(arm),
-        motion,
-        step=step,
-        alpha=alpha,
-        forces=forces or "strain" in seen,
-        rotations=bool(seen & TURNS),
-        energies=True,
-        progress=show_progress(),
-    )
+    with progress() as tell:
+        return solve(
+            arm if record is None else record.applied_to(arm),
+            motion,
+            step=step,
+            alpha=alpha,
+            forces=forces or "strain" in seen,
+            rotations=bool(seen & TURNS),
+            energies=True,
+            progress=lambda done: tell(done, "simulation"),
+        )

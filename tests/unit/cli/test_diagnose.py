@@ -58,7 +58,7 @@ def test_records_seed_and_jobs_reach_the_library(bench, tmp_path, calls):
     assert list(records) == ["slow", "fast"]
     assert all(isinstance(record, flexarm.Record) for record in records.values())
     assert isinstance(options["hold_out"], flexarm.Record)
-    assert (options["jobs"], options["seed"], options["progress"]) == (2, 7, None)
+    assert (options["jobs"], options["seed"]) == (2, 7)
 
 
 def test_without_a_hold_out_there_is_none(bench, tmp_path, calls):
@@ -218,8 +218,8 @@ def test_progress_is_told_with_what_is_being_done(bench, tmp_path, monkeypatch, 
         return diagnoses.unusable()
 
     monkeypatch.setattr(flexarm, "diagnose", diagnose, raising=False)
-    monkeypatch.setattr("flexarm.cli.diagnose.show_progress", lambda: True)
+    monkeypatch.setattr("flexarm.cli.progress.SECONDS", 0.0)
     assert run(command(bench, tmp_path / "out")) == 0
     told = capsys.readouterr()
-    assert "screen" in told.err
+    assert told.err.splitlines()[0] == "screen: 25 %, 0 s"
     assert "screen" not in told.out
