@@ -19,6 +19,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from flexarm.errors import InvalidFile
 
@@ -192,7 +193,7 @@ def uninterrupted() -> Iterator[None]:
         yield
         return
     held: list[int] = []
-    handlers: dict[int, object] = {}
+    handlers: dict[signal.Signals, Any] = {}
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             if (handler := signal.getsignal(number)) is not None:  # None: not Python's, cannot be put back
@@ -201,9 +202,9 @@ def uninterrupted() -> Iterator[None]:
         yield
     finally:
         for number, handler in handlers.items():
-            signal.signal(number, handler)  # type: ignore[arg-type]
-        for number in held:
-            signal.raise_signal(number)
+            signal.signal(number, handler)
+        for caught in held:
+            signal.raise_signal(caught)
 
 
 def _note(target: Path) -> None:
@@ -373,9 +374,10 @@ def _blamed(target: Path) -> Iterator[None]:
 def _unwritten(target: Path, error: Exception) -> InvalidFile:
     """That an output, or a file in it, cannot be written."""
     named = getattr(error, "filename", None)
-    ours = isinstance(named, str) and place_of(named) != Path(named)
+    if isinstance(named, str) and place_of(named) != Path(named):
+        target = Path(named)
     what = f"cannot be written: {getattr(error, 'strerror', None) or error}"
-    return InvalidFile(place_of(named) if ours else place_of(target), "output", what)
+    return InvalidFile(place_of(target), "output", what)
 
 
 def stems(names: Sequence[str]) -> list[str]:
