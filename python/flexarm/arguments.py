@@ -82,7 +82,8 @@ def _is_row(value: object) -> bool:
 
 
 def _is_count(value: Any) -> bool:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool) and abs(value) < 2**31
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    return whole and bool(abs(value) < 2**31)
 
 
 def _is_names(value: Any) -> bool:

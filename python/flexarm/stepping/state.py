@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any, SupportsIndex, SupportsInt
 
@@ -14,7 +15,7 @@ from flexarm import _core
 from flexarm.arguments import PATH, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile
-from flexarm.output import output_file
+from flexarm.output import write_file
 from flexarm.reading import reading, regular_file, room
 
 FORMAT = "flexarm-state/1"
@@ -127,8 +128,9 @@ class State:
         InvalidFile
             If the file cannot be written.
         """
-        with output_file(path) as partial, partial.open("wb") as file:
-            np.savez(file, format=FORMAT, key=self._key, **self.stored.flat())
+        image = BytesIO()
+        np.savez(image, format=FORMAT, key=self._key, **self.stored.flat())
+        write_file(path, image.getbuffer())
 
     @classmethod
     @takes(path=PATH)
