@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 SMALL = 2**28
 """Bytes that any file may unfold to: 256 MB, a part of 3000 freedoms."""
 EXPANSION = 20
-"""Times its size that a compressed file may unfold to; measured numbers shrink by 2 to 10."""
+"""Times its size that a compressed file may unfold to, above `SMALL`: numbers with noise shrink far less."""
 OUTSIDE: ContextVar[bool] = ContextVar("OUTSIDE", default=False)
 """Whether records may name files outside their directories: what --allow-outside sets."""
 DEEPEST_INCLUDE = 20
 """Files that may include one another in turn."""
 MOST_INCLUDES = 1000
-"""Files that a mesh may include in all: large decks have some dozens."""
+"""Files that a mesh may include in all."""
 
 
 def regular_file(path: str | Path) -> Path:
