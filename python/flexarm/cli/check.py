@@ -58,6 +58,7 @@ def check(
             warnings: list[Problem] = []
         else:
             told, lines, warnings = _reader(path)(path)
+            faults = _unknown_motion(path)
     except InvalidFile as error:
         if json:
             print_json({"path": str(path), "problems": [_plain(problem) for problem in error.problems]})
@@ -69,6 +70,16 @@ def check(
         print("\n".join(lines))
     warn(path, warnings)
     refuse(faults)
+
+
+def _unknown_motion(path: Path) -> Faults:
+    """Return where the other signals of a record tell of a motion while its drive is not known."""
+    if _reader(path) is not _record:
+        return []
+    from flexarm.record import Record
+    from flexarm.record.doubts import unknown_motion
+
+    return [(path, problem) for problem in unknown_motion(Record.load(path))]
 
 
 def _beside(path: Path, records: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from flexarm.arm.geared import shaft_ratio
 from flexarm.errors import Problem
+from flexarm.record.drive_span import single_values, uncovered
 from flexarm.record.frame_doubts import rotation_doubts
-from flexarm.record.lasting import doubts_of_spans
+from flexarm.record.lasting import doubts_of_spans, spans_apart
 from flexarm.record.noise_doubts import clock_doubts, noise_doubts
 from flexarm.record.signal import Signal
 from flexarm.record.table import Frame
@@ -94,6 +95,18 @@ def clocks_apart(record: Record) -> Iterable[Problem]:
                 f"{times} by {own!r}: they have no instant in common; state the offset in "
                 f'clocks.{signal.clock}, or that the clock is "unknown"',
             )
+
+
+def unknown_motion(record: Record) -> list[Problem]:
+    """Return drives of a single value, or what other signals show while a drive is unknown.
+
+    Where stamps are in doubt, nothing is said of the latter.
+    """
+    if record.kind != "motion":
+        return []
+    if single := single_values(record):
+        return single
+    return [] if any(_apart(record)) or spans_apart(record) else uncovered(record)
 
 
 def outside_the_drive(record: Record) -> dict[str, str]:
