@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, load_arm, show_progress
+from flexarm.cli.options import Force, Model, Out, Step, load_arm, refuse_step, show_progress
 from flexarm.cli.phases import phases
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
@@ -38,6 +38,7 @@ def diagnose(
     hold_out: HoldOut = None,
     jobs: Jobs = None,
     seed: Seed = 0,
+    step: Step = 2e-3,
     force: Force = False,
 ) -> None:
     """Name the physical effect that a model lacks.
@@ -59,6 +60,7 @@ def diagnose(
 
         flexarm compare diagnosis/updated.toml other_day
     """
+    refuse_step(step)
     arm = load_arm(model)
     names = record_names([*records, *([] if hold_out is None else [hold_out])])
     read = {name: load_record(path, arm) for name, path in names.items()}
@@ -68,7 +70,7 @@ def diagnose(
 
     with output_directory(out, force) as directory:
         with blame_one_of(model, names, read, arm):
-            found = _diagnosed(arm, training, held_out, jobs, seed)
+            found = _diagnosed(arm, training, held_out, jobs, seed, step)
         from flexarm.diagnosis.outcome.inputs import hashes
 
         traced = {"inputs_sha256": hashes(model, arm, read)}
@@ -79,7 +81,7 @@ def diagnose(
 
 
 def _diagnosed(
-    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int
+    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int, step: float
 ) -> Diagnosis:
     """The diagnosis, with a bar for a person at a terminal."""
     import flexarm
@@ -87,6 +89,6 @@ def _diagnosed(
     with phases(show_progress()) as tell:
         progress = None if tell is None else lambda done, what: tell(what, done)
         found: Diagnosis = flexarm.diagnose(
-            arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=progress
+            arm, records, hold_out=held_out, jobs=jobs, seed=seed, step=step, progress=progress
         )
     return found

@@ -117,7 +117,7 @@ def diagnose(
     doubts = dict.fromkeys((*(f"model: {problem}" for problem in arm.warnings), *checked.doubts))
     remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
-        return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
+        return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = with_noise_of(checked.records, held)
     parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
@@ -180,7 +180,7 @@ def diagnose(
             *seen.remarks,
         ),
         next_experiment=further.sentence,
-        provenance=_provenance(seed, begun),
+        provenance=_provenance(seed, step, begun),
         located=seen.located,
         located_after=seen.located_after,
     )
@@ -323,5 +323,5 @@ def _chosen(observed: Observed, tell: Callable[[float, str], object]) -> Choice:
     return choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
 
 
-def _provenance(seed: int, begun: float) -> dict[str, Any]:
-    return {"version": version(), "seed": seed, "seconds": time.monotonic() - begun}
+def _provenance(seed: int, step: float, begun: float) -> dict[str, Any]:
+    return {"version": version(), "seed": seed, "step": step, "seconds": time.monotonic() - begun}
