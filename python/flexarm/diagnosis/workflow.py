@@ -35,6 +35,7 @@ from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.named import NamedEffect
 from flexarm.diagnosis.outcome.ends import ends_sentence, far_out
 from flexarm.diagnosis.outcome.estimates import Estimates, estimates
+from flexarm.diagnosis.outcome.foretold import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.outcome.left_open import left_open
 from flexarm.diagnosis.outcome.naming import named_effects, rejected
 from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
@@ -148,7 +149,7 @@ def diagnose(
     seen = verified(
         bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
     )
-    return Diagnosis(
+    told = Diagnosis(
         found.verdict,
         arm,
         updated,
@@ -184,6 +185,8 @@ def diagnose(
         located=seen.located,
         located_after=seen.located_after,
     )
+    no_gap = no_gap_of(observed, choice.best.has_corners)
+    return adequate_if_foretold(told, no_gap, bool(observed.starts))
 
 
 @dataclass(frozen=True)
