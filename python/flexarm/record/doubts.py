@@ -100,13 +100,14 @@ def clocks_apart(record: Record) -> Iterable[Problem]:
 def unknown_motion(record: Record) -> list[Problem]:
     """Return drives of a single value, or what other signals show while a drive is unknown.
 
-    Where stamps are in doubt, nothing is said of the latter.
+    Nothing is said of signals that have no instant in common with the drive, nor where stamps are in no s.
     """
     if record.kind != "motion":
         return []
-    if single := single_values(record):
+    if (single := single_values(record)) or spans_apart(record):
         return single
-    return [] if any(_apart(record)) or spans_apart(record) else uncovered(record)
+    apart = [signal.name for signal, *_ in _apart(record)]
+    return uncovered(record, [s for s in record.signals.values() if s.name not in apart])
 
 
 def outside_the_drive(record: Record) -> dict[str, str]:

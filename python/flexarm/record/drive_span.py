@@ -17,7 +17,8 @@ A command holds until the next one, so that it has no pause.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from math import hypot
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
     from flexarm.record.signal import Signal
 
 MOVED = 1e-3
-"""Motion of a drive that is no rest [rad or m]."""
-NOISY = 12.0
-"""The same over its noise: the range of a million samples, with a margin."""
+"""Motion of an angle that is no rest [rad or m]."""
+NOISY, ONE_STEP = 12.0, 1.5
+"""Its range at rest, in sigmas of a million samples and with a margin; and, if it is coarse, in steps."""
 PAUSE = 20
 """Usual intervals of a drive that are no pause yet, and samples that tell whether it stands."""
 LATE = 0.25
@@ -45,15 +46,25 @@ PLACES = ("position", "orientation", "inclination", "joint_angle", "deflection")
 ALLOWED = "a drive must cover the motion of the other signals: complete it, or leave their rows out"
 
 
-def uncovered(record: Record) -> list[Problem]:
-    """Return what a motion record's other signals show while a joint angle that drives it is unknown.
+def range_at_rest(signal: Signal) -> float:
+    """Return the range over which an angle's readings tell of no motion [rad or m]."""
+    steps = np.diff(np.unique(signal.values[signal.valid, 0]))
+    coarse = ONE_STEP * float(np.min(steps)) if len(steps) else 0.0
+    return max(MOVED, NOISY * (signal.noise_std or 0.0), coarse)
+
+
+def uncovered(record: Record, signals: Iterable[Signal]) -> list[Problem]:
+    """Return what signals of a motion show while a joint angle that drives it is unknown.
 
     Parameters
     ----------
     record : Record
         Of kind "motion"; records of poses have no times.
+    signals : iterable of Signal
+        Signals of the record, to be looked at.
     """
-    return [problem for drive in _angles(record) for problem in _problems(record, drive)]
+    seen = [signal for signal in signals if signal.valid.any()]
+    return [problem for drive in _angles(record) for problem in _problems(record, drive, seen)]
 
 
 def single_values(record: Record) -> list[Problem]:
@@ -75,28 +86,78 @@ def _angles(record: Record) -> list[Signal]:
     return [drive for drive in drives if drive.quantity == "joint_angle" and drive.valid.any()]
 
 
-def _problems(record: Record, drive: Signal) -> Iterable[Problem]:
+def _problems(record: Record, drive: Signal, signals: Sequence[Signal]) -> Iterable[Problem]:
     """Return the first stretch over which a drive is unknown, and the signal that shows most of it."""
     where = f"signals.{drive.name}"
     time, values = drive.time[drive.valid], drive.values[drive.valid, 0]
-    usual = float(np.median(np.diff(time)))
-    others = [s for s in record.signals.values() if s is not drive and s.valid.any()]
-    still = max(MOVED, NOISY * (drive.noise_std or 0.0))
-    for k in (-1, *np.flatnonzero(np.diff(time) > PAUSE * usual).tolist(), len(time) - 1):
+    pauses = np.flatnonzero(np.diff(time) > PAUSE * np.median(np.diff(time)))
+    others = [_beside(record, drive, signal) for signal in signals if signal.name != drive.name]
+    still = range_at_rest(drive)
+    for k in (-1, *pauses.tolist(), len(time) - 1):
         first = time[k] if k >= 0 else -np.inf
         last = time[k + 1] if k + 1 < len(time) else np.inf
         moves = _moves(time, values, k, still)
-        seen = [each for s in others if (each := _seen(record, drive, s, first, last, moves))]
+        seen = [each for other in others if (each := other.seen(first, last, moves))]
         if seen:
             yield Problem(where, f"{_when(first, last)} {max(seen)[1]}; {ALLOWED}")
             return
     lasts = float(time[-1] - time[0])
-    for other in (each for each in others if _unrelated(record, drive, each)):
-        moving = _moving_for(other)
-        if moving > lasts + _slack(record, drive, other):  # (3)
+    for other in others:
+        if other.unrelated and (moving := other.moving_for()) > lasts + other.slack:  # (3)
             what = f"lasts {lasts:.6g} s, {other.name} moves for {moving:.6g} s"
             yield Problem(where, f"{what} by a clock of unknown offset; {ALLOWED}")
             return
+
+
+class _Beside(NamedTuple):
+    """Another signal: instants by the drive's clock and values of its valid rows.
+
+    `far` is how far it may go while the drive is unknown, `slack` by how much ends may differ [s].
+    """
+
+    name: str
+    time: Floats
+    values: Floats
+    far: float
+    slack: float
+    unrelated: bool
+
+    def seen(self, first: float, last: float, moves: bool) -> tuple[float, str] | None:
+        """Return how long it is seen while a drive is unknown [s], and that in words; None if it is not."""
+        slack = 0.0 if np.isfinite(first) and np.isfinite(last) else self.slack
+        begin = int(np.searchsorted(self.time, first + slack, side="right"))
+        end = int(np.searchsorted(self.time, last - slack))
+        rows = self.values[begin:end]
+        if self.unrelated or not len(rows) or not (moves or np.max(np.ptp(rows, axis=0)) > self.far):
+            return None
+        t = self.time[begin], self.time[end - 1]
+        return float(t[1] - t[0]), f"{self.name} is seen from {t[0]:.6g} to {t[1]:.6g} s by the drive's clock"
+
+    def moving_for(self) -> float:
+        """Return how long it moves: from where it leaves its first place to where it comes to its last."""
+        left = np.flatnonzero(np.max(np.abs(self.values - self.values[0]), axis=1) > self.far)
+        away = np.flatnonzero(np.max(np.abs(self.values - self.values[-1]), axis=1) > self.far)
+        return float(self.time[away[-1]] - self.time[left[0]]) if len(left) and len(away) else 0.0
+
+
+def _beside(record: Record, drive: Signal, other: Signal) -> _Beside:
+    """Return another signal beside a drive."""
+    clocks = [record.clocks[signal.clock] for signal in (drive, other)]
+    unrelated = drive.clock != other.clock and any(clock.unknown for clock in clocks)
+    own, its = (0.0 if clock.unknown else clock.offset for clock in clocks)
+    sigma = 0.0 if unrelated or drive.clock == other.clock else hypot(*(clock.sigma for clock in clocks))
+    sample = 1 / other.rate_hz if len(other.time) > 1 else 0.0
+    values, far = other.values[other.valid], np.inf
+    if other.quantity in PLACES:
+        far = max(STILL * float(np.max(np.ptp(values, axis=0))), NOISY * (other.noise_std or 0.0))
+    return _Beside(
+        other.name,
+        other.time[other.valid] - its + own,
+        values,
+        far,
+        max(LATE, PAUSE / drive.rate_hz, sample) + 3 * sigma,
+        unrelated,
+    )
 
 
 def _when(first: float, last: float) -> str:
@@ -110,70 +171,20 @@ def _when(first: float, last: float) -> str:
 
 def _moves(time: Floats, values: Floats, k: int, still: float) -> bool:
     """Return True if a drive moves where it is unknown after its sample k, see (1)."""
-    before, after = slice(max(k + 1 - PAUSE, 0), k + 1), slice(k + 1, k + 1 + PAUSE)
-    sides = [values[side] for side in (before, after) if len(values[side])]
-    if len(sides) == 1:
-        return float(np.ptp(sides[0])) > still
-    middle, long = (time[k] + time[k + 1]) / 2, time[k + 1] - time[k]
-    near = [(time >= time[k] - long) & (time <= time[k]), (time > time[k]) & (time <= time[k + 1] + long)]
-    met = []
-    for rows, side in zip(near, (before, after), strict=True):
-        t, y = (time[rows], values[rows]) if rows.sum() >= PAUSE else (time[side], values[side])
-        order = min(3, max(len(t) // 4, 0))
-        met.append(float(Polynomial.fit(t, y, order)(middle)) if len(t) > 1 else float(y[0]))
-    return abs(met[0] - met[1]) > still
+    ends = [values[max(k + 1 - PAUSE, 0) : k + 1], values[k + 1 : k + 1 + PAUSE]]
+    if not all(map(len, ends)):
+        return max(float(np.ptp(end)) for end in ends if len(end)) > still
+    long, middle = time[k + 1] - time[k], (time[k] + time[k + 1]) / 2
+    start = min(int(np.searchsorted(time, time[k] - long)), max(k + 1 - PAUSE, 0))
+    stop = max(int(np.searchsorted(time, time[k + 1] + long)), k + 1 + PAUSE)
+    before, after = (
+        _extrapolated(time[s], values[s], middle) for s in (slice(start, k + 1), slice(k + 1, stop))
+    )
+    return abs(before - after) > still
 
 
-def _seen(
-    record: Record, drive: Signal, other: Signal, first: float, last: float, moves: bool
-) -> tuple[float, str] | None:
-    """Return how long a signal is seen while a drive is unknown [s], and that in words; None if it is not."""
-    if _unrelated(record, drive, other):
-        return None
-    instants = other.time - _offset(record, other) + _offset(record, drive)
-    slack = 0.0 if np.isfinite(first) and np.isfinite(last) else _slack(record, drive, other)
-    inside = other.valid & (instants > first + slack) & (instants < last - slack)
-    if not inside.any() or not (moves or _moved(other, inside)):
-        return None
-    begin, end = instants[inside][0], instants[inside][-1]
-    return float(end - begin), f"{other.name} is seen from {begin:.6g} to {end:.6g} s by the drive's clock"
-
-
-def _moved(signal: Signal, rows: Floats) -> bool:
-    """Return True if a signal moves in these rows by more than (2) allows."""
-    if signal.quantity not in PLACES:
-        return False
-    values, noise = signal.values[signal.valid], NOISY * (signal.noise_std or 0.0)
-    ranges = np.ptp(values, axis=0)
-    return bool(np.max(np.ptp(signal.values[rows], axis=0)) > max(STILL * float(np.max(ranges)), noise))
-
-
-def _moving_for(signal: Signal) -> float:
-    """Return how long a signal moves: from where it leaves its first place to where it comes to its last."""
-    if signal.quantity not in PLACES:
-        return 0.0
-    time, values = signal.time[signal.valid], signal.values[signal.valid]
-    far = max(STILL * float(np.max(np.ptp(values, axis=0))), NOISY * (signal.noise_std or 0.0))
-    left = np.flatnonzero(np.max(np.abs(values - values[0]), axis=1) > far)
-    away = np.flatnonzero(np.max(np.abs(values - values[-1]), axis=1) > far)
-    return float(time[away[-1]] - time[left[0]]) if len(left) and len(away) else 0.0
-
-
-def _unrelated(record: Record, drive: Signal, other: Signal) -> bool:
-    """Return True if the offset between the clocks of two signals is unknown."""
-    return drive.clock != other.clock and any(record.clocks[s.clock].unknown for s in (drive, other))
-
-
-def _offset(record: Record, signal: Signal) -> float:
-    clock = record.clocks[signal.clock]
-    return 0.0 if clock.unknown else clock.offset
-
-
-def _slack(record: Record, drive: Signal, other: Signal) -> float:
-    """Return by how much the ends of two signals may differ [s]."""
-    usual: Sequence[float] = [
-        PAUSE / drive.rate_hz if len(drive.time) > 1 else 0.0,
-        1 / other.rate_hz if len(other.time) > 1 else 0.0,
-    ]
-    sigmas = [0.0 if record.clocks[s.clock].unknown else record.clocks[s.clock].sigma for s in (drive, other)]
-    return max(LATE, *usual) + 3 * float(np.hypot(*sigmas))
+def _extrapolated(time: Floats, values: Floats, at: float) -> float:
+    """Return the value at an instant of the cubic through samples; of few samples, of a lower order."""
+    return (
+        float(Polynomial.fit(time, values, min(3, len(time) // 4))(at)) if len(time) > 1 else float(values[0])
+    )
