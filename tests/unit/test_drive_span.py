@@ -88,17 +88,18 @@ def test_drop_outs_count_as_a_pause_and_python_refuses_as_commands_do():
     [
         RECORD,
         cut(lambda t: t <= 11.9),
-        lost(lambda t: (t <= 5.0) | (t >= 5.1)),
+        lost(lambda t: (t <= 5.0) | (t >= 5.25)),
         at_rest(until=8.0),
+        lost(lambda t: (t <= 7.0) | (t >= 9.0), at_rest()),
     ],
-    ids=["whole", "ends a sample of the tracker early", "short pause", "stands, and so does the arm"],
+    ids=["whole", "ends a sample of the tracker early", "short pause", "ends at rest", "pauses at rest"],
 )
 def test_a_drive_that_covers_the_motion_is_taken(record):
     assert unknown_motion(record) == []
 
 
 def test_a_drive_that_stops_at_rest_before_the_arm_moves_on_is_refused():
-    """The log ends at half a second, before the swing sets in."""
+    """The swing has hardly begun at 0.2 s."""
     (problem,) = unknown_motion(cut(lambda t: t <= 0.2))
     assert problem.what.startswith("ends at 0.2 s, tip is seen from")
 

@@ -3,10 +3,10 @@
 A run holds a drive before its first sample and after its last, and a spline joins the samples between. Let a
 drive be unknown from a to b: before it begins, in a pause, or after it ends. An error is
 
-    a moving end    samples next to a or b move by more than `MOVED`; across a pause, the cubics through the
-                    samples on either side differ by so much in its middle                            (1)
-    a moving arm    a position, an angle or an orientation moves between a and b by more than
-                    `STILL` of its whole range: the drive stood at a, and went on later               (2)
+    a moving end    samples next to a and b move by more than `range_at_rest`, and another signal is
+                    seen; a pause is none in whose middle the cubics on either side meet within that  (1)
+    a moving arm    samples next to a and b stand still, but a position, an angle or an orientation
+                    moves between a and b by more than `STILL` of its whole range                     (2)
 
 A drive that is at rest at its end is thus held, as the arm stands, or rings down. An end may differ by
 `LATE`, `PAUSE` samples and three sigma of the clocks: a clock that is late is found by a diagnosis. Of a
@@ -96,7 +96,9 @@ def _problems(record: Record, drive: Signal, signals: Sequence[Signal]) -> Itera
     for k in (-1, *pauses.tolist(), len(time) - 1):
         first = time[k] if k >= 0 else -np.inf
         last = time[k + 1] if k + 1 < len(time) else np.inf
-        moves = _moves(time, values, k, still)
+        moves = _moves(values, k, still)
+        if moves and _meets(time, values, k, still):
+            continue
         seen = [each for other in others if (each := other.seen(first, last, moves))]
         if seen:
             yield Problem(where, f"{_when(first, last)} {max(seen)[1]}; {ALLOWED}")
@@ -169,18 +171,21 @@ def _when(first: float, last: float) -> str:
     return f"pauses from {first:.6g} to {last:.6g} s,"
 
 
-def _moves(time: Floats, values: Floats, k: int, still: float) -> bool:
-    """Return True if a drive moves where it is unknown after its sample k, see (1)."""
-    ends = [values[max(k + 1 - PAUSE, 0) : k + 1], values[k + 1 : k + 1 + PAUSE]]
-    if not all(map(len, ends)):
-        return max(float(np.ptp(end)) for end in ends if len(end)) > still
+def _moves(values: Floats, k: int, still: float) -> bool:
+    """Return True if a drive moves on either side of where it is unknown, after its sample k, see (1)."""
+    return float(np.ptp(values[max(k + 1 - PAUSE, 0) : k + 1 + PAUSE])) > still
+
+
+def _meets(time: Floats, values: Floats, k: int, still: float) -> bool:
+    """Return True if the cubics on both sides of a pause after sample k meet in its middle, see (1)."""
+    if k < 0 or k + 1 == len(time):
+        return False
     long, middle = time[k + 1] - time[k], (time[k] + time[k + 1]) / 2
     start = min(int(np.searchsorted(time, time[k] - long)), max(k + 1 - PAUSE, 0))
     stop = max(int(np.searchsorted(time, time[k + 1] + long)), k + 1 + PAUSE)
-    before, after = (
-        _extrapolated(time[s], values[s], middle) for s in (slice(start, k + 1), slice(k + 1, stop))
-    )
-    return abs(before - after) > still
+    sides = (slice(start, k + 1), slice(k + 1, stop))
+    before, after = (_extrapolated(time[side], values[side], middle) for side in sides)
+    return abs(before - after) <= still
 
 
 def _extrapolated(time: Floats, values: Floats, at: float) -> float:
