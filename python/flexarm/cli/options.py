@@ -163,8 +163,3 @@ def _finite(value: object) -> object:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def show_progress() -> bool:
-    """Whether progress is shown: only to a person at a terminal."""
-    return sys.stderr.isatty()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -132,8 +133,13 @@ class LinearModel(Result):
             {"kind": "linear model", "equations": "x' = A x + B u, y = C x + D u", **provenance(self.arm)},
         )
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the model: as a MAT file where the name ends in .mat, else as NetCDF.
+
+        Parameters
+        ----------
+        path, inputs
+            As of every result.
 
         Raises
         ------
@@ -141,9 +147,9 @@ class LinearModel(Result):
             If the file cannot be written.
         """
         if Path(path).suffix == ".mat":
-            matlab.save(self.contents(), path)
+            matlab.save(self.contents(), path, [*self.arm.part_files, *inputs])
         else:
-            super().save(path)
+            super().save(path, inputs)
 
     @classmethod
     def load(cls, path: str | Path) -> LinearModel:
