@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, Model, Out, load_arm
+from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, load_arm, refuse_step
 from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
@@ -38,6 +38,7 @@ def diagnose(
     hold_out: HoldOut = None,
     jobs: Jobs = None,
     seed: Seed = 0,
+    step: Step = 2e-3,
     force: Force = False,
     allow_outside: AllowOutside = False,
 ) -> None:
@@ -60,6 +61,7 @@ def diagnose(
 
         flexarm compare diagnosis/updated.toml other_day
     """
+    refuse_step(step)
     arm = load_arm(model)
     names = record_names([*records, *([] if hold_out is None else [hold_out])])
     read = {name: load_record(path, arm) for name, path in names.items()}
@@ -71,7 +73,7 @@ def diagnose(
     inputs = input_files(model, arm, read)
     with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
         with blame_one_of(model, names, read, arm):
-            found = _diagnosed(arm, training, held_out, jobs, seed)
+            found = _diagnosed(arm, training, held_out, jobs, seed, step)
         traced = {"inputs_sha256": hashes(inputs)}
         found = replace(found, provenance={**found.provenance, **traced})
         found.write(directory)
@@ -80,13 +82,13 @@ def diagnose(
 
 
 def _diagnosed(
-    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int
+    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int, step: float
 ) -> Diagnosis:
     """The diagnosis, which tells how far it is."""
     import flexarm
 
     with progress() as tell:
         found: Diagnosis = flexarm.diagnose(
-            arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=tell
+            arm, records, hold_out=held_out, jobs=jobs, seed=seed, step=step, progress=tell
         )
     return found

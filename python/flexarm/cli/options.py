@@ -35,6 +35,7 @@ Force = Annotated[
         help="Write into a directory that holds files: those of the same name are replaced, others stay.",
     ),
 ]
+Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step of the simulations [s].")]
 
 
 def _allow_outside(allowed: bool) -> bool:
@@ -120,6 +121,18 @@ def _is_finite(text: str) -> bool:
         return math.isfinite(float(text))
     except ValueError:
         return False
+
+
+def refuse_step(step: float) -> None:
+    """Refuse a time step that is not positive and finite.
+
+    Raises
+    ------
+    InvalidFile
+        With the value of --step.
+    """
+    if not 0 < step < math.inf:
+        raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
 
 
 @contextmanager

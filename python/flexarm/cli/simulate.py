@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, Model, Out, blame, load_arm, warn
+from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, blame, load_arm, refuse_step, warn
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 Drive = Annotated[
     Path, typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles.")
 ]
-Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step [s].")]
 Alpha = Annotated[
     float, typer.Option("--alpha", metavar="A", help="HHT's alpha, -1/3 to 0; 0 damps nothing.")
 ]
@@ -52,8 +51,7 @@ def simulate(
         flexarm simulate arm.toml --drive measured --out virtual --step 0.001 --forces
     """
     arm = load_arm(model)
-    if not 0 < step < float("inf"):
-        raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
+    refuse_step(step)
     if not -1 / 3 - 1e-12 <= alpha <= 0:
         raise InvalidFile("command line", "--alpha", f"must lie between -1/3 and 0, got {alpha:g}")
     from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help

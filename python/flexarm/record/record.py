@@ -197,14 +197,14 @@ class Record:
         Raises
         ------
         InvalidParameter
-            If the record names joints, points, links or payloads that the model has not; an `InvalidFile` if
-            the record was read from a file.
+            If the record names joints, points, links or payloads that the model has not, or its other signals
+            tell of a motion while its drive is unknown; an `InvalidFile` if it was read from a file.
         """
         from flexarm.record.against_arm import doubts, unknown_names
+        from flexarm.record.doubts import unknown_motion
 
-        unknown = unknown_names(self, arm)
-        if unknown:
-            raise self._error(unknown)
+        if problems := unknown_names(self, arm) or unknown_motion(self):
+            raise self._error(problems)
         return doubts(self, arm)
 
     def applied_to(self, arm: Arm) -> Arm:
@@ -239,6 +239,11 @@ class Record:
 
     @property
     def duration(self) -> float:
-        """From the first stamp to the last [s]."""
-        ends = [(s.time[0], s.time[-1]) for s in self.signals.values() if len(s.time)]
-        return float(max(b for _, b in ends) - min(a for a, _ in ends)) if ends else 0.0
+        """Duration of the motion [s]: of the longest drive, or of the longest signal if nothing drives."""
+        drives = [self.signals[name] for name in self.drive]
+        spans = [
+            float(signal.time[-1] - signal.time[0])
+            for signal in drives or self.signals.values()
+            if len(signal.time)
+        ]
+        return max(spans, default=0.0)
