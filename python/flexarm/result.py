@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,15 +49,22 @@ class Result(ABC):
         """The same as an xarray Dataset with units."""
         return self.contents().dataset()
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the result as NetCDF, with the model it was made with.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; one of that name is replaced, unless it is a super-element of the model.
+        inputs : iterable of Path
+            More files that are not replaced.
 
         Raises
         ------
         InvalidFile
             If the file cannot be written.
         """
-        save(self.contents(), path)
+        save(self.contents(), path, [*self.arm.part_files, *inputs])
 
 
 AXES = ["x", "y", "z"]

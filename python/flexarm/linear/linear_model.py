@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -98,6 +99,26 @@ class LinearModel(Result):
 
         return StateSpace(self.A, self.B, self.C, self.D)
 
+    def to_control(self) -> Any:
+        """Return the model as control.StateSpace of python-control, with the names of its signals.
+
+        Names there hold no dots: "tip.x" becomes "tip_x".
+
+        Raises
+        ------
+        InvalidParameter
+            If python-control is not installed.
+        """
+        try:
+            import control
+        except ImportError:
+            raise InvalidParameter(
+                "to_control needs python-control, which is not installed: pip install flexarm[control]"
+            ) from None
+        names = {"inputs": self.input_names, "outputs": self.output_names, "states": self.state_names}
+        labels = {axis: [name.replace(".", "_") for name in texts] for axis, texts in names.items()}
+        return control.ss(self.A, self.B, self.C, self.D, **labels)
+
     def contents(self) -> Contents:
         """What is stored: matrices over named states, inputs and outputs with their units."""
         named = {"state": self.state_names, "input": self.input_names, "output": self.output_names}
@@ -112,8 +133,13 @@ class LinearModel(Result):
             {"kind": "linear model", "equations": "x' = A x + B u, y = C x + D u", **provenance(self.arm)},
         )
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the model: as a MAT file where the name ends in .mat, else as NetCDF.
+
+        Parameters
+        ----------
+        path, inputs
+            As of every result.
 
         Raises
         ------
@@ -121,9 +147,9 @@ class LinearModel(Result):
             If the file cannot be written.
         """
         if Path(path).suffix == ".mat":
-            matlab.save(self.contents(), path)
+            matlab.save(self.contents(), path, [*self.arm.part_files, *inputs])
         else:
-            super().save(path)
+            super().save(path, inputs)
 
     @classmethod
     def load(cls, path: str | Path) -> LinearModel:

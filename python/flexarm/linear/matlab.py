@@ -8,6 +8,8 @@ Matrices under their names, names and units as columns of cells, texts as texts:
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,14 +17,14 @@ import numpy as np
 
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents
-from flexarm.output import output_file
+from flexarm.output import write_file
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def save(contents: Contents, path: str | Path) -> None:
-    """Writes variables, labels and attributes; the file appears when it is whole.
+def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
+    """Writes variables, labels and attributes; the file appears when it is whole and replaces no input.
 
     Raises
     ------
@@ -34,8 +36,9 @@ def save(contents: Contents, path: str | Path) -> None:
     arrays = {**{name: values for name, (_, values, _) in contents.variables.items()}, **contents.labels}
     columns = {name: _column(values) for name, values in arrays.items()}
     texts = {_identifier(name): text for name, text in contents.attributes.items()}
-    with output_file(path) as partial, partial.open("wb") as file:
-        savemat(file, {**columns, **texts}, long_field_names=True)
+    image = BytesIO()
+    savemat(image, {**columns, **texts}, long_field_names=True)
+    write_file(path, image.getbuffer(), inputs)
 
 
 def load(path: str | Path) -> xr.Dataset:

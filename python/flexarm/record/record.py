@@ -118,7 +118,7 @@ class Record:
         path : str or Path
             A new or empty directory.
         force : bool
-            Write into a directory that holds files.
+            Write into a directory that holds files, but not over those that the record was read from.
 
         Raises
         ------
@@ -128,10 +128,18 @@ class Record:
         from flexarm.output import output_directory
         from flexarm.record.save import write
 
-        with output_directory(path, force) as directory:
+        with output_directory(path, force, self.files, ["record.toml"]) as directory:
             write(self, directory)
 
     # ------------------------------------------------------------------- parts
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that it was read from; none if it was made otherwise."""
+        if self.path is None:
+            return ()
+        names = dict.fromkeys(["record.toml", *(s.file for s in self.signals.values() if s.file)])
+        return tuple(self.path / name for name in names)
 
     @property
     def reference_clock(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any, SupportsIndex, SupportsInt
 
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile, InvalidParameter
-from flexarm.output import output_file
+from flexarm.output import write_file
 
 FORMAT = "flexarm-state/1"
 
@@ -125,8 +126,9 @@ class State:
         InvalidFile
             If the file cannot be written.
         """
-        with output_file(path) as partial, partial.open("wb") as file:
-            np.savez(file, format=FORMAT, key=self._key, **self.stored.flat())
+        image = BytesIO()
+        np.savez(image, format=FORMAT, key=self._key, **self.stored.flat())
+        write_file(path, image.getbuffer())
 
     @classmethod
     def load(cls, path: str | Path) -> State:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
+from flexarm.output import refuse_existing
 from flexarm.superelement.element import SuperElement
 from flexarm.superelement.rigid_motion import inertia_load
 from flexarm.superelement.variables import Variables, read_variables, texts
@@ -46,18 +48,15 @@ UNITS = {
 }
 
 
-def save(element: SuperElement, path: str | Path, force: bool = False) -> None:
-    """Writes a super-element; the file appears when it is whole.
+def save(element: SuperElement, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
+    """Writes a super-element; the file appears when it is whole, and replaces no input.
 
     Raises
     ------
     InvalidFile
         If the file exists and `force` is not set, or cannot be written.
     """
-    if Path(path).is_dir():
-        raise InvalidFile(path, "output", "is a directory, a file is needed")
-    if Path(path).exists() and not force:
-        raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
+    refuse_existing(Path(path), force, inputs)
     write(contents(element), path)
 
 
