@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, Problem
+from flexarm.reading import OUTSIDE, is_inside, reading
 from flexarm.record.columns import CsvFile
 from flexarm.record.file_table import RecordTable, SignalTable
 from flexarm.record.record import Record
@@ -18,21 +19,23 @@ from flexarm.record.signal import Signal
 from flexarm.record.table import Clock
 from flexarm.tables import check_table, read_toml
 from flexarm.tables.place import line_in
+from flexarm.tables.ranges import first_beyond, range_of
 from flexarm.units import factor_to, si_factor
 
 
-def load(path: Path) -> Record:
+def load(path: Path, allow_outside: bool = False) -> Record:
     """The record in a directory, or beside the `record.toml` that `path` names."""
     toml = path / "record.toml" if path.is_dir() else path
-    if not toml.exists() and toml.name != "record.toml":
+    if not _exists(toml) and toml.name != "record.toml":
         raise InvalidFile(
             path, "record", "there is no such directory; a record is a directory with record.toml"
         )
     data, text = read_toml(toml, "flexarm-record/1")
     table = check_table(RecordTable, data, toml, text)
-    reader = _Reader(toml, table, text)
+    reader = _Reader(toml, table, text, allow_outside or OUTSIDE.get())
     clocks = dict(table.clocks) or {"clock": Clock()}
-    signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
+    with reading(toml, "a record"):
+        signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
     return Record(
         signals={signal.name: signal for signal in signals},
         drive=table.drive,
@@ -53,8 +56,8 @@ def load(path: Path) -> Record:
 class _Reader:
     """Reads the signals of one record; those that share a file share the read."""
 
-    def __init__(self, toml: Path, table: RecordTable, text: str) -> None:
-        self.toml, self.table, self.text = toml, table, text
+    def __init__(self, toml: Path, table: RecordTable, text: str, outside: bool) -> None:
+        self.toml, self.table, self.text, self.outside = toml, table, text, outside
         self.notes: list[Problem] = []
         self._files: dict[str, CsvFile] = {}
         self._columns: dict[str, dict[str, Floats]] = {}
@@ -64,6 +67,8 @@ class _Reader:
         """One signal in SI units."""
         self._check_columns(i, table)
         unit, factor = table.si
+        for column in table.channels:
+            self._check_range(table.file, column, unit, factor)
         values = np.stack([self._column(table.file, name) for name in table.channels], axis=1) * factor
         motion = self.table.kind == "motion"
         if table.spec.has_side and "side" not in table.model_fields_set:
@@ -97,6 +102,9 @@ class _Reader:
         """Opens the file of a signal and looks for its columns."""
         if table.file not in self._files:
             path = self.toml.parent / table.file
+            if not (self.outside or is_inside(path, self.toml.parent)):
+                what = f"{table.file!r} lies outside the record's directory; --allow-outside reads it"
+                raise self._error(i, table, "file", what)
             if not _exists(path):
                 others = ", ".join(sorted(p.name for p in self.toml.parent.glob("*.csv")))
                 raise self._error(
@@ -132,18 +140,28 @@ class _Reader:
             self._columns[file] = dict(zip(names, self._files[file].numbers(names).T, strict=True))
         return self._columns[file][name]
 
+    def _check_range(self, file: str, column: str, unit: str, factor: float) -> None:
+        """Refuse a column with a value that is out of the physical range of its unit."""
+        values = self._column(file, column)
+        if at := first_beyond(values, unit, factor):
+            most = range_of(unit)[1] / factor
+            csv = self._files[file]
+            where = f"line {csv.line(at[0])}, column {column}"
+            raise InvalidFile(csv.file, where, f"must lie within +-{most:g}, got {values[at]:.9g}")
+
     def _time(self, table: SignalTable) -> Floats:
         """Stamps [s]; they must rise."""
         assert table.time is not None
         key = (table.file, table.time, table.time_unit)
         if key not in self._times:
             _, factor = si_factor(table.time_unit, ("s",))
+            self._check_range(table.file, table.time, "s", factor)
             stamps = self._column(table.file, table.time)
-            self._check_rising(table, stamps)
+            self._check_rising(table, stamps, factor)
             self._times[key] = stamps * factor
         return self._times[key]
 
-    def _check_rising(self, table: SignalTable, stamps: Floats) -> None:
+    def _check_rising(self, table: SignalTable, stamps: Floats, factor: float) -> None:
         csv = self._files[table.file]
         empty = np.flatnonzero(np.isnan(stamps))
         if len(empty):
@@ -152,10 +170,11 @@ class _Reader:
                 f"line {csv.line(int(empty[0]))}, column {table.time}",
                 "a row needs a time, got none",
             )
-        falls = np.flatnonzero(np.diff(stamps) <= 0)
+        falls = np.flatnonzero(np.diff(stamps) < range_of("s")[0] / factor)
         if len(falls):
             row = int(falls[0]) + 1
-            kind = "repeats" if stamps[row] == stamps[row - 1] else "goes back behind"
+            rise = stamps[row] - stamps[row - 1]
+            kind = "repeats" if rise == 0 else "goes back behind" if rise < 0 else "all but repeats"
             raise InvalidFile(
                 csv.file,
                 f"line {csv.line(row)}, column {table.time}",
@@ -213,7 +232,7 @@ def _separated(header: Sequence[str]) -> str:
 def _exists(path: Path) -> bool:
     try:
         return path.exists()
-    except OSError:  # a name that is too long for the file system
+    except (OSError, ValueError):  # a name that is too long for the file system, or holds a null byte
         return False
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.errors import InvalidFile
+from flexarm.reading import regular_file
 
 
 def read_text(file: Path) -> str:
@@ -19,6 +20,7 @@ def read_text(file: Path) -> str:
     InvalidFile
         If it is missing, a directory, not readable or not a text in UTF-8.
     """
+    regular_file(file)
     try:
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -27,13 +29,8 @@ def read_text(file: Path) -> str:
         raise InvalidFile(
             file, f"line {line}", f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
         ) from None
-    except FileNotFoundError:
-        raise InvalidFile(file, "file", "there is no such file") from None
-    except IsADirectoryError:
-        raise InvalidFile(file, "file", "is a directory, a file is needed") from None
-    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InvalidFile(file, "file", f"cannot be read: {reason}") from None
+    except OSError as error:
+        raise InvalidFile(file, "file", f"cannot be read: {error.strerror}") from None
 
 
 def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
@@ -52,11 +49,18 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         what, place = _split_place(str(error))
         raise InvalidFile(file, place, f"not valid TOML: {what}") from None
+    except ValueError:  # Python reads no integer of more digits
+        raise InvalidFile(file, _longest_line(text), "a whole number has thousands of digits") from None
     found = data.get("format")
     if found != expected_format:
         got = "is missing" if found is None else f"is {found!r}"
         raise InvalidFile(file, "format", f"{got}; allowed is {expected_format!r}")
     return data, text
+
+
+def _longest_line(text: str) -> str:
+    lines = text.splitlines()
+    return f"line {max(range(len(lines)), key=lambda i: len(lines[i])) + 1}"
 
 
 def _split_place(message: str) -> tuple[str, str]:
