@@ -91,7 +91,7 @@ def command(*arguments: str, **more: Any) -> Step:
 
 
 def preload(seeds: Path) -> None:
-    """Imports what children need, and runs some commands once so that what they import late is there."""
+    """Imports what children need, by running commands and readers once as well: some imports are late."""
     import gc
     import importlib
     import pkgutil
@@ -110,6 +110,11 @@ def preload(seeds: Path) -> None:
             ("simulate", model, "--drive", drive, "--out", f"{directory}/run"),
         ):
             assert command(*words).run() == 0, words
+    from torture.campaigns.files import READERS
+
+    with contextlib.chdir(seeds):
+        for name, reader in READERS.items():
+            reader.read(Path(name))
     gc.collect()
     gc.freeze()  # a collection would make each child copy all that it inherits
 

@@ -1,8 +1,8 @@
 """All campaigns, in the order of the table."""
 
 from torture.campaign import Campaign
-from torture.campaigns import models, planted, records
+from torture.campaigns import calls, files, models, planted, records
 
 CAMPAIGNS: dict[str, Campaign] = {
-    campaign.name: campaign for campaign in (planted.CAMPAIGN, models.CAMPAIGN, records.CAMPAIGN)
+    module.CAMPAIGN.name: module.CAMPAIGN for module in (planted, models, records, files, calls)
 }
