@@ -62,7 +62,7 @@ def report(campaign: campaigns.Campaign, lines: list[dict], seed: int) -> int:
     for line in lines:
         if line["kind"] in FAILED:
             tool = " ".join(line["step"].split()[:2])
-            alike[line["kind"], tool, re.sub(r"[\d.]+|'[^']*'", "_", line["detail"])[:80]].append(line)
+            alike[line["kind"], tool, re.sub(r"[\d.]+|'[^']*'", "_", line["detail"])[:30]].append(line)
     for (kind, _, _), group in sorted(alike.items(), key=lambda item: -len(item[1])):
         line = min(group, key=lambda line: len(line["case"]))
         print(

@@ -59,6 +59,7 @@ def outcomes(campaign: Campaign, number: int, seed: int, out: Path, show: bool =
         "number": number,
         "case": case.kind,
         **asdict(worst(found)),
+        "values": {key: value for outcome in found for key, value in outcome.values.items()},
         "seconds": round(time.monotonic() - began, 3),
         "cpu": round(_cpu() - cpu, 3),
     }

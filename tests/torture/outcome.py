@@ -24,11 +24,12 @@ FAILED = (
 
 
 class Failure(AssertionError):
-    """Raised by a step that finds a failure itself; the first argument is its class."""
+    """Raised by a step that finds a failure itself: its class, what it saw, and figures."""
 
-    def __init__(self, kind: str, detail: str) -> None:
+    def __init__(self, kind: str, detail: str, values: dict[str, Any] | None = None) -> None:
         super().__init__(detail)
         self.kind = kind
+        self.values = values or {}
 
 
 @dataclass
@@ -62,6 +63,8 @@ WARNING = re.compile(r"^.*\.py:\d+: \w*(Warning|Error): .*$", re.MULTILINE)
 ERROR = re.compile(r"error: [^:]+: .+")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\u0080-\u009f\u202a-\u202e\u2066-\u2069]")
 """Characters that move a terminal's cursor or turn the direction of its text; tab and newline may stand."""
+STARVED = re.compile("memory: not enough|MemoryError|Unable to allocate|bad_alloc")
+"""A message of what asked for more memory than a child may have; said politely, it is a failure all the same."""
 LONGEST_LINE = 2000
 CODES = {0: "ok", 2: "refused", 3: "numbers"}
 UNREADABLE = re.compile(
@@ -76,7 +79,7 @@ def of_command(code: object, out: str, err: str) -> tuple[str, str]:
     last = err.strip().splitlines()[-1][:300] if err.strip() else ""
     if "Traceback (most recent call last)" in err:
         return "traceback", last
-    if "memory: not enough" in err:
+    if STARVED.search(err):
         return "memory", last
     if (found := WARNING.search(err)) is not None:
         return "raw warning", found[0][-300:]
@@ -98,7 +101,7 @@ def of_exception(error: BaseException) -> tuple[str, str]:
     told = f"{type(error).__name__}: {error}"[:300].replace("\n", " ")
     if isinstance(error, Failure):
         return error.kind, str(error)[:300]
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) or STARVED.search(told):
         return "memory", told
     if isinstance(error, InvalidParameter):
         return (

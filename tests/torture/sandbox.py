@@ -120,7 +120,7 @@ def preload(seeds: Path) -> None:
 
 
 def run(case: Case, directory: Path, show: bool = False) -> list[Outcome]:
-    """The outcomes of a case's steps up to the first failure, from a child in a new directory.
+    """The outcomes of a case's steps, of commands up to the first failure, from a child in a new directory.
 
     With `show` the texts of the steps go to this process's own output as well.
     """
@@ -140,7 +140,7 @@ def run(case: Case, directory: Path, show: bool = False) -> list[Outcome]:
     outcomes, hung = _followed(child, read, case.wall)
     _, status, usage = os.wait4(child, 0)
     _kill_group(child)
-    if len(outcomes) < len(case.steps) and not any(outcome.failed for outcome in outcomes):
+    if len(outcomes) < len(case.steps) and (hung or status != 0):
         step = case.steps[len(outcomes)].label
         outcomes.append(_ended(status, hung, step, _text(directory / f"{len(outcomes)}.err")))
     used = usage.ru_maxrss // 1024 - before
@@ -205,7 +205,7 @@ def _child(case: Case, directory: Path, report: int) -> NoReturn:
         for number, step in enumerate(case.steps):
             outcome = _tried(step, directory, number)
             os.write(report, json.dumps(asdict(outcome)).encode() + b"\n")
-            if outcome.failed:
+            if outcome.failed and step.command:
                 break
     except BaseException:
         traceback.print_exc()

@@ -1,8 +1,19 @@
 """All campaigns, in the order of the table."""
 
 from torture.campaign import Campaign
-from torture.campaigns import calls, files, models, planted, records
+from torture.campaigns import arms, calls, files, limits, models, planted, records, signals
 
 CAMPAIGNS: dict[str, Campaign] = {
-    module.CAMPAIGN.name: module.CAMPAIGN for module in (planted, models, records, files, calls)
+    campaign.name: campaign
+    for campaign in (
+        planted.CAMPAIGN,
+        models.CAMPAIGN,
+        records.CAMPAIGN,
+        files.CAMPAIGN,
+        calls.CAMPAIGN,
+        limits.CAMPAIGN,
+        arms.CAMPAIGN,
+        signals.KILLS,
+        signals.INTERRUPTS,
+    )
 }

@@ -66,7 +66,10 @@ def right(seeds: Path) -> tuple[Call, ...]:
     signal = record.signals["tip"]
     matrices = {"grids": seeds / "grids.bdf", "order": "11 7 23", "unit": "mm", "interfaces": {"foot": 11}}
     calls: dict[str, tuple[Callable[..., object], dict[str | int, Any]]] = {
-        "Arm": (flexarm.Arm, {"name": "x", "gravity": (0, 0, -9.8), "joints": arm.joints, "links": arm.links}),
+        "Arm": (
+            flexarm.Arm,
+            {"name": "x", "gravity": (0, 0, -9.8), "joints": arm.joints, "links": arm.links},
+        ),
         "Arm.from_toml": (flexarm.Arm.from_toml, {0: seeds / "crane.toml"}),
         "Arm.from_dict": (flexarm.Arm.from_dict, {0: arm.to_dict()}),
         "Arm.to_toml": (arm.to_toml, {0: "new.toml"}),
@@ -156,7 +159,14 @@ def right(seeds: Path) -> tuple[Call, ...]:
         "SuperElement.check": (element.check, {"mass": 3.3, "tolerance": 1e-5}),
         "accept_matrices": (
             flexarm.accept_matrices,
-            {0: seeds / "K.mtx", 1: seeds / "M.mtx", **matrices, "mass": None, "tolerance": 1e-5, "name": "x"},
+            {
+                0: seeds / "K.mtx",
+                1: seeds / "M.mtx",
+                **matrices,
+                "mass": None,
+                "tolerance": 1e-5,
+                "name": "x",
+            },
         ),
         "Stepper": (
             flexarm.Stepper,

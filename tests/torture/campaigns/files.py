@@ -88,7 +88,9 @@ READERS: dict[str, Reader] = {
     "linear.mat": LINEAR,
     "state.npz": Reader("State.load", _library("State.load")),
     "diagnosis/report.json": Reader("Diagnosis.load", _diagnosis, ("diagnosis/updated.toml",)),
-    **dict.fromkeys(("bar.inp", "assembly.inp", "bar.bdf", "four.msh", "newer.msh", "ring.vtu", "packed.vtu"), MESH),
+    **dict.fromkeys(
+        ("bar.inp", "assembly.inp", "bar.bdf", "four.msh", "newer.msh", "ring.vtu", "packed.vtu"), MESH
+    ),
     "K.mtx": MARKET,
     "M.mtx": MARKET,
     "part.pch": NASTRAN,
@@ -116,7 +118,9 @@ def damaged(content: bytes, rng: random.Random) -> bytes:
             "piece": rng.choice(PIECES),
         }
         how = rng.choice((*changed, "cut"))
-        content = content[:at] if how == "cut" else content[:at] + changed.get(how, b"") + content[at + length :]
+        content = (
+            content[:at] if how == "cut" else content[:at] + changed.get(how, b"") + content[at + length :]
+        )
     return content
 
 
