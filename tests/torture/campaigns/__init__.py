@@ -1,7 +1,7 @@
 """All campaigns, in the order of the table."""
 
 from torture.campaign import Campaign
-from torture.campaigns import arms, calls, files, limits, models, planted, records, signals
+from torture.campaigns import arms, calls, files, limits, models, planted, records, signals, surroundings
 
 CAMPAIGNS: dict[str, Campaign] = {
     campaign.name: campaign
@@ -15,5 +15,6 @@ CAMPAIGNS: dict[str, Campaign] = {
         arms.CAMPAIGN,
         signals.KILLS,
         signals.INTERRUPTS,
+        surroundings.CAMPAIGN,
     )
 }
