@@ -12,6 +12,7 @@ from torture import campaign as campaigns
 from torture.campaigns import CAMPAIGNS
 from torture.outcome import FAILED
 from torture.sandbox import preload
+from torture.table import write
 
 
 def main() -> int:
@@ -29,19 +30,12 @@ def main() -> int:
     parser.add_argument(
         "--out", type=Path, default=campaigns.ROOT / "build" / "torture", help="record of runs"
     )
-    parser.add_argument(
-        "--table", type=Path, metavar="PAGE", help="write the counts of OUT into PAGE and end"
-    )
+    parser.add_argument("--table", type=Path, metavar="PAGE", help="write the counts into PAGE")
     given = parser.parse_args()
     given.out = given.out.resolve()
     if unknown := set(given.campaign) - set(CAMPAIGNS):
         parser.error(f"there is no campaign {', '.join(unknown)}; there are {', '.join(CAMPAIGNS)}")
     chosen = [CAMPAIGNS[name] for name in given.campaign or CAMPAIGNS]
-    if given.table is not None:
-        from torture.table import write
-
-        write(given.table, given.out, given.seed)
-        return 0
     if given.only is not None:
         return show(chosen[0], given.only, given.seed, given.out)
     failed = 0
@@ -49,11 +43,13 @@ def main() -> int:
         count = campaign.sample if given.sample else max(1, round(given.scale * campaign.cases))
         lines = campaigns.run(campaign, range(count), given.seed, given.jobs, given.out)
         failed += report(campaign, lines, given.seed)
+    if given.table is not None:
+        write(given.table, given.out, given.seed)
     return 1 if failed else 0
 
 
 def report(campaign: campaigns.Campaign, lines: list[dict], seed: int) -> int:
-    """Prints counts, and failures that tell the same once, with their number; returns the number of failures."""
+    """Prints counts, and failures that tell the same once; returns the number of failures."""
     counts = collections.Counter(line["kind"] for line in lines)
     seconds = sum(line["cpu"] for line in lines)
     told = ", ".join(f"{count} {kind}" for kind, count in counts.most_common())

@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -79,10 +80,13 @@ def _cpu() -> float:
 def run(campaign: Campaign, numbers: Iterable[int], seed: int, jobs: int, out: Path) -> list[dict[str, Any]]:
     """Runs cases that the record lacks, and returns the lines of all of them.
 
-    The record is OUT/NAME-SEED.jsonl, a line a case; a run that was stopped goes on where it was.
+    The record of a commit has a line a case; a run that was stopped goes on where it was. What is not
+    committed yet has no record that lasts.
     """
     seeds(out)
-    file = out / f"{campaign.name}-{seed}.jsonl"
+    file = record(campaign, seed, out)
+    if "dirty" in file.name:
+        file.unlink(missing_ok=True)
     wanted = list(numbers)
     done = {line["number"] for line in lines(file)}
     left = [number for number in wanted if number not in done]
@@ -117,6 +121,18 @@ def _in_workers(campaign: Campaign, left: list[int], seed: int, jobs: int, out: 
         os._exit(0)
     if any(os.waitpid(child, 0)[1] for child in workers):
         raise SystemExit(f"{campaign.name}: the harness itself failed")
+
+
+@cache
+def commit() -> str:
+    """The commit that is tried; "dirty" if files differ from it."""
+    words = ["git", "describe", "--always", "--dirty", "--exclude", "*"]
+    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def record(campaign: Campaign, seed: int, out: Path) -> Path:
+    """Where the outcomes of a campaign's cases stand."""
+    return out / f"{campaign.name}-{seed}-{commit()}.jsonl"
 
 
 def lines(file: Path) -> list[dict[str, Any]]:

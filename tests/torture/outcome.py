@@ -64,12 +64,13 @@ ERROR = re.compile(r"error: [^:]+: .+")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\u0080-\u009f\u202a-\u202e\u2066-\u2069]")
 """Characters that move a terminal's cursor or turn the direction of its text; tab and newline may stand."""
 STARVED = re.compile("memory: not enough|MemoryError|Unable to allocate|bad_alloc")
-"""A message of what asked for more memory than a child may have; said politely, it is a failure all the same."""
+"""A message of what asked for more memory than a child may have: a failure, however politely said."""
 LONGEST_LINE = 2000
 CODES = {0: "ok", 2: "refused", 3: "numbers"}
 UNREADABLE = re.compile(
-    r"unsupported operand|not subscriptable|object is not|has no len|incompatible (function|constructor)|ufunc|"
-    r"can't be used in|cannot unpack|concatenate|NoneType|_core\.|not supported between|must be real number"
+    r"unsupported operand|not subscriptable|object is not|has no len|incompatible (function|constructor)|"
+    r"ufunc|can't be used in|cannot unpack|concatenate|NoneType|_core\.|not supported between|"
+    r"must be real number"
 )
 """Messages of Python, NumPy and pybind11 that tell of the inside of a function and not of its argument."""
 

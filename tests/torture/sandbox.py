@@ -20,6 +20,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -90,6 +91,7 @@ def command(*arguments: str, **more: Any) -> Step:
     return Step(f"flexarm {' '.join(arguments)}", run, command=True, **more)
 
 
+@cache
 def preload(seeds: Path) -> None:
     """Imports what children need, by running commands and readers once as well: some imports are late."""
     import gc
@@ -174,10 +176,8 @@ def _followed(child: int, read: int, wall: float) -> tuple[list[Outcome], bool]:
 
 
 def _kill_group(child: int) -> None:
-    try:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(child, signal.SIGKILL)
-    except (ProcessLookupError, PermissionError):
-        pass
 
 
 def _ended(status: int, hung: bool, step: str, err: str) -> Outcome:

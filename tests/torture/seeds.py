@@ -22,7 +22,8 @@ URDF = """<?xml version="1.0"?>
   <link name="finger"><inertial><mass value="0.2"/>
     <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial></link>
   <joint name="hinge" type="revolute"><parent link="stand"/><child link="upper"/>
-    <origin xyz="0 0 0.4" rpy="0 0 0"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="9" velocity="1"/></joint>
+    <origin xyz="0 0 0.4" rpy="0 0 0"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" effort="9" velocity="1"/></joint>
   <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/>
     <origin xyz="0 0 0.5" rpy="0 0.1 0"/><axis xyz="0 1 0"/></joint>
   <joint name="slide" type="prismatic"><parent link="lower"/><child link="finger"/>

@@ -1,7 +1,7 @@
 """Random arms whose every run obeys what mechanics says of all of them, whatever their numbers.
 
-Checked are weight, inverse dynamics of rigid chains, invariance to a turn and a shift of the whole, balance of
-energy, rates against differences, and convergence in the time step of positions and torques.
+Checked are weight, inverse dynamics of rigid chains, invariance to a turn and a shift of the whole, balance
+of energy, rates against differences, and convergence in the time step of positions and torques.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from torture.outcome import Failure
 from torture.sandbox import Case, Step
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
-from rigid_chain import Body, RigidChain  # noqa: E402
+from rigid_chain import Body, RigidChain
 
 MATERIALS = (
     {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850.0},
@@ -32,7 +32,7 @@ EXACT = 1e-9
 MOTION = 1e-6
 """Turned and shifted runs differ by the tolerance of the steps' iterations, which adds up over a run."""
 ORDER = 1.6
-"""Least observed order of a method of second order between 2 and 1 ms, where the error is well above rounding."""
+"""Least observed order of a method of second order, between 2 and 1 ms."""
 LARGEST = 0.01
 """Largest error of a torque at 2 ms, of the largest torque."""
 REST = 0.2
@@ -101,7 +101,7 @@ def joint_effects(rng: random.Random, name: str, slides: bool) -> list[dict[str,
 
 
 def made(rng: random.Random, kind: str) -> Made:
-    """A random arm: "rigid" (a chain, drives alone), "sprung" (a tree, springs) or "flexible" (beams as well)."""
+    """A random arm: "rigid" (a chain, no springs), "sprung" (a tree) or "flexible" (beams as well)."""
     joints, links, effects, payloads, points, bodies = [], [], [], [], [], []
     for i in range(rng.randint(1, 5)):
         before = len(links) - 1 if kind == "rigid" or rng.random() < 0.8 else rng.randrange(-1, len(links))
@@ -156,8 +156,8 @@ def made(rng: random.Random, kind: str) -> Made:
 def trajectory(made: Made, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Angles, rates and accelerations of the drives, (n, joint).
 
-    Polynomials from rest to rest; the smooth one is flat to the third derivative at its ends, the other one, a
-    minimum-jerk move, to the second.
+    Polynomials from rest to rest; the smooth one is flat to the third derivative at its ends, the other
+    one, a minimum-jerk move, to the second.
     """
     x, T = np.clip(t / made.seconds, 0, 1)[:, None], made.seconds
     start = np.array(list(made.start.values()))
@@ -332,4 +332,4 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
     return Case(label, steps, {"arm.toml": tomlkit.dumps(arm.tables).encode()}, wall=600)
 
 
-CAMPAIGN = Campaign("arms", "random arms", case, 2000, 9)
+CAMPAIGN = Campaign("arms", "random arms", case, 2000, 12)

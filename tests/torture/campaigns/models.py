@@ -1,4 +1,4 @@
-"""Malformed models: each value of a right model in turn replaced by one that is wrong, and wrong structures."""
+"""Malformed models: each value of a right model in turn replaced by wrong ones, and wrong structures."""
 
 from __future__ import annotations
 

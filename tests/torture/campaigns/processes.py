@@ -1,4 +1,4 @@
-"""Commands as processes of their own, for campaigns that send signals to them or take their surroundings away."""
+"""Commands as processes of their own, for campaigns that send them signals or close their streams."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Malformed records: each value of record.toml in turn, and each CSV file with rows, columns or numbers spoilt."""
+"""Malformed records: each value of record.toml in turn, each CSV file with rows, columns or cells spoilt."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kills and interrupts at random instants, from the first one on, measured in the CPU that a command has used."""
+"""Kills and interrupts at random instants, from the first one on, told by the CPU that a command has used."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ENDS = {signal.SIGINT: 130, signal.SIGTERM: 143}
 
 
 def instant(name: str, rng: random.Random) -> float:
-    """CPU used when the signal comes [s]; a third come while Python starts, by the clock, as a negative number."""
+    """CPU used when the signal comes [s]; negative, by the clock, for a third that come at the start."""
     return -rng.uniform(0, 0.2) if rng.random() < 0.34 else rng.uniform(0, COMMANDS[name][0])
 
 

@@ -1,4 +1,4 @@
-"""Commands without what they count on: room on the disk, a place of their own, streams, a terminal, a backend."""
+"""Commands without what they count on: room on the disk, a place of their own, streams, a backend."""
 
 from __future__ import annotations
 
