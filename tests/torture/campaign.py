@@ -127,7 +127,8 @@ def _in_workers(campaign: Campaign, left: list[int], seed: int, jobs: int, out: 
 def commit() -> str:
     """The commit that is tried; "dirty" if files differ from it."""
     words = ["git", "describe", "--always", "--dirty", "--exclude", "*"]
-    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+    found = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    return found.stdout.strip() or "dirty"
 
 
 def record(campaign: Campaign, seed: int, out: Path) -> Path:
@@ -147,5 +148,6 @@ def seeds(out: Path) -> Path:
     folder = out / "seeds"
     if not (folder / "done").exists():
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        subprocess.run([sys.executable, "-m", "torture.seeds", str(folder)], env=environment, check=True)
+        words = [sys.executable, "-m", "torture.seeds", str(folder)]
+        subprocess.run(words, env=environment, check=True, stdout=subprocess.DEVNULL)
     return folder

@@ -77,7 +77,8 @@ UNREADABLE = re.compile(
 
 def of_command(code: object, out: str, err: str) -> tuple[str, str]:
     """Class and detail of a command that ended with an exit code and these texts."""
-    last = err.strip().splitlines()[-1][:300] if err.strip() else ""
+    line = err.strip().splitlines()[-1] if err.strip() else ""
+    last = line[:300]
     if "Traceback (most recent call last)" in err:
         return "traceback", last
     if STARVED.search(err):
@@ -86,7 +87,7 @@ def of_command(code: object, out: str, err: str) -> tuple[str, str]:
         return "raw warning", found[0][-300:]
     if code not in CODES:
         return "unclear message", f"exit code {code}: {last}"
-    if code and not ERROR.match(last):
+    if code and not ERROR.match(line):
         return "unclear message", f"exit code {code} without an error's last line: {last}"
     if (found := CONTROL.search(out + err)) is not None:
         return "unclear message", f"prints the control character {found[0]!r}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import math
 import os
 import resource
 import select
@@ -161,10 +162,13 @@ def _resident() -> int:
 
 
 def _followed(child: int, read: int, wall: float) -> tuple[list[Outcome], bool]:
-    """What the child tells, and whether it had to be killed."""
-    text, hung = b"", False
+    """What the child tells, and whether it had to be killed: it waits without using CPU."""
+    text, hung, used = b"", False, 0.0
     while True:
         if not select.select([read], [], [], wall)[0]:
+            if (now := cpu_of(child)) > used + 0.5:  # slow since the machine is busy; RLIMIT_CPU ends it
+                used = now
+                continue
             hung = True
             _kill_group(child)
         piece = os.read(read, 65536)
@@ -173,6 +177,15 @@ def _followed(child: int, read: int, wall: float) -> tuple[list[Outcome], bool]:
         text += piece
     os.close(read)
     return [Outcome(**json.loads(line)) for line in text.splitlines() if line.endswith(b"}")], hung
+
+
+def cpu_of(process: int) -> float:
+    """CPU that a running process has used [s]; infinite if it has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return math.inf
+    return math.inf if fields[0] == "Z" else (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _kill_group(child: int) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import runpy
 import shutil
 import sys
@@ -100,7 +102,8 @@ def _meshes(folder: Path) -> None:
         (folder / name).write_text(text)
     part = ring(0.1, 0.2, 0.1, size=0.1, around=8, order=1)
     mesh = meshlane.Mesh(part.points, [("hexahedron", part.cells["hex8"])])
-    meshlane.vtu.write(str(folder / "ring.vtu"), mesh, binary=False)
+    with contextlib.redirect_stderr(io.StringIO()):  # it warns of the size that texts have
+        meshlane.vtu.write(str(folder / "ring.vtu"), mesh, binary=False)
     meshlane.write(folder / "packed.vtu", mesh)
 
 

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits and process files are Linux's")
 CAMPAIGNS = {
     "planted": "failures that are planted are recognised",
     "models": "malformed models are refused at their place",
     "records": "malformed records are refused at their place",
     "files": "damaged files of all kinds are read or refused",
     "calls": "wrong calls get an error of their own",
+    "options": "wrong options are refused by their name",
     "limits": "small files cannot take memory or time",
     "arms": "random arms obey mechanics",
     "kills": "a kill tears nothing, and the next run clears up",

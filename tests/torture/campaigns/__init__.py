@@ -1,7 +1,18 @@
 """All campaigns, in the order of the table."""
 
 from torture.campaign import Campaign
-from torture.campaigns import arms, calls, files, limits, models, planted, records, signals, surroundings
+from torture.campaigns import (
+    arms,
+    calls,
+    files,
+    limits,
+    models,
+    options,
+    planted,
+    records,
+    signals,
+    surroundings,
+)
 
 CAMPAIGNS: dict[str, Campaign] = {
     campaign.name: campaign
@@ -11,6 +22,7 @@ CAMPAIGNS: dict[str, Campaign] = {
         records.CAMPAIGN,
         files.CAMPAIGN,
         calls.CAMPAIGN,
+        options.CAMPAIGN,
         limits.CAMPAIGN,
         arms.CAMPAIGN,
         signals.KILLS,

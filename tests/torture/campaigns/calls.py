@@ -25,10 +25,11 @@ class Nothing:
 
 WRONG: tuple[object, ...] = (
     None, True, -1, 0, 1, 2.5, 1e300, -1e300, 10**400, float("nan"), float("inf"), 1j, "", "nobody",
-    "x" * 5000, "a\x00b", b"hinge", [], [None], ["nobody"], [1.0, "x"], [[1.0], [1.0, 2.0]], {},
-    {"nobody": 1.0}, {"hinge": None}, {"hinge": "x"}, {"hinge": float("nan")}, {"hinge": 1e300}, {1: 2}, set(), iter(()),
-    np.zeros(0), np.zeros((2, 3)), np.full(3, np.nan), np.array(["x"]), np.array(None), np.zeros((0, 3)),
-    Nothing(), Nothing, max, Ellipsis, datetime.date(2026, 1, 1), Path("nobody"), Path("/"), range(3),
+    "x" * 5000, "a\x00b", b"hinge", [], [None], ["nobody"], [1.0, "x"], [[1.0], [1.0, 2.0]], {}, {1: 2},
+    {"nobody": 1.0}, {"hinge": None}, {"hinge": "x"}, {"hinge": float("nan")}, {"hinge": 1e300}, set(),
+    iter(()), np.zeros(0), np.zeros((2, 3)), np.full(3, np.nan), np.array(["x"]), np.array(None),
+    np.zeros((0, 3)), Nothing(), Nothing, max, Ellipsis, datetime.date(2026, 1, 1), Path("nobody"), Path("/"),
+    range(3),
 )  # fmt: skip
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from torture.outcome import Failure
+from torture.sandbox import cpu_of
 
-TICK = os.sysconf("SC_CLK_TCK")
 REDUCE = ("--unit", "mm", "--interface", "a=BORE", "--interface", "b=FLANGE", "--modes", "3")
 COMMANDS: dict[str, tuple[float, tuple[str, ...]]] = {
     "simulate": (1.0, ("simulate", "arm.toml", "--drive", "swing.csv", "--step", "0.001", "--out", "run")),
@@ -75,16 +75,8 @@ def ended(process: subprocess.Popen[bytes], within: float = 300) -> Ended:
 
 def after(process: subprocess.Popen[bytes], seconds: float) -> float:
     """Waits until a process has used so much CPU, or has ended; its CPU then [s]. Negative: by the clock."""
-    used = 0.0
     time.sleep(max(0.0, -seconds))
-    while used < seconds:
-        try:
-            fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            break
-        used = (int(fields[11]) + int(fields[12])) / TICK
-        if fields[0] == "Z":
-            break
+    while (used := cpu_of(process.pid)) < seconds:
         time.sleep(0.001)
     return used
 
