@@ -7,21 +7,18 @@ of energy, rates against differences, and convergence in the time step of positi
 from __future__ import annotations
 
 import random
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import tomlkit
+from rigid_chain import Body, RigidChain
 from scipy.spatial.transform import Rotation
 
-from torture.campaign import ROOT, Campaign
+from torture.campaign import Campaign
 from torture.outcome import Failure
 from torture.sandbox import Case, Step
-
-sys.path.insert(0, str(ROOT / "tests" / "helpers"))
-from rigid_chain import Body, RigidChain
 
 MATERIALS = (
     {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850.0},
@@ -245,7 +242,7 @@ def invariance(made: Made, seed: int) -> None:
         close("a turned arm's frequency", shapes[1].frequency_hz, shapes[0].frequency_hz, 1e-7)
     first, second = run(made, 4e-3), run(made, 4e-3, tables=other)
     close("a turned place in motion", second.position, first.position @ R.T + p, MOTION, 1.0)
-    close("a turned arm's torque in motion", second.joint_torque, first.joint_torque, 1e-4, 1e-2)
+    close("a turned arm's torque in motion", second.joint_torque, first.joint_torque, 1e-3, 1e-2)
 
 
 def energy(made: Made) -> dict[str, float]:

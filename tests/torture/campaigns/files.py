@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from mutations import mutated
+
 from torture.campaign import Campaign
 from torture.sandbox import Case, Step
 
@@ -96,41 +98,15 @@ READERS: dict[str, Reader] = {
     "part.pch": NASTRAN,
     "grids.bdf": NASTRAN,
 }
-PIECES = (
-    b"", b"\x00", b"\xff", b"-1", b"0", b"nan", b"1e999", b"9" * 30, b"4294967295", b'"', b"'", b"[", b"{",
-    b"<", b">", b",", b"\n", b"\r", b"#", b"=", b"*", b"$", b" ", b"\xc3\x28", b"\x1b[2J", b"\xe2\x80\xae",
-)  # fmt: skip
-
-
-def damaged(content: bytes, rng: random.Random) -> bytes:
-    """A file with bytes flipped, put in, cut off, doubled, moved or set to zero, once to four times."""
-    for _ in range(rng.choice((1, 1, 2, 4))):
-        at, length = rng.randrange(len(content) + 1), rng.choice((1, 4, 30, 500))
-        piece = content[at : at + length]
-        changed = {
-            "flip": bytes(byte ^ (1 << rng.randrange(8)) for byte in content[at : at + 1]),
-            "noise": rng.randbytes(len(piece)),
-            "zeros": bytes(len(piece)),
-            "ones": b"\xff" * len(piece),
-            "out": b"",
-            "twice": piece * 2,
-            "moved": content[rng.randrange(len(content) + 1) :][:length],
-            "piece": rng.choice(PIECES),
-        }
-        how = rng.choice((*changed, "cut"))
-        content = (
-            content[:at] if how == "cut" else content[:at] + changed.get(how, b"") + content[at + length :]
-        )
-    return content
 
 
 def case(number: int, rng: random.Random, seeds: Path) -> Case:
     name = list(READERS)[number % len(READERS)]
     reader = READERS[name]
     files = {beside: (seeds / beside).read_bytes() for beside in reader.beside}
-    files[name] = damaged((seeds / name).read_bytes(), rng)
+    *_, (how, files[name]) = mutated((seeds / name).read_bytes(), rng.randrange(1 << 30), rng.randint(1, 8))
     step = Step(f"{reader.label}({name!r})", lambda: reader.read(Path(name)))
-    return Case(f"damaged {name}", (step,), files)
+    return Case(f"{name}, {how}", (step,), files)
 
 
 CAMPAIGN = Campaign("files", "damaged files, over all readers", case, 60_000, 250)
