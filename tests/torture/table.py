@@ -66,7 +66,7 @@ def figures(lines: Iterable[dict[str, Any]]) -> str:
     text = "\n| figure | cases | median | 95 % below | largest |\n|---|---|---|---|---|\n"
     for key, title in FIGURES.items():
         if values := sorted(gathered[key]):
-            high = values[int(0.95 * (len(values) - 1))]
+            high = values[min(len(values) - 1, int(0.95 * len(values)))]
             middle = statistics.median(values)
             text += f"| {title} | {len(values)} | {middle:.2g} | {high:.2g} | {values[-1]:.2g} |\n"
     return text
