@@ -13,29 +13,38 @@ unexport PYTHONPATH
 
 CXX_FILES = $(shell find cpp -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: setup build test torture reproduce check format stubs clean
+.PHONY: setup build module test torture reproduce check format stubs clean
 
 ## Set-up: compiler and libraries, then .venv; each is touched again only when its list changed.
 build/stamps/system: scripts/system-packages.txt scripts/install_system_packages.sh
 	@scripts/install_system_packages.sh "$(PYTHON)"
 	@mkdir -p $(@D) && touch $@
 
-.venv/stamps/python: pyproject.toml scripts/install_python_packages.sh build/stamps/system
-	@scripts/install_python_packages.sh "$(PYTHON)" .venv
+## What builds the module (tools), what runs it (run), what tests it (dev)
+.venv/stamps/run: .venv/stamps/tools
+.venv/stamps/dev: .venv/stamps/run
+.venv/stamps/%: pyproject.toml scripts/install_python_packages.sh build/stamps/system
+	@scripts/install_python_packages.sh "$(PYTHON)" .venv $*
 	@mkdir -p $(@D) && touch $@
 
-setup: .venv/stamps/python
+setup: .venv/stamps/dev
 
-## Builds: build/<preset>, incremental. The release build puts flexarm._core beside the Python sources.
-build/%/build.ninja: CMakePresets.json .venv/stamps/python
+## Builds: build/<preset>, incremental. The release build puts flexarm._core beside the Python sources;
+## what runs it is installed meanwhile.
+build/%/build.ninja: CMakePresets.json .venv/stamps/tools
 	@VIRTUAL_ENV="$(CURDIR)/.venv" PATH="$(CURDIR)/$(BIN):$$PATH" cmake --preset $*
 	@touch $@
 
-build: build/release/build.ninja
-	@$(BIN)/cmake --build --preset release
+build:
+	@$(MAKE) -j2 module .venv/stamps/run
+
+module: build/release/build.ninja
+	@$(BIN)/cmake --build --preset release --target _core
 
 ## C++ tests, Python tests and notebooks; a file's tests share what it makes, so they stay in one process
-test: build
+test:
+	@$(MAKE) -j2 module setup
+	@$(BIN)/cmake --build --preset release
 	@$(BIN)/ctest --preset release
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile
 
@@ -67,10 +76,10 @@ check-cpp: setup
 	@echo "$(BIN)/clang-format --dry-run --Werror (cpp/)"
 	@$(BIN)/clang-format --dry-run --Werror $(CXX_FILES)
 
-check-stubs: build
+check-stubs: build setup
 	$(BIN)/python scripts/stubs.py --check
 
-check-%: build/%/build.ninja
+check-%: build/%/build.ninja setup
 	@$(BIN)/cmake --build --preset $*
 	@$(BIN)/ctest --preset $*
 
@@ -80,7 +89,7 @@ format: setup
 	@$(BIN)/ruff format
 	@$(BIN)/clang-format -i $(CXX_FILES)
 
-stubs: build
+stubs: build setup
 	@$(BIN)/python scripts/stubs.py
 
 clean:

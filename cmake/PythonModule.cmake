@@ -10,6 +10,8 @@ find_package(pybind11 3.0.4 CONFIG REQUIRED)
 file(GLOB binding_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/bindings/*.cpp)
 pybind11_add_module(_core NO_EXTRAS ${binding_sources})
 target_link_libraries(_core PRIVATE flexarm_core flexarm_options)
+# The bindings only convert and call: optimising them doubles their compile time for nothing.
+target_compile_options(_core PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
 if(FLEXARM_PCH)
   target_precompile_headers(_core PRIVATE <pybind11/eigen.h> <pybind11/numpy.h> <pybind11/stl.h> <Eigen/Dense> <Eigen/SparseCore>)
 endif()

@@ -119,6 +119,11 @@ class Modes(Result):
 
     def summary(self) -> str:
         """The result in lines that a person reads."""
+        if not len(self.frequency_hz):
+            return (
+                f"modes of {self.arm.name}: none, as nothing with mass can vibrate: links are rigid and "
+                "drives are held. Beams, super-elements and a joint_compliance can give way"
+            )
         lines = [f"modes of {self.arm.name}", f"{'mode':>4}{'frequency [Hz]':>18}{'damping ratio [-]':>20}"]
         for i, (f, zeta) in enumerate(zip(self.frequency_hz, self.damping_ratio, strict=True), 1):
             lines.append(f"{i:4d}{f:18.6f}{zeta:20.6f}")

@@ -116,6 +116,20 @@ def test_planted_delay_and_registration_are_recovered(run):
     assert compare(arm(), record, align=False).signals["tip"].rms["total"] > 10 * gap.noise_rms
 
 
+def test_deviations_of_what_data_leave_open_are_those_of_the_prior(run):
+    """Also where the data determine something else 1e9 times better than a prior knows it."""
+    record = virtual(run, frames={"tracker": Frame(translation=1.0, rotation=1e-9)})
+    precise = [
+        s.replace(noise_std=1e-10 if s.quantity == "position" else s.noise_std)
+        for s in record.signals.values()
+    ]
+    found = compare(arm(), record.replace(signals=precise))
+    sigma = np.array([unknown.sigma for unknown in found.aligned.unknowns])
+    assert np.all(np.asarray(found.aligned.std) <= sigma * (1 + 1e-9))
+    assert found.aligned.undetermined
+    assert "inf" not in found.summary().partition("aligned")[2]
+
+
 def test_what_planar_data_do_not_determine_keeps_its_prior_and_is_said(run):
     found = compare(arm(), virtual(run))
     assert found.aligned.undetermined == [

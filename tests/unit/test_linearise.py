@@ -449,6 +449,15 @@ def test_a_mat_file_holds_what_matlab_and_python_control_take(tmp_path: Path) ->
     assert system.dcgain() == approx(found.static_gain(), rel=1e-6)
 
 
+def test_python_control_takes_a_model_with_the_names_of_its_signals() -> None:
+    found = linearise(two_links(), POSE, outputs=["tip"])
+    system = found.to_control()
+    assert system.input_labels == ["shoulder_angle", "elbow_angle"]
+    assert system.output_labels == ["tip_x", "tip_y", "tip_z"]
+    assert len(set(system.state_labels)) == len(found.A)
+    assert system.dcgain() == approx(found.static_gain(), rel=1e-6)
+
+
 def test_a_plot_names_its_units(tmp_path: Path) -> None:
     found = linearise(two_links(), POSE, outputs=["tip", "shoulder"])
     axes = found.plot(input="elbow.angle")

@@ -77,10 +77,89 @@ MISTAKES = {
     "no format": ("format =", "formatted =", "format", "is missing"),
     "not TOML": ("gravity =", "gravity", "line 3, column 9", "not valid TOML"),
     "name with a dot": ('name = "tip"', 'name = "tip.1"', "points.tip.1.name", "contains '.'"),
+    "long name": ('name = "tip"', f'name = "{"t" * 101}"', "points.ttt", "has 101 characters; allowed are 100"),
+    "name that turns writing": ('name = "tip"', 'name = "tip\\u202e"', "points.tip", "contains '\\u202e'"),
+    "name with a control": ('name = "tip"', 'name = "tip\\u0007"', "points.tip", "contains '\\x07'"),
+    "name with blanks": ('name = "tip"', 'name = " tip "', "points. tip .name", "contains ' '"),
+    "effect at a hidden name": ('name = "joint_compliance"\nat = "hinge"\nstiffness = 1.0e5\ndamping = 20.0',
+                                'name = "time_delay"\nat = "a\\u202eb"', "effects.time_delay", "contains '\\u202e'"),
     "section of two planes": ('shape = "tube", outer_diameter = 0.06024, thickness = 3.25e-3',
                               'shape = "rectangle", width = 0.1, height = 0.02', "links.rod.up", "is missing"),
     "table for a list": ("[[points]]", "[points]", "points", "must be a list"),
 }  # fmt: skip
+
+
+SHAFTS = """
+[[joints]]
+name = "SHAFT"
+type = "revolute"
+parent = "base"
+child = "ROTOR"
+axis = [0, 1, 0]
+[[links]]
+name = "ROTOR"
+type = "rigid"
+mass = 1.0
+"""
+GEAR = '[[gears]]\nname = "{}"\ninput = "{}"\noutput = "{}"\nratio = {}\n'
+GEARS = {
+    "the same pair twice": (
+        [("shaft", "idler", 10), ("shaft", "idler", 10)],
+        "the output of gear 'g0' (ratio 10)",
+    ),
+    "two ratios": ([("shaft", "idler", 10), ("shaft", "idler", 12)], "(ratio 10) already, got ratio 12"),
+    "two inputs": ([("shaft", "idler", 10), ("spare", "idler", 12)], "a joint has one input"),
+    "there and back": (
+        [("shaft", "idler", 10), ("idler", "shaft", 0.1)],
+        "are coupled already by gears before it ('g0')",
+    ),
+    "a loop of three": (
+        [("shaft", "idler", 2), ("idler", "spare", 2), ("spare", "shaft", 2)],
+        "must not form a loop",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", GEARS)
+def test_gears_that_repeat_or_contradict_each_other_are_refused(
+    case: str, model_text: str, tmp_path: Path
+) -> None:
+    gears, what = GEARS[case]
+    text = model_text
+    for name in ("shaft", "idler", "spare"):
+        text += SHAFTS.replace("SHAFT", name).replace("ROTOR", f"{name}_rotor")
+    text += "".join(GEAR.format(f"g{k}", *gear) for k, gear in enumerate(gears))
+    (tmp_path / "arm.toml").write_text(text)
+    with pytest.raises(InvalidFile) as caught:
+        Arm.from_toml(tmp_path / "arm.toml")
+    (line,) = caught.value.lines()
+    assert f"gears.g{len(gears) - 1}.output" in line
+    assert what in line
+
+
+def test_gears_may_form_a_train_and_branch(model_text: str, tmp_path: Path) -> None:
+    text = model_text
+    for name in ("shaft", "idler", "spare"):
+        text += SHAFTS.replace("SHAFT", name).replace("ROTOR", f"{name}_rotor")
+    text += GEAR.format("g0", "shaft", "idler", 2) + GEAR.format("g1", "shaft", "spare", 3)
+    (tmp_path / "arm.toml").write_text(text)
+    assert len(Arm.from_toml(tmp_path / "arm.toml").gears) == 2
+
+
+def test_damping_of_a_link_without_mass_is_refused_in_model_and_effect(
+    model_text: str, tmp_path: Path
+) -> None:
+    """A ratio of damping is of a vibration, and a link without mass has none."""
+    weightless = model_text.replace("density = 7850", "density = 0")
+    effect = '[[effects]]\nname = "link_damping"\nat = "rod"\ndamping_ratio = 0.01\n'
+    undamped = weightless.replace("damping_ratio = 0.005", "")
+    for text, where in (
+        (weightless, "links.rod.damping_ratio"),
+        (undamped + effect, "effects.link_damping.rod"),
+    ):
+        (tmp_path / "arm.toml").write_text(text)
+        with pytest.raises(InvalidFile, match=rf"{where}.*must be 0 where the density is 0"):
+            Arm.from_toml(tmp_path / "arm.toml")
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)

@@ -106,6 +106,14 @@ def test_position_is_sampled_at_the_sensors_own_instants():
     np.testing.assert_allclose(values, tip(t)[:, [2, 0]], atol=1e-11)
 
 
+def test_a_sensor_of_more_samples_than_memory_holds_is_refused():
+    sensor = Sensor(name="tip", quantity="position", point="tip", rate_hz=1e9)
+    with pytest.raises(
+        InvalidParameter, match=r"sensors\.tip\.rate_hz: makes 1e\+10 samples of 10 s; allowed"
+    ):
+        measure(motion(), [sensor], np.random.default_rng(1))
+
+
 def test_slow_tracker_aliases_the_mode_that_it_undersamples():
     """2.5 Hz sampled at 2.3 Hz appears at 0.2 Hz, with its full amplitude."""
     run = motion(duration=60.0)

@@ -75,7 +75,10 @@ def test_fewer_modes_come_where_there_are_fewer():
 
 def test_rigid_arms_on_rigid_drives_have_none():
     stiff = arm(joints=[hinge("hinge", "body")], links=[rigid("body", 1.0)])
-    assert len(flexarm.modes(stiff).frequency_hz) == 0
+    found = flexarm.modes(stiff)
+    assert len(found.frequency_hz) == 0
+    assert found.summary().startswith("modes of arm: none, as nothing with mass can vibrate")
+    assert found.to_json_dict()["frequency_hz"] == []
 
 
 @pytest.mark.parametrize("count", [0, -3])

@@ -282,6 +282,19 @@ def test_a_mesh_file_becomes_a_super_element(file, capsys):
     assert Path("ring.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_mesh_in_millimetres_read_as_metres_is_refused_and_unit_mm_named(file, tmp_path, capsys):
+    """A ring of 400 mm would weigh a billion times what it does; a stated mass vouches for it."""
+    command = ["reduce", "ring.vtu", *COMMAND[4:], *INTERFACES, "--modes", "0", "--out", "ring.nc"]
+    assert run(command) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("error: ring.vtu: unit: the part is 400 m across and weighs ")
+    assert "Say --unit mm" in told
+    assert not list(tmp_path.glob("*.nc"))
+    weight = told.partition("weighs ")[2].split()[0]
+    assert run([*command, "--mass", weight]) == 0
+    assert "did you mean unit = 'mm'?" in capsys.readouterr().err
+
+
 def test_json_tells_modes_quality_and_seconds(file, capsys):
     assert run([*COMMAND, *INTERFACES, "--modes", "5", "--out", "ring.nc", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)

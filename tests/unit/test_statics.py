@@ -62,7 +62,9 @@ def test_section_forces_of_rigid_links_are_not_a_number():
     lever = arm(joints=[hinge("hinge", "lever")], links=[rigid("lever", 1.0, com=[0.5, 0, 0])])
     held = flexarm.static(lever)
     assert np.isnan(held.section_forces).all()
-    assert held.to_json_dict()["links"] == {}
+    assert held.to_json_dict()["links"] == held.to_json_dict()["points"] == {}
+    assert "no points: the model has no [[points]]" in held.summary()
+    assert not [line for line in held.summary().splitlines() if line.startswith(("point", "beam"))]
     assert held.joint_torque == pytest.approx([-0.5 * G])
 
 

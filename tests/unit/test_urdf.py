@@ -156,3 +156,145 @@ def test_an_arm_made_in_python_has_no_urdf_to_read(folder):
     arm = flexarm.Arm.from_toml(folder / "crane.toml")
     with pytest.raises(flexarm.InvalidParameter, match=r"urdf: is read by Arm\.from_toml"):
         arm.replace(urdf="crane.urdf")
+
+
+BEAM = """
+[[links]]
+name = "jib"
+type = "beam"
+end = [0, 0, {length}]
+section = {{ shape = "tube", outer_diameter = 0.06, thickness = 0.003 }}
+material = {{ youngs_modulus = 210e9, poisson_ratio = 0.3, density = 7850 }}
+"""
+PLAIN = """
+format = "flexarm-arm/1"
+[[joints]]
+name = "luff"
+type = "revolute"
+parent = "base"
+child = "jib"
+axis = [0, 1, 0]
+[[joints]]
+name = "wrist"
+type = "revolute"
+parent = "jib"
+child = "hand"
+PLACE
+axis = [0, 1, 0]
+[[links]]
+name = "hand"
+type = "rigid"
+mass = 20.0
+com = [0, 0, 0.2]
+[[points]]
+name = "tip"
+link = "hand"
+position = [0, 0, 0]
+""" + BEAM.format(length=2)
+SHORT = """<robot name="short">
+  <link name="base_link"/>
+  <link name="base"/>
+  <link name="jib"><inertial><mass value="2"/></inertial></link>
+  <link name="hand"><inertial><origin xyz="0 0 0.2"/><mass value="20"/></inertial></link>
+  <joint name="plate" type="fixed"><parent link="base_link"/><child link="base"/></joint>
+  <joint name="luff" type="revolute">
+    <parent link="base_link"/><child link="jib"/><axis xyz="0 1 0"/>
+  </joint>
+  <joint name="wrist" type="revolute">
+    <parent link="jib"/><child link="hand"/><origin xyz="{xyz}"/><axis xyz="0 1 0"/>
+  </joint>
+</robot>
+"""
+HAND = 'format = "flexarm-arm/1"\nurdf = "short.urdf"\n' + POINT.replace("flange", "hand")
+
+
+def short(folder, beam, xyz="0 0 2", more=""):
+    """The arm of `SHORT` with a beam for its jib."""
+    (folder / "short.urdf").write_text(SHORT.format(xyz=xyz))
+    (folder / "short.toml").write_text(HAND + beam + more)
+    return flexarm.Arm.from_toml(folder / "short.toml")
+
+
+def sag(arm):
+    return flexarm.static(arm, joints={"luff": math.pi / 2}).displacement[0]
+
+
+def test_a_beam_in_place_of_a_link_carries_its_child_joints_at_its_far_end(tmp_path):
+    """The arm sags as the plain model does, and has its length: not 0, and not twice as long."""
+    (tmp_path / "plain.toml").write_text(PLAIN.replace("PLACE", 'at = "end"'))
+    plain = flexarm.Arm.from_toml(tmp_path / "plain.toml")
+    arm = short(tmp_path, BEAM.format(length=2))
+    assert arm.warnings == ()
+    assert sag(plain)[2] < -1e-3
+    assert sag(arm) == pytest.approx(sag(plain), rel=1e-12)
+    at_end = short(tmp_path, BEAM.format(length=2), more='[[joints]]\nname = "wrist"\nat = "end"\n')
+    assert sag(at_end) == pytest.approx(sag(plain), rel=1e-12)
+
+
+def test_a_joint_beside_or_beyond_the_end_of_a_beam_is_rigid_with_the_section_there(tmp_path):
+    joint = short(tmp_path, BEAM.format(length=2), "0 0.1 2.3").joint("wrist")
+    assert (joint.at, joint.origin.xyz) == ("end", pytest.approx((0, 0.1, 0.3)))
+
+
+def test_a_joint_at_the_start_of_a_beam_stays_there(tmp_path):
+    joint = short(tmp_path, BEAM.format(length=2), "0 0.1 0").joint("wrist")
+    assert (joint.at, joint.origin.xyz) == ("start", (0, 0.1, 0))
+
+
+def test_a_joint_between_the_ends_of_a_beam_is_refused_unless_the_model_says_where(tmp_path):
+    beam = BEAM.format(length=4)
+    with pytest.raises(
+        InvalidFile, match=r"joints\.wrist\.origin: stands at 0\.5 of the length of beam 'jib'"
+    ):
+        short(tmp_path, beam)
+    arm = short(tmp_path, beam, more='[[joints]]\nname = "wrist"\nat = "start"\n')
+    assert (arm.joint("wrist").at, arm.joint("wrist").origin.xyz) == ("start", (0, 0, 2))
+
+
+def test_an_origin_of_the_model_counts_from_where_the_model_says(tmp_path):
+    own = '[[joints]]\nname = "wrist"\nat = "end"\norigin = { xyz = [0, 0, 0.1] }\n'
+    assert short(tmp_path, BEAM.format(length=2), more=own).joint("wrist").origin.xyz == (0, 0, 0.1)
+
+
+def test_a_joint_that_hangs_on_the_start_of_a_beam_beside_its_end_is_doubted(tmp_path):
+    """The same slip without URDF: the arm would not sag."""
+    told = {}
+    for place in ("origin = { xyz = [0, 0.1, 2] }", 'at = "start"\norigin = { xyz = [0, 0.1, 2] }'):
+        (tmp_path / "plain.toml").write_text(PLAIN.replace("PLACE", place))
+        told[place] = [str(problem) for problem in flexarm.Arm.from_toml(tmp_path / "plain.toml").warnings]
+    (doubt,), stated = told.values()
+    assert doubt.startswith("joints.wrist.at: is left out")
+    assert 'write at = "end" and origin xyz = [0.0, 0.1, 0.0]' in doubt
+    assert stated == []
+
+
+def test_links_named_base_are_read_as_ros_industrial_writes_them(tmp_path):
+    """A root of that name is the base; below another root it is a frame of its own."""
+    (tmp_path / "short.urdf").write_text(SHORT.format(xyz="0 0 2"))
+    arm = flexarm.Arm.from_toml(tmp_path / "short.urdf")
+    assert [link.name for link in arm.links] == ["base_frame", "jib", "hand"]
+    swapped = SHORT.replace("base_link", "other").replace('"base"', '"pad"').replace('"other"', '"base"')
+    (tmp_path / "short.urdf").write_text(swapped.format(xyz="0 0 2"))
+    arm = flexarm.Arm.from_toml(tmp_path / "short.urdf")
+    assert [joint.parent for joint in arm.joints] == ["base", "base", "jib"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('<link name="base"/>', '<xacro:macro name="arm"/>'),
+        ('value="20"', 'value="${mass}"'),
+    ],
+)
+@pytest.mark.parametrize("file", ["short.urdf", "short.urdf.xacro"])
+def test_a_xacro_file_that_is_not_expanded_is_said_so(tmp_path, old, new, file):
+    (tmp_path / file).write_text(SHORT.replace(old, new))
+    with pytest.raises(InvalidFile, match=r"not expanded.*xacro in\.xacro > arm\.urdf"):
+        flexarm.Arm.from_toml(tmp_path / file)
+
+
+@pytest.mark.parametrize("number", ["1e300", "inf", "-1e40"])
+def test_numbers_beyond_any_range_are_refused_where_they_stand(folder, number):
+    (folder / "crane.urdf").write_text(URDF.replace('ixx="1"', f'ixx="{number}"'))
+    with pytest.raises(InvalidFile, match=r"links\.mast\.ixx: must be at"):
+        flexarm.Arm.from_toml(folder / "crane.urdf")

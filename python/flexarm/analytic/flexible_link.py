@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, fields
 
 from flexarm.errors import InvalidParameter
+from flexarm.tables.ranges import out_of_range
 
 _UNITS = {
     "length": "m",
@@ -59,6 +60,8 @@ class FlexibleLink:
                 raise InvalidParameter(
                     f"flexible link: {item.name} must be {need}, got {value} {_UNITS[item.name]}"
                 )
+            if wrong := out_of_range(float(value), _UNITS[item.name].replace("²", "2"), size=True):
+                raise InvalidParameter(f"flexible link: {item.name} {wrong}")
 
     @property
     def beam_mass(self) -> float:

@@ -107,7 +107,7 @@ class Arm(Table):
         InvalidFile
             With the place and value of every problem.
         """
-        if Path(path).suffix == ".urdf":
+        if Path(path).suffix in (".urdf", ".xacro"):
             return check_table(cls, with_urdf({"urdf": Path(path).name}, Path(path).parent), path, "")
         data, text = read_toml(Path(path), "flexarm-arm/1")
         folder = Path(path).parent

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.joint import Joint
+from flexarm.arm.geared import moved_with
+from flexarm.arm.joint import Gear, Joint
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.arm.vocabulary import places
@@ -127,6 +128,31 @@ def _gears(arm: Arm) -> Found:
                     "give either the gear or the joint's gear_ratio"
                 ),
             )
+    yield from _coupled_twice(arm)
+
+
+def _coupled_twice(arm: Arm) -> Found:
+    """Gears must couple joints as a forest, and an output has one input.
+
+    A second path between two joints repeats the first or contradicts it.
+    """
+    input_of: dict[str, Gear] = {}
+    for i, gear in enumerate(arm.gears):
+        others = arm.gears[:i]
+        if first := input_of.get(gear.output):
+            yield (
+                ("gears", i, "output"),
+                f"joint {gear.output!r} is the output of gear {first.name!r} (ratio {first.ratio:g}) "
+                f"already, got ratio {gear.ratio:g}; a joint has one input",
+            )
+        elif gear.output in moved_with([gear.input], others):
+            names = ", ".join(repr(other.name) for other in others)
+            yield (
+                ("gears", i, "output"),
+                f"joints {gear.input!r} and {gear.output!r} are coupled already by gears before it "
+                f"({names}); gears must not form a loop",
+            )
+        input_of.setdefault(gear.output, gear)
 
 
 def _attachments(arm: Arm) -> Found:

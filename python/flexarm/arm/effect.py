@@ -17,7 +17,7 @@ from flexarm.arm.prior import Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table, unit_of
-from flexarm.tables.table import Nested
+from flexarm.tables.table import Label, Nested
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -41,7 +41,7 @@ class Effect(Table):
 
     name: ClassVar[str]
     place: ClassVar[str]
-    at: str = Field(description='name of a joint, link, payload, point, signal, frame or clock, or "base"')
+    at: Label = Field(description='name of a joint, link, payload, point, signal, frame or clock, or "base"')
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:

@@ -29,6 +29,9 @@ class Material(Table):
         return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
 
 
+WEIGHTLESS = "must be 0 where the density is 0, got {ratio:g}; a ratio is of a vibration, which needs mass"
+
+
 class Beam(Table):
     """A straight elastic link of constant section.
 
@@ -67,6 +70,8 @@ class Beam(Table):
     def _check(self) -> Self:
         if self.length == 0:
             raise Inconsistent((("end",), f"a beam must have a length, got end = {list(self.end)} m"))
+        if self.damping_ratio > 0 and self.material.density == 0:
+            raise Inconsistent((("damping_ratio",), WEIGHTLESS.format(ratio=self.damping_ratio)))
         if self.up is None:
             iy, iz = self.section.second_moments
             if abs(iy - iz) > 1e-9 * max(iy, iz):

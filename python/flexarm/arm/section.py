@@ -18,6 +18,9 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from flexarm.tables import Inconsistent, Number, Table, Vector2, value_in
 
+THINNEST = 1e-6
+"""Wall over outer diameter of a tube: a thinner one is lost in the rounding of (1)."""
+
 
 class Round(Table):
     """A solid round bar."""
@@ -51,6 +54,14 @@ class Tube(Table):
                     ("thickness",),
                     f"must be less than half the outer diameter of {self.outer_diameter:g} m, "
                     f'got {self.thickness:g} m; a solid bar is shape = "round"',
+                )
+            )
+        if self.thickness < THINNEST * self.outer_diameter:
+            raise Inconsistent(
+                (
+                    ("thickness",),
+                    f"must be at least {THINNEST:g} of the outer diameter of {self.outer_diameter:g} m, "
+                    f"got {self.thickness:g} m",
                 )
             )
         return self

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexarm.tables.messages import shown
+from flexarm.tables.ranges import out_of_range
 from flexarm.tables.table import Inconsistent, Path, Table, unit_of
 
 if TYPE_CHECKING:
@@ -60,6 +61,8 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
     for key, sigma in arm.uncertainty.items():
         if sigma < 0:
             yield ("uncertainty", key), f"1 sigma must not be negative, got {sigma:g}"
+        elif wrong := out_of_range(sigma, "", size=True):
+            yield ("uncertainty", key), f"1 sigma {wrong}"
         try:
             place = owner_of(arm, key)
         except ValueError as error:

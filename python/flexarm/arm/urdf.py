@@ -2,12 +2,14 @@
 
 Links become rigid links, `revolute` and `continuous` joints revolute ones, `mimic` a gear; the offset of a
 sliding mimic joint moves its origin, so that its value counts from there. The root link becomes "base"; its
-mass rests on the ground and is left out. What URDF cannot say stands in the TOML file beside it: its entries
-of the same name take precedence, key by key for joints.
+mass rests on the ground and is left out. Another link named `base`, which robots of ROS-Industrial have below
+their root `base_link`, becomes `BASE_FRAME`. What URDF cannot say stands in the TOML file beside it: its
+entries of the same name take precedence, key by key for joints.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from math import hypot
 from pathlib import Path
@@ -15,12 +17,18 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.inertia import Matrix
 from flexarm.arm.rotation import added, from_rpy, rotated, scaled, times, transposed
+from flexarm.arm.urdf_beams import is_named, on_beams
 from flexarm.errors import InvalidFile
+from flexarm.tables.ranges import out_of_range
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 _TYPES = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
+BASE_FRAME = "base_frame"
+"""Name of a link that the file calls `base` and that is not its root."""
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_XACRO = re.compile(rb"<xacro:|\$\{")
 _NOT_TABLES = {"format", "name", "gravity", "uncertainty", "urdf"}
 
 
@@ -41,12 +49,13 @@ def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """
     if not isinstance(data.get("urdf"), str):
         return dict(data)
-    tables = read_urdf(folder / str(data["urdf"]))
+    file = folder / str(data["urdf"])
+    tables = read_urdf(file)
     merged = {key: value for key, value in data.items() if key != "urdf"}
     merged.setdefault("name", tables.pop("name"))
     for kind, entries in tables.items():
         own = merged.get(kind, [])
-        if not isinstance(own, list | tuple) or not all(_is_named(entry) for entry in own):
+        if not isinstance(own, list | tuple) or not all(is_named(entry) for entry in own):
             continue  # the check of the model says what is wrong with it
         named = {entry["name"]: entry for entry in own}
         joined = []
@@ -54,6 +63,7 @@ def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             other = named.pop(entry["name"], None)
             joined.append({**entry, **other} if kind == "joints" and other else other or entry)
         merged[kind] = joined + [entry for entry in own if entry["name"] in named] + _doubles(list(own))
+    merged = on_beams(merged, data.get("joints", ()), tables["joints"], file)
     return {key: value for key, value in merged.items() if key in _NOT_TABLES or value}
 
 
@@ -61,10 +71,6 @@ def _doubles(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Entries whose name stands before them already: kept, for the check of the model to refuse."""
     names = [entry["name"] for entry in entries]
     return [entry for i, entry in enumerate(entries) if entry["name"] in names[:i]]
-
-
-def _is_named(entry: Any) -> bool:
-    return isinstance(entry, dict) and isinstance(entry.get("name"), str)
 
 
 def read_urdf(path: Path) -> dict[str, Any]:
@@ -78,9 +84,16 @@ def read_urdf(path: Path) -> dict[str, Any]:
     from xml.etree import ElementTree
 
     try:
-        robot = ElementTree.fromstring(path.read_bytes())
+        content = path.read_bytes()
     except OSError as error:
         raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
+    if _XACRO.search(_COMMENT.sub(b"", content)):
+        what = (
+            "is a xacro file that is not expanded; allowed is URDF, as `xacro in.xacro > arm.urdf` makes it"
+        )
+        raise InvalidFile(path, "file", what)
+    try:
+        robot = ElementTree.fromstring(content)
     except ElementTree.ParseError as error:
         raise InvalidFile(path, f"line {error.position[0]}", f"is no XML: {error}") from None
     if robot.tag != "robot":
@@ -93,10 +106,11 @@ def read_urdf(path: Path) -> dict[str, Any]:
         raise InvalidFile(
             path, "links", f"must have one root that no joint moves, got {', '.join(roots) or 'none'}"
         )
+    reader.root = roots[0]
     return {
         "name": robot.get("name") or path.stem,
         "links": [reader.link(link) for link in robot.findall("link") if reader.name(link) != roots[0]],
-        "joints": [reader.joint(joint, roots[0]) for joint in joints],
+        "joints": [reader.joint(joint) for joint in joints],
         "gears": [reader.gear(joint) for joint in joints if joint.find("mimic") is not None],
     }
 
@@ -106,6 +120,13 @@ class _Reader:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.root = ""
+
+    def in_model(self, link: str) -> str:
+        """Return what the model calls a link of the file."""
+        if link == self.root:
+            return "base"
+        return BASE_FRAME if link == "base" else link
 
     def name(self, element: Element) -> str:
         found = element.get("name")
@@ -130,6 +151,8 @@ class _Reader:
             found = []
         if len(found) != count:
             raise InvalidFile(self.path, f"{where}.{key}", f"must be {count} numbers, got {text!r}")
+        if wrong := out_of_range(tuple(found), "", size=False):
+            raise InvalidFile(self.path, f"{where}.{key}", wrong)
         return found
 
     def pose(self, element: Element | None, where: str) -> dict[str, list[float]]:
@@ -137,7 +160,7 @@ class _Reader:
 
     def link(self, link: Element) -> dict[str, Any]:
         where = f"links.{self.name(link)}"
-        table: dict[str, Any] = {"name": self.name(link), "type": "rigid", "mass": 0.0}
+        table: dict[str, Any] = {"name": self.in_model(self.name(link)), "type": "rigid", "mass": 0.0}
         inertial = link.find("inertial")
         if inertial is None:
             return table
@@ -157,18 +180,17 @@ class _Reader:
             "inertia": [J[0][0], J[1][1], J[2][2], J[0][1], J[0][2], J[1][2]],
         }
 
-    def joint(self, joint: Element, root: str) -> dict[str, Any]:
+    def joint(self, joint: Element) -> dict[str, Any]:
         name = self.name(joint)
         kind = joint.get("type", "")
         if kind not in _TYPES:
             allowed = ", ".join(_TYPES)
             raise InvalidFile(self.path, f"joints.{name}.type", f"must be one of {allowed}, got {kind!r}")
-        parent = self.end(joint, "parent")
         table: dict[str, Any] = {
             "name": name,
             "type": _TYPES[kind],
-            "parent": "base" if parent == root else parent,
-            "child": self.end(joint, "child"),
+            "parent": self.in_model(self.end(joint, "parent")),
+            "child": self.in_model(self.end(joint, "child")),
             "origin": self.pose(joint.find("origin"), f"joints.{name}"),
         }
         if kind != "fixed":
@@ -197,6 +219,8 @@ class _Reader:
         (offset,) = self.numbers(mimic, "offset", "0", where, 1)
         if multiplier == 0:
             raise InvalidFile(self.path, f"{where}.multiplier", "must not be 0")
+        if wrong := out_of_range(multiplier, "-", size=True):
+            raise InvalidFile(self.path, f"{where}.multiplier", wrong)
         return mimic.get("joint"), multiplier, offset
 
     def gear(self, joint: Element) -> dict[str, Any]:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
-from flexarm.arm.rotation import added, scaled
+from flexarm.arm.rotation import added, dot, scaled
 from flexarm.arm.section import General, contradiction
 from flexarm.arm.sizes import size_doubts
+from flexarm.arm.urdf_beams import ENDS, left_from_end
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ def doubts(arm: Arm) -> Iterable[Problem]:
         if isinstance(link, Beam):
             yield from _beam(link)
     yield from _beyond_the_beam(arm)
+    yield from _beside_the_beam(arm)
     yield from _counted_twice(arm)
     yield from _unseen(arm)
     yield from size_doubts(arm)
@@ -85,6 +87,23 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
                     f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to "
                     f"{beam.length:g} m; it sits rigidly on the nearer end",
                 )
+
+
+def _beside_the_beam(arm: Arm) -> Iterable[Problem]:
+    """Joints that stand at the far end of a beam and hang on its start, where `at` was left out."""
+    beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
+    for joint in arm.joints:
+        beam = beams.get(joint.parent)
+        if beam is None or "at" in joint.model_fields_set:
+            continue
+        along = dot(joint.origin.xyz, beam.end) / beam.length**2
+        if along >= 1 - ENDS:
+            rest = [float(f"{part:.9g}") for part in left_from_end(joint.origin.xyz, beam.end)]
+            yield Problem(
+                f"joints.{joint.name}.at",
+                f"is left out: the joint is rigid with the start of beam {beam.name!r} and stands at its far "
+                f'end, which it does not follow; write at = "end" and origin xyz = {rest}, or at = "start"',
+            )
 
 
 def _unseen(arm: Arm) -> Iterable[Problem]:

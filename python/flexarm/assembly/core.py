@@ -17,6 +17,7 @@ from flexarm.arm.section import General, Rectangle, Round, Tube
 from flexarm.assembly.base import pedestal, tilted
 from flexarm.assembly.machine import Load, Machine, Member, machine_of, nominal_machine
 from flexarm.errors import InvalidParameter
+from flexarm.tables.ranges import out_of_range
 
 _THEORIES = {
     "timoshenko": _core.BeamTheory.timoshenko,
@@ -95,6 +96,9 @@ def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
             )
         if not np.isfinite(value):
             raise InvalidParameter(f"must be finite, got {value}", where=f"joints.{name}")
+        unit = "m" if arm.joint(name).type == "prismatic" else "rad"
+        if wrong := out_of_range(float(value), unit, size=False):
+            raise InvalidParameter(wrong, where=f"joints.{name}")
     values = _through_gears(arm, joints)
     return [float(values.get(joint.name, 0.0)) for joint in arm.joints]
 
@@ -137,6 +141,8 @@ def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLo
         force: NDArray[np.float64] = np.asarray(value, dtype=float)
         if force.shape != (3,) or not np.all(np.isfinite(force)):
             raise InvalidParameter(f"must be three finite numbers [N], got {value!r}", where=f"forces.{name}")
+        if wrong := out_of_range(tuple(map(float, force)), "N", size=False):
+            raise InvalidParameter(wrong, where=f"forces.{name}")
         loads.append(_core.PointLoad(point=names.index(name), force=force))
     return loads
 

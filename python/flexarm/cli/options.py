@@ -94,7 +94,7 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         turns_often = name in {gear.input for gear in arm.gears}  # a motor's shaft
         if arm.joint(name).type == "revolute" and not turns_often and abs(values[name]) > 2 * math.pi:
             turns = abs(values[name]) / (2 * math.pi)
-            what = f"{values[name]:g} rad are {turns:.1f} turns; angles are in radians"
+            what = f"{values[name]:g} rad are {turns:.3g} turns; angles are in radians"
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values
 

@@ -136,7 +136,7 @@ def reduce(
         element = accepted(mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance)
     else:
         refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
-        solid = solid_part(mesh, unit, material, merge)
+        solid = solid_part(mesh, unit, material, merge, mass)
         element = reduced(mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery)
         if picture is not None:
             draw(solid, element, interface, picture, force)

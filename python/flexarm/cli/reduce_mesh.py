@@ -23,10 +23,13 @@ def refuse_for_meshes(*given: object) -> None:
         raise InvalidFile("command line", option, "is for matrices of other programs, which need --grids")
 
 
-def solid_part(file: Path, unit: str, material: list[str] | None, merge: float) -> SolidMesh:
-    """The mesh with its materials, checked."""
+def solid_part(
+    file: Path, unit: str, material: list[str] | None, merge: float, mass: float | None
+) -> SolidMesh:
+    """Return the mesh with its materials, checked; a stated mass vouches for its size."""
     from flexarm.cli.materials import read_materials
     from flexarm.solids import read_mesh
+    from flexarm.solids.doubts import refuse_implausible
 
     materials, notes = read_materials(material or (), unit)
     warn(Path("command line"), notes)
@@ -35,6 +38,8 @@ def solid_part(file: Path, unit: str, material: list[str] | None, merge: float) 
     if "" in materials:
         solid = solid.with_materials(materials[""])
     solid.check()
+    if mass is None:
+        refuse_implausible(solid)
     warn(file, solid.warnings)
     return solid
 

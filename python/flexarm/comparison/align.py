@@ -213,7 +213,7 @@ def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:
 
 
 def _least_norm(jacobian: Floats, right: Floats, unknown: list[Unknown]) -> tuple[Floats, Floats]:
-    """Least-squares step and standard deviations; what nothing determines stays, infinitely unsure."""
+    """Return the least-squares step and standard deviations; what the data leave open keeps its prior's."""
     scale = _sizes(unknown)
     scaled = jacobian * scale
     squares, axes = np.linalg.eigh(scaled.T @ scaled)
@@ -221,7 +221,8 @@ def _least_norm(jacobian: Floats, right: Floats, unknown: list[Unknown]) -> tupl
     step = axes[:, firm] @ ((axes[:, firm].T @ (scaled.T @ right)) / squares[firm])
     variance = np.sum(axes[:, firm] ** 2 / squares[firm], axis=1)
     loose = np.sum(axes[:, ~firm] ** 2, axis=1) > 1e-3
-    return step * scale, np.where(loose, np.inf, np.sqrt(variance) * scale)
+    prior = np.array([each.sigma for each in unknown])
+    return step * scale, np.where(loose, prior, np.sqrt(variance) * scale)
 
 
 def _sizes(unknown: list[Unknown]) -> Floats:

@@ -80,7 +80,8 @@ class Comparison:
             lines += ["", "aligned, +- 1 sigma beside the stated one"]
             rows = zip(self.aligned.unknowns, self.aligned.values, self.aligned.std, strict=True)
             lines += [
-                f"  {u!s:<36}{_to_its_sigma(value, std):>12} +- {std:8.1e}  ({u.sigma:.1e}) {u.unit}"
+                f"  {u!s:<36}{_to_its_sigma(value, std):>12} +- {_sigma(std, 'any'):>8}  "
+                f"({_sigma(u.sigma, 'unknown')}) {u.unit}"
                 for u, value, std in rows
             ]
         lines += [f"not compared: {name}: {why}" for name, why in self.skipped.items()]
@@ -139,6 +140,11 @@ class Comparison:
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _sigma(std: float, infinite: str) -> str:
+    """Return 1 sigma as text, or a word where nothing is known."""
+    return f"{std:.1e}" if np.isfinite(std) else infinite
 
 
 def _to_its_sigma(value: float, std: float) -> str:

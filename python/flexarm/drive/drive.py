@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.smoothing import interpolate
+from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -68,13 +69,16 @@ class Drive:
             If times do not rise or a value is not finite.
         """
         t = np.asarray(time, dtype=float)
-        if t.ndim != 1 or len(t) < 2 or not np.all(np.isfinite(t)) or np.any(np.diff(t) <= 0):
+        least, most = range_of("s")
+        if t.ndim != 1 or len(t) < 2 or not np.all(np.abs(t) <= most) or not np.all(np.diff(t) >= least):
             raise InvalidParameter("must be at least two finite, rising times [s]", where="time")
         joints = {}
         for name, samples in values.items():
             y = np.asarray(samples, dtype=float)
             if y.shape != t.shape or not np.all(np.isfinite(y)):
                 raise InvalidParameter(f"needs {len(t)} finite values, one a time", where=name)
+            if at := first_beyond(y, "rad"):
+                raise InvalidParameter(str(out_of_range(float(y[at]), "rad", size=False)), where=name)
             joints[name] = (
                 JointDrive.held(t, y) if side == "command" else JointDrive(*interpolate(t, y), side)
             )

@@ -10,6 +10,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.record.columns import CsvFile
+from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -43,8 +44,13 @@ def samples_in(path: str | Path, arm: Arm) -> tuple[Floats, dict[str, Floats]]:
         row, column = wrong[0]
         where = f"line {table.line(int(row))}, column {['time_s', *names][column]}"
         raise InvalidFile(path, where, "must be a finite number; a drive has no drop-outs")
+    units = ["s", *("m" if arm.joint(name).type == "prismatic" else "rad" for name in names)]
+    for name, column, unit in zip(["time_s", *names], rows.T, units, strict=True):
+        if at := first_beyond(column, unit):
+            what = str(out_of_range(float(column[at]), unit, size=False))
+            raise InvalidFile(path, f"line {table.line(at[0])}, column {name}", what)
     time = rows[:, 0]
-    backward = np.flatnonzero(np.diff(time) <= 0)
+    backward = np.flatnonzero(np.diff(time) < range_of("s")[0])
     if len(backward):
         k = int(backward[0]) + 1
         where = f"line {table.line(k)}, column time_s"

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
-from flexarm.arm.link import RigidLink
+from flexarm.arm.link import WEIGHTLESS, Beam, RigidLink
 from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
 
@@ -37,8 +37,11 @@ class LinkDamping(Effect):
     damping_ratio: Number = value_in("-", "damping ratio of the link's first clamped mode", 0.0, ge=0, lt=1)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """A rigid link does not deform."""
-        if arm.link(self.at).type == "rigid":
+        """A rigid link does not deform, one without mass does not vibrate."""
+        link = arm.link(self.at)
+        if isinstance(link, Beam) and link.material.density == 0 and self.damping_ratio > 0:
+            yield "damping_ratio", WEIGHTLESS.format(ratio=self.damping_ratio)
+        if link.type == "rigid":
             yield "at", f"{self.at!r} is rigid and damps nothing; joint_compliance of its joint has a damping"
 
     def patch(self, machine: Machine) -> None:

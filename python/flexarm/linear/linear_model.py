@@ -98,6 +98,26 @@ class LinearModel(Result):
 
         return StateSpace(self.A, self.B, self.C, self.D)
 
+    def to_control(self) -> Any:
+        """Return the model as control.StateSpace of python-control, with the names of its signals.
+
+        Names there hold no dots: "tip.x" becomes "tip_x".
+
+        Raises
+        ------
+        InvalidParameter
+            If python-control is not installed.
+        """
+        try:
+            import control
+        except ImportError:
+            raise InvalidParameter(
+                "to_control needs python-control, which is not installed: pip install flexarm[control]"
+            ) from None
+        names = {"inputs": self.input_names, "outputs": self.output_names, "states": self.state_names}
+        labels = {axis: [name.replace(".", "_") for name in texts] for axis, texts in names.items()}
+        return control.ss(self.A, self.B, self.C, self.D, **labels)
+
     def contents(self) -> Contents:
         """What is stored: matrices over named states, inputs and outputs with their units."""
         named = {"state": self.state_names, "input": self.input_names, "output": self.output_names}

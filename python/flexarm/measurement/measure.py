@@ -170,12 +170,19 @@ def _default_unit(arm: Any, sensor: Sensor) -> str:
 
 def _instants(simulation: Any, sensor: Sensor, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Planned and true instants (1), as many as fit into the run."""
+    from flexarm.simulation.endless import MOST_STEPS
+
     first, last = float(simulation.time[0]), float(simulation.time[-1])
     count = int(np.floor((last - first - sensor.start) * sensor.rate_hz * (1 + 1e-12))) + 1
     if count < 1:
         raise InvalidParameter(
             f"sensor {sensor.name!r} starts at {sensor.start:g} s, "
             f"after the end of a run of {last - first:g} s"
+        )
+    if count > MOST_STEPS:
+        raise InvalidParameter(
+            f"makes {count:.3g} samples of {last - first:g} s; allowed are {MOST_STEPS:.3g}",
+            where=f"sensors.{sensor.name}.rate_hz",
         )
     planned = first + sensor.start + np.arange(count) / sensor.rate_hz
     return planned, np.clip(planned + sensor.jitter_std * rng.standard_normal(count), first, last)  # eq. (1)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
-from flexarm.errors import InvalidFile, Problem
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.record.columns import CsvFile
 from flexarm.record.file_table import RecordTable, SignalTable
 from flexarm.record.record import Record
@@ -18,6 +18,7 @@ from flexarm.record.signal import Signal
 from flexarm.record.table import Clock
 from flexarm.tables import check_table, read_toml
 from flexarm.tables.place import line_in
+from flexarm.tables.ranges import first_beyond, range_of
 from flexarm.units import factor_to, si_factor
 
 
@@ -32,7 +33,12 @@ def load(path: Path) -> Record:
     table = check_table(RecordTable, data, toml, text)
     reader = _Reader(toml, table, text)
     clocks = dict(table.clocks) or {"clock": Clock()}
-    signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
+    try:
+        signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
+    except InvalidFile:
+        raise
+    except InvalidParameter as error:
+        raise InvalidFile(toml, error.where, error.problems[0].what) from None
     return Record(
         signals={signal.name: signal for signal in signals},
         drive=table.drive,
@@ -64,6 +70,8 @@ class _Reader:
         """One signal in SI units."""
         self._check_columns(i, table)
         unit, factor = table.si
+        for column in table.channels:
+            self._check_range(table.file, column, unit, factor)
         values = np.stack([self._column(table.file, name) for name in table.channels], axis=1) * factor
         motion = self.table.kind == "motion"
         if table.spec.has_side and "side" not in table.model_fields_set:
@@ -132,18 +140,28 @@ class _Reader:
             self._columns[file] = dict(zip(names, self._files[file].numbers(names).T, strict=True))
         return self._columns[file][name]
 
+    def _check_range(self, file: str, column: str, unit: str, factor: float) -> None:
+        """Refuse a column with a value that is out of the physical range of its unit."""
+        values = self._column(file, column)
+        if at := first_beyond(values, unit, factor):
+            most = range_of(unit)[1] / factor
+            csv = self._files[file]
+            where = f"line {csv.line(at[0])}, column {column}"
+            raise InvalidFile(csv.file, where, f"must lie within +-{most:g}, got {values[at]:.9g}")
+
     def _time(self, table: SignalTable) -> Floats:
         """Stamps [s]; they must rise."""
         assert table.time is not None
         key = (table.file, table.time, table.time_unit)
         if key not in self._times:
             _, factor = si_factor(table.time_unit, ("s",))
+            self._check_range(table.file, table.time, "s", factor)
             stamps = self._column(table.file, table.time)
-            self._check_rising(table, stamps)
+            self._check_rising(table, stamps, factor)
             self._times[key] = stamps * factor
         return self._times[key]
 
-    def _check_rising(self, table: SignalTable, stamps: Floats) -> None:
+    def _check_rising(self, table: SignalTable, stamps: Floats, factor: float) -> None:
         csv = self._files[table.file]
         empty = np.flatnonzero(np.isnan(stamps))
         if len(empty):
@@ -152,10 +170,11 @@ class _Reader:
                 f"line {csv.line(int(empty[0]))}, column {table.time}",
                 "a row needs a time, got none",
             )
-        falls = np.flatnonzero(np.diff(stamps) <= 0)
+        falls = np.flatnonzero(np.diff(stamps) < range_of("s")[0] / factor)
         if len(falls):
             row = int(falls[0]) + 1
-            kind = "repeats" if stamps[row] == stamps[row - 1] else "goes back behind"
+            rise = stamps[row] - stamps[row - 1]
+            kind = "repeats" if rise == 0 else "goes back behind" if rise < 0 else "all but repeats"
             raise InvalidFile(
                 csv.file,
                 f"line {csv.line(row)}, column {table.time}",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import QUANTITIES, Quantity, channel_names
+from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -107,6 +108,22 @@ class Signal:
             )
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) <= 0):
             raise InvalidParameter("stamps must be finite and rise", where=f"signals.{self.name}.time")
+        self._check_ranges()
+
+    def _check_ranges(self) -> None:
+        for name, array, unit in (("values", self.values, self.unit), ("time", self.time, "s")):
+            if at := first_beyond(array, unit):
+                raise InvalidParameter(
+                    str(out_of_range(float(array[at]), unit, size=False)),
+                    where=f"signals.{self.name}.{name}[{at[0]}]",
+                )
+        least = range_of("s")[0]
+        if np.any(np.diff(self.time) < least):
+            raise InvalidParameter(f"stamps must rise by {least:g} s", where=f"signals.{self.name}.time")
+        wrong = out_of_range(self.noise_std, "unit", size=True)
+        if self.noise_std is not None and (wrong or not self.noise_std >= 0):
+            wrong = wrong or f"must be at least 0, got {self.noise_std:g}"
+            raise InvalidParameter(wrong, where=f"signals.{self.name}.noise_std")
 
     @property
     def spec(self) -> Quantity:

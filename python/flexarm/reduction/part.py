@@ -15,6 +15,7 @@ from flexarm import _core as _typed_core
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.damping import stiffness_proportional
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
+from flexarm.solids.doubts import refuse_implausible
 from flexarm.superelement import SuperElement
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ def reduce_mesh(
     lumped : bool
         Lumped instead of consistent masses.
     mass : float, optional
-        What the part weighs [kg]; the reduced part must agree within 0.1 %.
+        What the part weighs [kg]; the reduced part must agree within 0.1 %. Needed for a part of a size or
+        mass that no part of an arm has (`flexarm.solids.doubts`).
     recovery : bool
         Keep the matrix that gives the displacements of all points, 24 bytes a point and freedom.
     name : str, optional
@@ -96,6 +98,8 @@ def reduce_mesh(
     tell = progress or (lambda phase, done: None)
     tell("mesh", 0.0)
     solid, source = _checked(mesh, unit)
+    if mass is None:
+        refuse_implausible(solid)
     sets = {key: _interface_set(value) for key, value in interfaces.items()}
     if not sets:
         raise InvalidParameter("there must be at least one interface, got none", where="interfaces")

@@ -18,6 +18,7 @@ from flexarm.solids.assigned import material_problems
 from flexarm.solids.cell_types import ALLOWED
 from flexarm.solids.core import smallest_jacobians
 from flexarm.solids.shape import coincident, components, shortest_edge
+from flexarm.tables.ranges import range_of
 
 if TYPE_CHECKING:
     from flexarm.solids.mesh import SolidMesh
@@ -40,9 +41,11 @@ def problems(mesh: SolidMesh) -> Iterator[Problem]:
     if not mesh.cells:
         yield Problem("cells", f"there are no solid cells; needed are {ALLOWED}")
         return
-    infinite = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
+    most = range_of("m")[1]
+    infinite = np.flatnonzero(~(np.abs(mesh.points) <= most).all(axis=1))
     if len(infinite):
-        yield Problem("points", f"coordinates must be finite; they are not at {_points(mesh, infinite)}")
+        what = f"coordinates must be finite and within +-{most:g} m"
+        yield Problem("points", f"{what}; they are not at {_points(mesh, infinite)}")
         return
     repeated = list(_repeated(mesh))
     yield from repeated

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm import _core
 from flexarm.errors import Problem
 from flexarm.solids.checks import FLAT
 from flexarm.solids.core import smallest_jacobians
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 #: A part beyond these sizes [m] is no robot's: it was probably drawn in millimetres, or taken for it.
 LARGEST, SMALLEST = 50.0, 1e-4
+#: A solid part heavier than this [kg] is no arm's: booms of the largest excavators have some tens of tonnes.
+HEAVIEST = 1e5
 #: Cells whose smallest det J is below this part of an ideal cell's are badly distorted.
 DISTORTED = 0.05
 
@@ -26,6 +29,27 @@ def doubts(mesh: SolidMesh) -> Iterator[Problem]:
     yield from _materials(mesh)
     yield from _sets(mesh)
     yield from _distorted(mesh)
+
+
+def refuse_implausible(mesh: SolidMesh) -> None:
+    """Refuse a part whose size or mass no part of an arm has: a unit was left out.
+
+    Raises
+    ------
+    InvalidParameter
+        With size and mass, and how to insist.
+    """
+    size = float((mesh.box[1] - mesh.box[0]).max())
+    mass = float(_core.mass_properties(mesh.core())[0])
+    if SMALLEST <= size <= LARGEST and mass <= HEAVIEST:
+        return
+    unit = "m" if size < SMALLEST else "mm"
+    raise mesh.error(
+        "unit",
+        f"the part is {size:.4g} m across and weighs {mass:.4g} kg; allowed are {SMALLEST:g} to "
+        f"{LARGEST:g} m, {HEAVIEST:g} kg. Say --unit {unit} (unit = {unit!r}), or "
+        "state with --mass what it weighs",
+    )
 
 
 def _size(mesh: SolidMesh) -> Iterator[Problem]:

@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 def summary(found: Statics) -> str:
     """The result in lines that a person reads."""
     lines = [f"equilibrium of {found.arm.name} under gravity {list(found.arm.gravity)} m/s2"]
-    lines.append(f"{'point':<16}{'x [m]':>12}{'y [m]':>12}{'z [m]':>12}{'moved [mm]':>34}")
+    if found.points:
+        lines.append(f"{'point':<16}{'x [m]':>12}{'y [m]':>12}{'z [m]':>12}{'moved [mm]':>34}")
+    else:
+        lines.append("no points: the model has no [[points]] whose position and sag could be told")
     for i, name in enumerate(found.points):
         where = "".join(f"{value:12.6f}" for value in found.position[i])
         moved = ", ".join(f"{1e3 * value:.4f}" for value in found.displacement[i])
@@ -25,7 +28,8 @@ def summary(found: Statics) -> str:
         lines.append(
             f"{name:<16}{found.drive_angle[i]:16.8f}{found.link_angle[i]:16.8f}{found.joint_torque[i]:18.5f}"
         )
-    lines.append(f"{'beam':<16}{'N, Vy, Vz [N]':>36}{'T, My, Mz [N m]':>36}")
+    beams = "beam" if any(link.type == "beam" for link in found.arm.links) else ""
+    lines.append(f"{beams:<16}{'N, Vy, Vz [N]':>36}{'T, My, Mz [N m]':>36}")
     for i, link in enumerate(found.arm.links):
         for k, end in enumerate(("start", "end") if link.type == "beam" else ()):
             force, moment = _text(found.section_forces[i, k, :3]), _text(found.section_forces[i, k, 3:])

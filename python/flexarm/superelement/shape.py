@@ -13,6 +13,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.errors import Problem
 from flexarm.superelement.rigid_motion import PER_INTERFACE, freedom
+from flexarm.tables.table import check_label
 
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
@@ -23,8 +24,9 @@ SYMMETRY = 1e-6
 ORTHONORMAL = 1e-6
 """How far R^T R may be from 1: frames printed with seven digits pass."""
 
-HUGE = 1e100
-"""No entry is as large; products of such numbers would overflow."""
+HUGE = 1e30
+"""No entry is as large: moduli end at 1e18 Pa, lengths at 1e10 m (`flexarm.tables.ranges`). The largest entry
+of a matrix is not as small as its inverse, but in a matrix of zeros."""
 
 VARIABLES = {
     "interfaces": "interface_name",
@@ -58,6 +60,11 @@ def _names(interfaces: tuple[str, ...]) -> Iterator[Problem]:
     for i, name in enumerate(interfaces):
         if not name:
             yield Problem("interface_name", f"interface {i + 1} has no name")
+            continue
+        try:
+            check_label(name)
+        except ValueError as error:
+            yield Problem("interface_name", str(error))
         if name in interfaces[:i]:
             yield Problem("interface_name", f"{name!r} is given twice; names must differ")
 
@@ -96,6 +103,9 @@ def _not_finite(element: SuperElement) -> Iterator[Problem]:
             yield Problem(
                 variable, f"must be finite and below {HUGE:g}, got {values[at]} at {list(at)}{count}"
             )
+        elif field in ("stiffness", "mass", "damping") and 0 < np.abs(values).max() < 1 / HUGE:
+            what = f"must have an entry above {1 / HUGE:g}, got {np.abs(values).max():.3g} at most"
+            yield Problem(variable, what)
 
 
 def _frames(element: SuperElement) -> Iterator[Problem]:

@@ -105,7 +105,7 @@ def _modes(element: SuperElement) -> Iterator[str]:
         yield "  no internal modes: static shapes only (Guyan)"
         return
     masses, residuals = _array(element, "effective_mass"), _array(element, "mode_residual")
-    told = masses.ndim == 2 and len(masses) == len(residuals) == element.n_modes
+    told = masses.ndim == 2 and len(masses) == len(residuals) == element.n_modes and element.mass_total > 0
     heading = f"  {'mode':>4} {'frequency [Hz]':>15}"
     if told:
         heading += f"  {'effective mass x, y, z [%]':>28}  {'residual [-]':>12}"

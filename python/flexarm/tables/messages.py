@@ -45,6 +45,8 @@ def sentence(error: dict[str, Any], field: FieldInfo | None, allowed: list[str])
         limit = context[_LIMITS[kind][0]]
         must = "positive" if kind == "greater_than" and limit == 0 else f"{_LIMITS[kind][1]} {limit:g}"
         return f"must be {must}, {got}"
+    if kind == "float_type" and _is_number(value):
+        return f"must be a number that a double can hold, {got}"
     if kind in _TYPES:
         return f"must be {_TYPES[kind]}" + (f" [{unit}]" if unit not in ("", "-") else "") + f", {got}"
     if kind == "literal_error":
@@ -62,7 +64,10 @@ def shown(value: Any, limit: int = 60) -> str:
     """A value as a person reads it: numbers short, texts quoted, nothing longer than `limit` characters."""
     if isinstance(value, float):
         return f"{value:.9g}"
-    text = repr(value) if not isinstance(value, bool) else str(value).lower()
+    try:
+        text = repr(value) if not isinstance(value, bool) else str(value).lower()
+    except ValueError:  # Python prints no integer of more digits
+        text = "a whole number of thousands of digits"
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 

@@ -4,12 +4,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable
+from functools import cache
 from typing import Annotated, Any, Literal, NoReturn, Self, TypeVar, get_origin
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
+from annotated_types import Ge, Gt
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 from pydantic.fields import FieldInfo
 
 from flexarm.errors import InvalidParameter
+from flexarm.tables.ranges import NEVER_ZERO_ALONE, out_of_range
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
@@ -66,18 +79,37 @@ def _list_of(count: int) -> BeforeValidator:
 _FORBIDDEN_IN_NAME = re.compile(r"[\s.:=,\"'\[\]{}#/\\\x00-\x1f\x7f]")
 
 
+LONGEST_NAME = 100
+"""Characters of a name: names of URDF files, which join words, stay below 70."""
+
+
+def check_label(label: str) -> str:
+    """Return `label` if it can name something: all its characters can be seen, and they are not too many.
+
+    Control characters cannot, nor marks that turn the direction of writing.
+    """
+    hidden = next((letter for letter in label if not letter.isprintable()), None)
+    if not label or hidden or label != label.strip():
+        why = "is empty" if not label else f"contains {hidden!r}" if hidden else "has blanks at its ends"
+        raise ValueError(f"name {label[:40]!r} {why}; allowed are characters that can be seen")
+    if len(label) > LONGEST_NAME:
+        raise ValueError(f"name {label[:40]!r}... has {len(label)} characters; allowed are {LONGEST_NAME}")
+    return label
+
+
 def check_name(name: str) -> str:
     """`name` if it is one: no spaces and none of the characters that have a meaning in files and options."""
     found = _FORBIDDEN_IN_NAME.search(name)
     if found or not name:
         why = f"contains {found.group()!r}" if found else "is empty"
-        raise ValueError(f"name {name!r} {why}; allowed are letters, digits, '_' and '-'")
-    return name
+        raise ValueError(f"name {name[:40]!r} {why}; allowed are letters, digits, '_' and '-'")
+    return check_label(name)
 
 
 Number = Annotated[float, Strict(), BeforeValidator(_plain)]
 Whole = Annotated[int, Strict(), BeforeValidator(_plain)]
 Name = Annotated[str, AfterValidator(check_name)]
+Label = Annotated[str, AfterValidator(check_label)]
 Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
 
@@ -93,10 +125,30 @@ def unit_of(field: FieldInfo) -> str:
     return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
 
 
+@cache
+def _measure(table: type[Table], name: str) -> tuple[str, bool]:
+    """Return the unit of a field, and True if its value cannot be negative, hence is no coordinate."""
+    field = table.model_fields[name]
+    unit = unit_of(field)
+    return unit, unit in NEVER_ZERO_ALONE or Gt(0) in field.metadata or Ge(0) in field.metadata
+
+
 class Table(BaseModel):
-    """A frozen table. Made wrongly in Python, it raises `InvalidParameter`."""
+    """A frozen table. Made wrongly in Python, it raises `InvalidParameter`.
+
+    Every number must lie in the range of its unit, `flexarm.tables.ranges`.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _in_range(cls, value: Any, info: ValidationInfo) -> Any:
+        if isinstance(value, float | tuple | dict):
+            unit, size = _measure(cls, str(info.field_name))
+            if wrong := out_of_range(value, unit, size=size):
+                raise ValueError(wrong)
+        return value
 
     def __init__(self, **values: Any) -> None:
         try:

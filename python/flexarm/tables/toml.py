@@ -52,11 +52,18 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         what, place = _split_place(str(error))
         raise InvalidFile(file, place, f"not valid TOML: {what}") from None
+    except ValueError:  # Python reads no integer of more digits
+        raise InvalidFile(file, _longest_line(text), "a whole number has thousands of digits") from None
     found = data.get("format")
     if found != expected_format:
         got = "is missing" if found is None else f"is {found!r}"
         raise InvalidFile(file, "format", f"{got}; allowed is {expected_format!r}")
     return data, text
+
+
+def _longest_line(text: str) -> str:
+    lines = text.splitlines()
+    return f"line {max(range(len(lines)), key=lambda i: len(lines[i])) + 1}"
 
 
 def _split_place(message: str) -> tuple[str, str]:
