@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import Json, print_json, refuse, warn
+from flexarm.cli.options import AllowOutside, Json, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def check(
         list[Path] | None, typer.Argument(metavar="RECORD", help="Records of what PATH is the model of.")
     ] = None,
     json: Json = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Say what a file is and what is wrong with it.
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import Json, Model, blame, load_arm, print_json, warn
+from flexarm.cli.options import AllowOutside, Json, Model, blame, load_arm, print_json, warn
 
 
 def compare(
@@ -17,6 +17,7 @@ def compare(
     raw: Annotated[
         bool, typer.Option("--raw", help="Take clocks, frames and outliers as they are, align nothing.")
     ] = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """The gap between a model and a record.
 

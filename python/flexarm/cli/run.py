@@ -7,19 +7,24 @@ told, and leaves nothing behind. Never a traceback for a user's mistake.
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import signal
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+from flexarm.cli import streams
+from flexarm.errors import InvalidFile, InvalidParameter, NotConverged, printable
 
 INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Entry point of the command line."""
+    streams.prepare()
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of caches that it cannot write
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever a shell's profile asks of windows
     signal.signal(signal.SIGTERM, _terminate)
     gc.set_threshold(100_000)  # what imports make stays: looking through it again and again costs 50 ms
     code = run(list(sys.argv[1:] if arguments is None else arguments))
@@ -45,6 +50,9 @@ def run(arguments: list[str]) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from flexarm.cli.app import app_for
+        from flexarm.output import written
+
+        written.clear()
 
         app = app_for(arguments)
         code = app(args=arguments or ["--help"], prog_name="flexarm", standalone_mode=False)
@@ -66,8 +74,11 @@ def run(arguments: list[str]) -> int:
 
 
 def _stopped(how: str, code: int) -> int:
-    """Says that a command was stopped; output is whole or not there, so there is none."""
-    print(f"{how}: nothing was written", file=sys.stderr)
+    """Says that a command was stopped, and what was written: output is whole or not there."""
+    from flexarm.output import written
+
+    what = f"{', '.join(map(str, written))} was written whole" if written else "nothing was written"
+    print(f"{how}: {what}", file=sys.stderr)
     return code
 
 
@@ -102,7 +113,7 @@ def _report(error: Exception) -> int:
         raise error
     sys.stdout.flush()
     for line in lines:
-        print(f"error: {line}", file=sys.stderr)
+        print(f"error: {printable(line)}", file=sys.stderr)
     return code
 
 

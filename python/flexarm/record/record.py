@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arguments import PATH, takes
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
@@ -93,13 +94,16 @@ class Record:
     # ------------------------------------------------------------------ files
 
     @classmethod
-    def load(cls, path: str | Path) -> Record:
+    @takes(path=PATH)
+    def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
         """The record in a directory.
 
         Parameters
         ----------
         path : str or Path
             The directory that holds `record.toml`, or that file.
+        allow_outside : bool
+            Read files that lie outside this directory, too.
 
         Raises
         ------
@@ -108,7 +112,7 @@ class Record:
         """
         from flexarm.record.load import load
 
-        return load(Path(path))
+        return load(Path(path), allow_outside)
 
     def save(self, path: str | Path, force: bool = False) -> None:
         """Writes `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
@@ -118,7 +122,7 @@ class Record:
         path : str or Path
             A new or empty directory.
         force : bool
-            Write into a directory that holds files.
+            Write into a directory that holds files, but not over those that the record was read from.
 
         Raises
         ------
@@ -128,10 +132,18 @@ class Record:
         from flexarm.output import output_directory
         from flexarm.record.save import write
 
-        with output_directory(path, force) as directory:
+        with output_directory(path, force, self.files, ["record.toml"]) as directory:
             write(self, directory)
 
     # ------------------------------------------------------------------- parts
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that it was read from; none if it was made otherwise."""
+        if self.path is None:
+            return ()
+        names = dict.fromkeys(["record.toml", *(s.file for s in self.signals.values() if s.file)])
+        return tuple(self.path / name for name in names)
 
     @property
     def reference_clock(self) -> str:
