@@ -1,4 +1,4 @@
-# make build | test | check | reproduce | format | stubs | clean. Each does its own set-up and may be repeated.
+# make build | test | torture | check | reproduce | format | stubs | clean. Each does its own set-up and may be repeated.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := build
@@ -13,7 +13,7 @@ unexport PYTHONPATH
 
 CXX_FILES = $(shell find cpp -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: setup build module test reproduce check format stubs clean
+.PHONY: setup build module test torture reproduce check format stubs clean
 
 ## Set-up: compiler and libraries, then .venv; each is touched again only when its list changed.
 build/stamps/system: scripts/system-packages.txt scripts/install_system_packages.sh
@@ -47,6 +47,15 @@ test:
 	@$(BIN)/cmake --build --preset release
 	@$(BIN)/ctest --preset release
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile
+
+## Malformed and damaged input, wrong calls, kills and random models by the thousand, for hours; the counts go into
+## docs/reliability.md. JOBS workers, SCALE times the cases, another SEED; a run that was stopped goes on.
+JOBS ?= $(CMAKE_BUILD_PARALLEL_LEVEL)
+SCALE ?= 1
+SEED ?= 1
+torture: build
+	@cd tests && OPENBLAS_NUM_THREADS=1 ../$(BIN)/python -m torture --jobs $(JOBS) --scale $(SCALE) --seed $(SEED) \
+	  --table ../docs/reliability.md
 
 ## The figures of the paper, into results/
 reproduce: build

@@ -4,6 +4,7 @@
 #include "bindings.hpp"
 #include "checks.hpp"
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/consistent_forces.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/snapshots.hpp"
 #include "flexarm/simulation/stepping.hpp"
@@ -224,8 +225,10 @@ void bind_snapshots(py::module_& m) {
         const auto at = system.joints()[static_cast<std::size_t>(joint)];
         const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
         const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system.scalar_offset() + s]; };
+        ConsistentForcesIn<3> forces(system);
+        const State& now = forces.of(state);
         return std::tuple(angle(at.theta), rate(at.theta), angle(at.phi), rate(at.phi),
-                          joint_torque(system, state, joint), motor_torques(system, state, true)[joint]);
+                          joint_torque(system, now, joint), motor_torques(system, now, true)[joint]);
       },
       "Angle and rate of link and drive, torque on the child and of the motor.", py::arg("system"),
       py::arg("state"), py::arg("joint"));
@@ -237,7 +240,7 @@ void bind_snapshots(py::module_& m) {
         const auto H = system.point_frame(state, point);
         const auto V = system.point_velocity(state, point);
         return std::tuple(H.x, Eigen::Vector3d(H.R * V.head<3>()), H.R, Eigen::Vector3d(V.tail<3>()),
-                          point_acceleration(system, state, point));
+                          point_acceleration(system, ConsistentForcesIn<3>(system).of(state), point));
       },
       "Position, velocity, rotation, angular rate (own axes) and acceleration of a point.", py::arg("system"),
       py::arg("state"), py::arg("point"));

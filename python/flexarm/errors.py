@@ -7,9 +7,24 @@ turns the first two into exit code 2 and the last into exit code 3.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+
+LONGEST = 200
+"""Characters of a word or quotation in a message: longer ones are not read, and may be a whole file."""
+
+_QUOTED = re.compile(rf"'[^']{{{LONGEST},}}'|\S{{{LONGEST},}}")
+
+
+def printable(text: str) -> str:
+    """Text as a terminal may show it: no control or direction characters, long words and quotations cut.
+
+    Files hold anything, such as sequences that clear a screen or marks that turn the order of letters.
+    """
+    shown = "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+    return _QUOTED.sub(lambda match: f"{match[0][: LONGEST // 2]}...{match[0][-10:]}", shown)
 
 
 @dataclass(frozen=True)
@@ -34,7 +49,7 @@ class Problem:
         place = self.where
         if self.line is not None:
             place = f"{place} (line {self.line})" if place else f"line {self.line}"
-        return f"{place}: {self.what}" if place else self.what
+        return printable(f"{place}: {self.what}" if place else self.what).replace("\n", "\\n")
 
 
 class InvalidParameter(ValueError):
@@ -53,7 +68,7 @@ class InvalidParameter(ValueError):
     def __init__(self, message: str, *, where: str = "", problems: tuple[Problem, ...] = ()) -> None:
         self.where = where
         self.problems = problems or (Problem(where, message),)
-        super().__init__(f"{where}: {message}" if where else message)
+        super().__init__(printable(f"{where}: {message}" if where else message))
 
 
 class InvalidFile(InvalidParameter):
@@ -93,7 +108,7 @@ class InvalidFile(InvalidParameter):
 
     def lines(self) -> list[str]:
         """Every problem as `FILE: WHERE: what`."""
-        return [f"{self.file}: {problem}" for problem in self.problems]
+        return [printable(f"{self.file}: {problem}") for problem in self.problems]
 
 
 class NotConverged(RuntimeError):

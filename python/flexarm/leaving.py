@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 import time
 from contextlib import contextmanager, suppress
@@ -69,8 +70,10 @@ def scratch_directory() -> Iterator[Path]:
 
 
 def farewell(how: str) -> str:
-    """Return the line about a command that was stopped. Output is whole or not there, so there is none."""
-    return f"{how}: nothing was written"
+    """Return the line about a command that was stopped, and the outputs that were written whole."""
+    written = getattr(sys.modules.get("flexarm.output"), "written", ())  # not imported: nothing is
+    what = f"{', '.join(map(str, written))} was written whole" if written else "nothing was written"
+    return f"{how}: {what}"
 
 
 def _leave(number: int, frame: object) -> NoReturn:

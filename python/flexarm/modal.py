@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm import _core
+from flexarm.arguments import ARM, COUNT, NAMES, PATH, VALUES, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
@@ -17,7 +18,8 @@ from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents
 from flexarm.opening_gaps import refuse_gaps_without_side
-from flexarm.result import Result, load, model_of, provenance
+from flexarm.reading import reading, require
+from flexarm.result import Result, counts, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities, collected, varied
 
 if TYPE_CHECKING:
@@ -82,6 +84,7 @@ class Modes(Result):
         return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> Modes:
         """Reads what `save` wrote.
 
@@ -91,16 +94,19 @@ class Modes(Result):
             If the file does not hold modes.
         """
         data = load(path, "modes")
-        arm = model_of(data)
-        return cls(
-            arm=arm,
-            frequency_hz=data["frequency"].values,
-            damped_frequency_hz=data["damped_frequency"].values,
-            damping_ratio=data["damping_ratio"].values,
-            shape=data["shape"].values,
-            solver={k: data.attrs[k] for k in ("backend", "iterations")},
-            sensitivities=Sensitivities.stored(arm, data),
-        )
+        arm = model_of(data, path)
+        per_mode = {name: ("mode",) for name in ("frequency", "damped_frequency", "damping_ratio")}
+        require(path, data, {**per_mode, "shape": ("mode", "point", "component")}, counts(arm))
+        with reading(path, "stored modes"):
+            return cls(
+                arm=arm,
+                frequency_hz=data["frequency"].values,
+                damped_frequency_hz=data["damped_frequency"].values,
+                damping_ratio=data["damping_ratio"].values,
+                shape=data["shape"].values,
+                solver={k: data.attrs[k] for k in ("backend", "iterations")},
+                sensitivities=Sensitivities.stored(arm, data),
+            )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Frequencies as stems, damping ratios beside them."""
@@ -135,6 +141,7 @@ class Modes(Result):
         return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
 
 
+@takes(arm=ARM, joints=VALUES, count=COUNT, sensitivities=NAMES)
 def modes(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

@@ -7,15 +7,16 @@ files. Source: Unidata, NetCDF File Format Specifications, "The NetCDF-4 Format"
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.output import output_file
+from flexarm.output import write_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,23 +61,26 @@ class Contents:
         return {**self.coordinates, **labels}
 
 
-def save(contents: Contents, path: str | Path) -> None:
-    """Writes a file, which appears when it is whole.
+def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
+    """Writes a file, which appears when it is whole and replaces none of the inputs.
+
+    It is made in memory: HDF5 crashes at exit where it could not write.
 
     Raises
     ------
     InvalidFile
         If the file cannot be written.
     """
-    with output_file(path) as partial:
-        _write(contents, partial)
+    image = BytesIO()
+    _write(contents, image)
+    write_file(path, image.getbuffer(), inputs)
 
 
-def _write(contents: Contents, path: Path) -> None:
+def _write(contents: Contents, image: BytesIO) -> None:
     import h5py  # type: ignore[import-untyped]
 
     scales: dict[str, Any] = {}
-    with h5py.File(path, "w") as file:
+    with h5py.File(image, "w") as file:
         file.attrs.update(contents.attributes)
         for name, variable in contents.along_dimensions().items():
             scales[name] = _stored(file, name, variable)

@@ -1,21 +1,42 @@
-"""Output that is whole or not there: written beside its place, moved there at the end."""
+"""Output that is whole or not there: written into a hidden directory, moved to its place at the end.
+
+The hidden directory `.NAME.partial` lies beside the output, or in it where it is a directory that exists: it
+may be the root of a file system. A lock on a file in it claims the place. The kernel frees the lock when its
+process ends, however it ends, so the next run clears what a killed one left, and never that of a living one.
+"""
 
 from __future__ import annotations
 
+import atexit
+import fcntl
+import os
 import re
 import shutil
-import tempfile
+import signal
+import threading
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from flexarm.errors import InvalidFile
 from flexarm.leaving import undone_on_leaving
 
+PARTIAL, LOCK, ROOM = ".partial", "lock", "new"
+"""Ending of the hidden directory's name; in it the locked file, and the directory of what is written."""
+
+written: deque[Path] = deque(maxlen=10)
+"""The last files and directories that were put in their places."""
+_places: dict[Path, Path] = {}
+"""Output that this process is writing -> where it will lie."""
+
 
 @contextmanager
-def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
+def output_directory(
+    path: str | Path, force: bool = False, inputs: Iterable[Path] = (), names: Iterable[str] = ()
+) -> Iterator[Path]:
     """A directory to write into, which becomes `path` when the block ends well and vanishes when it does not.
 
     Parameters
@@ -23,79 +44,121 @@ def output_directory(path: str | Path, force: bool = False) -> Iterator[Path]:
     path : str or Path
         Where the output shall be; parents are made.
     force : bool
-        Write into a directory that holds files. Files of the same name are replaced, others stay.
+        Write into a directory that holds files. Files of the same name are replaced, one after the other,
+        and others stay.
+    inputs : iterable of Path
+        Files that are never replaced.
+    names : iterable of str
+        Files that will be written, where they are known: so an input is found before the work.
 
     Yields
     ------
     Path
-        A hidden directory beside `path`.
+        A hidden directory.
 
     Raises
     ------
     InvalidFile
-        If `path` is a file, holds files without `force`, or cannot be written.
+        If `path` is a file, holds files without `force`, is being written by another process, would lose an
+        input, or cannot be written.
 
     Examples
     --------
     >>> with output_directory("results") as directory:  # doctest: +SKIP
     ...     (directory / "summary.json").write_text("{}")
     """
-    target = Path(path)
-    _refuse_occupied(target, force)
-    made = _make_parents(target)
-    try:
-        partial = Path(
-            tempfile.mkdtemp(prefix=f".{target.resolve().name}.partial-", dir=target.resolve().parent)
-        )
-    except OSError as error:
-        _remove_empty(made)
-        raise InvalidFile(path, "output", f"cannot be written: {error.strerror}") from None
-
-    def undo() -> None:
-        shutil.rmtree(partial, ignore_errors=True)
-        _remove_empty(made)
-
-    try:
-        partial.chmod(0o755)
-        with undone_on_leaving(undo):
+    target, kept = Path(path), tuple(inputs)
+    with _claimed(target) as partial:
+        with _blamed(target):
+            _refuse_occupied(target, force)
+            _refuse_inputs((target / name for name in names), kept)
+            partial.mkdir()
+        try:
             yield partial
-            _move(partial, target, path)
-    except BaseException:
-        undo()
-        raise
+        except OSError as error:
+            if not isinstance(error.filename, str) or place_of(error.filename) == Path(error.filename):
+                raise  # about something else
+            raise _unwritten(target, error) from None
+        with uninterrupted(), _blamed(target):
+            _refuse_occupied(target, force)
+            _move(partial, target, kept)
+            _note(target)
 
 
 @contextmanager
-def output_file(path: str | Path) -> Iterator[Path]:
+def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]:
     """A file to write, which becomes `path` when the block ends well and vanishes when it does not.
 
     Parameters
     ----------
     path : str or Path
         Where the output shall be, in a directory that is there; a file of that name is replaced.
+    inputs : iterable of Path
+        Files that are never replaced.
 
     Yields
     ------
     Path
-        A hidden file beside `path`, with the same ending.
+        A file of the same name in a hidden directory.
 
     Raises
     ------
     InvalidFile
-        If it cannot be written.
+        If the file is being written by another process, is an input, or cannot be written.
     """
     target = Path(path)
     if not target.parent.is_dir():
-        raise InvalidFile(path, "output", f"cannot be written: there is no directory {target.parent}")
-    partial = target.with_name(f".{target.stem}.partial{target.suffix}")
-    try:
-        with undone_on_leaving(lambda: partial.unlink(missing_ok=True)):
+        what = f"cannot be written: there is no directory {target.parent}"
+        raise InvalidFile(place_of(target), "output", what)
+    if place_of(target) != target:  # it appears with its directory
+        with _blamed(target):
+            yield target
+        return
+    refuse_existing(target, True, inputs)
+    with _claimed(target) as partial:
+        with _blamed(target):
             yield partial
+        with uninterrupted(), _blamed(target):
             partial.replace(target)
-    except OSError as error:
-        raise InvalidFile(path, "output", f"cannot be written: {error.strerror or error}") from None
-    finally:
-        partial.unlink(missing_ok=True)
+            _note(target)
+
+
+def write_file(path: str | Path, content: str | bytes | memoryview, inputs: Iterable[Path] = ()) -> None:
+    """Write a file, which appears when it is whole; text in UTF-8.
+
+    Raises
+    ------
+    InvalidFile
+        As `output_file`.
+    """
+    with output_file(path, inputs) as partial:
+        partial.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def refuse_existing(path: Path, force: bool, inputs: Iterable[Path] = ()) -> None:
+    """Refuse a place where a file cannot go, before the work is done rather than after it.
+
+    Raises
+    ------
+    InvalidFile
+        If the place is no file's, there is a file and no `force`, or the file is an input.
+    """
+    if path.is_dir() or not path.absolute().parent.is_dir():
+        raise InvalidFile(path, "output", "must be a file in a directory that exists")
+    if path.exists() and not path.is_file():
+        raise InvalidFile(path, "output", "is a device or pipe; allowed is a new file, or a file to replace")
+    if path.exists() and not force:
+        raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
+    _refuse_inputs([path], inputs)
+
+
+def place_of(path: str | Path) -> Path:
+    """Where a file will lie that is being written: the path itself, or that outside the hidden directory."""
+    place = Path(path)
+    for partial, final in reversed(_places.copy().items()):
+        if place.is_relative_to(partial):
+            place = final / place.relative_to(partial)
+    return place
 
 
 class SavedAsDirectory(ABC):
@@ -124,55 +187,199 @@ class SavedAsDirectory(ABC):
             self.write(place)
 
 
-def _refuse_occupied(target: Path, force: bool) -> None:
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold Ctrl-C and SIGTERM back until the block ends; they only reach the main thread."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    handlers: dict[signal.Signals, Any] = {}
     try:
-        if target.exists() and not target.is_dir():
-            raise InvalidFile(target, "output", "is a file, a directory is needed")
-        if target.is_dir() and not force and next(target.iterdir(), None) is not None:
-            raise InvalidFile(
-                target, "output", "holds files already; allowed is a new or empty directory, or --force"
-            )
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if (handler := signal.getsignal(number)) is not None:  # None: not Python's, cannot be put back
+                handlers[number] = handler
+                signal.signal(number, lambda number, frame: held.append(number))
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for caught in held:
+            signal.raise_signal(caught)
+
+
+def _note(target: Path) -> None:
+    if place_of(target) == target:
+        written.append(target)
+
+
+class _Claim:
+    """A place that no other process writes to, and a hidden directory of which nothing is left at the end.
+
+    Attributes
+    ----------
+    partial : Path
+        What is written, in the hidden directory.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+        self._hidden = _hidden(target)
+        self._parents: list[Path] = []
+        self._lock: int | None = None
+        self.partial = self._hidden / ROOM / self._hidden.name.removesuffix(PARTIAL)[1:]
+
+    def take(self) -> None:
+        """Claim the place and clear what a killed process left there."""
+        _make_parents(self._hidden.parent, self._parents)
+        self._lock = _lock(self._hidden, self._target)
+        shutil.rmtree(self.partial.parent, ignore_errors=True)
+        self.partial.parent.mkdir()
+        _places[self.partial] = self._target
+        atexit.register(self.release)  # an interrupt may keep the block's end from being reached
+
+    def release(self) -> None:
+        """Leave the place; does nothing the second time."""
+        _places.pop(self.partial, None)
+        if self._lock is not None:
+            shutil.rmtree(self.partial.parent, ignore_errors=True)
+            with suppress(OSError):
+                (self._hidden / LOCK).unlink()
+                self._hidden.rmdir()
+            os.close(self._lock)
+            self._lock = None
+            atexit.unregister(self.release)
+        for parent in self._parents:
+            with suppress(OSError):
+                parent.rmdir()
+
+
+@contextmanager
+def _claimed(target: Path) -> Iterator[Path]:
+    claim = _Claim(target)
+    try:
+        try:
+            with uninterrupted(), _blamed(target):
+                claim.take()
+            with undone_on_leaving(claim.release):
+                yield claim.partial
+        finally:
+            with uninterrupted():
+                claim.release()
+    finally:  # an interrupt may have come before it was held back
+        with uninterrupted():
+            claim.release()
+
+
+def _hidden(target: Path) -> Path:
+    """The directory that claims a place: in a directory that is there, else beside what will be."""
+    place = target.absolute()
+    return (place if place.is_dir() else place.parent) / f".{place.name or 'root'}{PARTIAL}"
+
+
+def _make_parents(directory: Path, made: list[Path]) -> None:
+    """Make a directory and its missing parents; `made` gets those made, deepest first."""
+    for each in reversed([directory, *directory.parents]):
+        if not each.is_dir():
+            each.mkdir()
+            made.insert(0, each)
+
+
+def _lock(hidden: Path, target: Path) -> int:
+    """The open file whose lock claims the hidden directory.
+
+    Raises
+    ------
+    InvalidFile
+        If another run holds it.
+    """
+    while True:
+        made = not hidden.is_dir()
+        hidden.mkdir(exist_ok=not made)
+        try:
+            lock = os.open(hidden / LOCK, os.O_RDWR | os.O_CREAT, 0o600)
+        except FileNotFoundError:  # its owner has just removed it
+            continue
+        if not _holds(lock, made):
+            os.close(lock)
+            what = f"another run is writing it; allowed is another place (if none runs, remove {hidden})"
+            raise InvalidFile(target, "output", what)
+        if _is_at(lock, hidden / LOCK):
+            return lock
+        os.close(lock)
+
+
+def _holds(lock: int, made: bool) -> bool:
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks: the place is his who made the directory
+        return made
+    return True
+
+
+def _is_at(file: int, path: Path) -> bool:
+    """False if an owner removed the file before this process could lock it."""
+    try:
+        return os.path.samestat(os.fstat(file), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+def _refuse_occupied(target: Path, force: bool) -> None:
+    if target.exists() and not target.is_dir():
+        raise InvalidFile(target, "output", "is a file, a directory is needed")
+    hidden = _hidden(target)
+    if not force and target.is_dir() and any(item.name != hidden.name for item in target.iterdir()):
+        what = "holds files already; allowed is a new or empty directory, or --force"
+        raise InvalidFile(target, "output", what)
+
+
+def _refuse_inputs(places: Iterable[Path], inputs: Iterable[Path]) -> None:
+    kept = [each for each in inputs if each.exists()]
+    for place in places:
+        for each in kept:
+            if place.exists() and place.samefile(each):
+                what = f"would replace {each}, which is read; allowed is another place"
+                raise InvalidFile(place, "output", what)
+
+
+def _move(partial: Path, target: Path, inputs: tuple[Path, ...]) -> None:
+    """Put a directory in its place; into an existing one file by file, once nothing is in the way."""
+    if not target.exists():
+        partial.rename(target)
+        return
+    pairs = [(item, target / item.relative_to(partial)) for item in sorted(partial.rglob("*"))]
+    _refuse_inputs((place for item, place in pairs if not item.is_dir()), inputs)
+    for item, place in pairs:
+        if place.exists() and item.is_dir() != place.is_dir():
+            raise InvalidFile(place, "output", f"is a {'file' if item.is_dir() else 'directory'} in the way")
+    for item, place in pairs:
+        if item.is_dir():
+            place.mkdir(exist_ok=True)
+        else:
+            item.replace(place)
+
+
+@contextmanager
+def _blamed(target: Path) -> Iterator[None]:
+    """Errors of the operating system as those of an output."""
+    try:
+        yield
     except (OSError, ValueError) as error:
         if isinstance(error, InvalidFile):
             raise
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InvalidFile(target, "output", f"cannot be written: {reason}") from None
+        raise _unwritten(target, error) from None
 
 
-def _make_parents(target: Path) -> list[Path]:
-    """Makes the missing parents; returns those made, deepest first."""
-    missing = [parent for parent in target.resolve().parents if not parent.exists()]
-    try:
-        target.resolve().parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        _remove_empty(missing)
-        raise InvalidFile(target, "output", f"cannot be written: {error.strerror}") from None
-    return missing
-
-
-def _remove_empty(directories: list[Path]) -> None:
-    for directory in directories:
-        try:
-            directory.rmdir()
-        except OSError:
-            return
-
-
-def _move(partial: Path, target: Path, named: str | Path) -> None:
-    """Puts the finished directory in its place; into an existing one file by file."""
-    try:
-        if not target.exists():
-            partial.rename(target)
-            return
-        for item in sorted(partial.rglob("*")):
-            place = target / item.relative_to(partial)
-            if item.is_dir():
-                place.mkdir(exist_ok=True)
-            else:
-                item.replace(place)
-        shutil.rmtree(partial)
-    except OSError as error:
-        raise InvalidFile(named, "output", f"cannot be written: {error.strerror}") from None
+def _unwritten(target: Path, error: Exception) -> InvalidFile:
+    """That an output, or a file in it, cannot be written."""
+    named = getattr(error, "filename", None)
+    if isinstance(named, str) and place_of(named) != Path(named):
+        target = Path(named)
+    what = f"cannot be written: {getattr(error, 'strerror', None) or error}"
+    return InvalidFile(place_of(target), "output", what)
 
 
 def stems(names: Sequence[str]) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents, save
+from flexarm.reading import check_hdf5, reading
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,15 +50,22 @@ class Result(ABC):
         """The same as an xarray Dataset with units."""
         return self.contents().dataset()
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the result as NetCDF, with the model it was made with.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; one of that name is replaced, unless it is a super-element of the model.
+        inputs : iterable of Path
+            More files that are not replaced.
 
         Raises
         ------
         InvalidFile
             If the file cannot be written.
         """
-        save(self.contents(), path)
+        save(self.contents(), path, [*self.arm.part_files, *inputs])
 
 
 AXES = ["x", "y", "z"]
@@ -108,21 +116,32 @@ def load(path: str | Path, kind: str) -> xr.Dataset:
     """
     import xarray as xr
 
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as opened:
-            dataset = opened.load()
-    except (OSError, ValueError, KeyError) as error:
-        raise InvalidFile(path, "file", f"cannot be read as NetCDF: {error}") from None
-    if dataset.attrs.get("kind") != kind:
-        found = dataset.attrs.get("kind", "nothing that flexarm wrote")
+    check_hdf5(path)
+    with reading(path, "NetCDF"), xr.open_dataset(path, engine="h5netcdf") as opened:
+        dataset = opened.load()
+    found = dataset.attrs.get("kind", "nothing that flexarm wrote")
+    if not isinstance(found, str) or found != kind:
         raise InvalidFile(path, "kind", f"must be {kind!r}, got {found!r}")
     return dataset
 
 
-def model_of(dataset: xr.Dataset) -> Arm:
-    """The arm that a stored result was computed with."""
+def model_of(dataset: xr.Dataset, path: str | Path = "dataset") -> Arm:
+    """The arm that a stored result was computed with.
+
+    Raises
+    ------
+    InvalidFile
+        If the file holds no model, or one that is not allowed.
+    """
     import tomllib
 
     from flexarm.arm import Arm
 
-    return Arm.from_dict(tomllib.loads(dataset.attrs["model"]))
+    with reading(path, "a model", "model"):
+        return Arm.from_dict(tomllib.loads(dataset.attrs["model"]))
+
+
+def counts(arm: Arm) -> dict[str, int]:
+    """How many there are of what axes of arrays count, by name of the axis."""
+    fixed = {"axis": 3, "body_axis": 3, "end": 2, "component": 6, "wrench": 6, "quaternion": 4}
+    return {"point": len(arm.points), "joint": len(arm.joints), "link": len(arm.links), **fixed}

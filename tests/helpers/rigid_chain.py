@@ -146,3 +146,24 @@ class RigidChain:
                 for k, body in enumerate(self.bodies)
             ],
         }
+
+
+def random_chain(rng: np.random.Generator) -> RigidChain:
+    """Two to six bodies of 0.5 to 20 kg with oblique axes, one joint in five sliding."""
+    bodies = []
+    for _ in range(int(rng.integers(2, 7))):
+        axis, size = rng.normal(size=3), rng.uniform(0.1, 1.0)
+        mass = float(np.exp(rng.uniform(np.log(0.5), np.log(20))))
+        R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        tensor = R @ np.diag(mass * size**2 / 12 * np.array([1.1, 1.0, 0.5])) @ R.T
+        bodies.append(
+            Body(
+                axis=tuple(axis / np.linalg.norm(axis)),
+                origin=tuple(rng.uniform(-1, 1, 3) * size),
+                mass=mass,
+                com=tuple(rng.uniform(-0.5, 0.5, 3) * size),
+                inertia=tuple(tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]),
+                prismatic=bool(rng.random() < 0.2),
+            )
+        )
+    return RigidChain(bodies)

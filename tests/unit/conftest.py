@@ -135,13 +135,13 @@ ENCODER = "time_s,encoder_deg\n# started by hand\n0.0,10.0\n0.1,20.0\n0.2,30.0\n
 TRACKER = "time_s,tip_x_mm,tip_z_mm\n0.05,520,3350\n0.15,,3200\n0.25,nan,nan\n"
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def model_text() -> str:
     """A model with every table but gears."""
     return MODEL
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def record_files() -> dict[str, str]:
     """The files of a record in degrees and millimetres, with drop-outs and a comment."""
     return {"record.toml": RECORD, "encoder.csv": ENCODER, "tracker.csv": TRACKER}

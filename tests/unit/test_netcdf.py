@@ -50,6 +50,6 @@ def test_sizes_that_contradict_one_another_leave_no_file(tmp_path):
 
 def test_a_directory_in_the_place_of_the_file_is_named(tmp_path):
     (tmp_path / "run.nc").mkdir()
-    with pytest.raises(InvalidFile, match=r"run\.nc: output: cannot be written"):
+    with pytest.raises(InvalidFile, match=r"run\.nc: output: must be a file"):
         save(EXAMPLE, tmp_path / "run.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]

@@ -39,7 +39,7 @@ def test_files_that_are_there_are_kept_unless_forced(tmp_path: Path) -> None:
         "b.txt": "old",
         "c.txt": "new",
     }
-    assert [p.name for p in tmp_path.parent.iterdir() if ".partial-" in p.name] == []
+    assert [p.name for p in tmp_path.parent.iterdir() if ".partial" in p.name] == []
 
 
 def test_an_empty_directory_is_taken(tmp_path: Path) -> None:

@@ -212,14 +212,15 @@ def test_signals_of_one_name_of_file_and_other_instants_get_files_of_their_own(t
     assert Record.load(tmp_path / "run").signals["b"].time.tolist() == [0, 2]
 
 
-def test_saving_into_a_directory_with_files_needs_force(record_dir: Path) -> None:
-    record = Record.load(record_dir)
+def test_saving_into_a_directory_with_files_needs_force(record_dir: Path, tmp_path: Path) -> None:
+    record, other = Record.load(record_dir), tmp_path / "other"
+    record.save(other)
     with pytest.raises(InvalidFile, match="holds files already"):
-        record.save(record_dir)
-    (record_dir / "notes.txt").write_text("mine")
-    record.save(record_dir, force=True)
-    assert (record_dir / "notes.txt").read_text() == "mine"
-    assert Record.load(record_dir).signals["tip"].unit == "m"
+        record.save(other)
+    (other / "notes.txt").write_text("mine")
+    record.save(other, force=True)
+    assert (other / "notes.txt").read_text() == "mine"
+    assert Record.load(other).signals["tip"].unit == "m"
 
 
 # --------------------------------------------------------------------------- doubts

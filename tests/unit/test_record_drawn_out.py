@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from tests.helpers.arms import beam, fixed, general, point
+from tests.helpers.arms import beam, fixed, general, hinge, point
 
 import flexarm
 from flexarm import InvalidFile, InvalidParameter, Record, Signal
 from flexarm.comparison.poses import solve_poses
+from flexarm.comparison.subject import Placement
+from flexarm.diagnosis.checks.runs import run
 from flexarm.record import DrawnLink
 
 MODULUS, SECOND_MOMENT = 70e9, 1.5e-9
@@ -71,3 +73,23 @@ def test_links_that_have_no_length_are_refused():
         record(links={"bom": DrawnLink(length=1.0)}).applied_to(boom(1.0))
     with pytest.raises(InvalidParameter, match=r"links\.bom"):
         record(links={"bom": DrawnLink(length=1.0)}).check_against(boom(1.0))
+
+
+def test_a_check_draws_a_boom_out_once_along_a_motion():
+    """A short boom, nearly rigid, sags by less than its readings tell: the tip is where the drive points."""
+    t = np.arange(0, 4, 0.02)
+    angle = 0.5 - 0.5 * np.cos(np.pi * t / 4)
+    section = {"shape": "round", "diameter": 0.1}
+    arm = flexarm.Arm.from_dict(
+        {
+            "joints": [hinge("pitch", "boom", axis=[0, -1, 0])],
+            "links": [beam("boom", [1.0, 0, 0], section)],
+            "points": [point("tip", "boom", [1.0, 0, 0])],
+        }
+    )
+    drive = Signal(name="pitch", quantity="joint_angle", joint="pitch", time=t, values=angle, noise_std=1e-6)
+    tip = Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), time=t, noise_std=1e-3,
+                 values=1.5 * np.column_stack([np.cos(angle), np.sin(angle)]))  # fmt: skip
+    measured = Record(signals=[drive, tip], drive=("pitch",), links={"boom": DrawnLink(length=1.5)})
+    subjects, _, _ = run(arm, {"run": measured}, 2e-3, -0.05)
+    assert np.abs(subjects["run"].residual(tip, Placement())).max() < 1e-3

@@ -296,7 +296,7 @@ def test_a_truncated_file_is_refused(part, tmp_path):
 
 
 def test_an_absent_file_is_named(tmp_path):
-    with pytest.raises(InvalidFile, match=r"absent\.nc: file: does not exist"):
+    with pytest.raises(InvalidFile, match=r"absent\.nc: file: there is no such file"):
         SuperElement.load(tmp_path / "absent.nc")
 
 

@@ -109,7 +109,7 @@ def test_what_is_wrong_is_named_with_its_place(folder, old, new, where, what):
 
 def test_a_urdf_file_that_is_not_there_is_named(folder):
     (folder / "crane.urdf").unlink()
-    with pytest.raises(InvalidFile, match=r"crane\.urdf: file: cannot be read"):
+    with pytest.raises(InvalidFile, match=r"crane\.urdf: file: there is no such file"):
         flexarm.Arm.from_toml(folder / "crane.toml")
 
 

@@ -243,6 +243,33 @@ void SystemIn<D>::violation(const StateD& state, VectorXd& phi) const {
 }
 
 template <int D>
+void SystemIn<D>::constraint_acceleration(const StateD& state, VectorXd& c) const {
+  const auto rates = [&](const Joint& joint, const VectorXd& v) {
+    const auto of = [&](int node) {
+      return node < 0 ? TwistD(TwistD::Zero()) : TwistD(v.template segment<n>(n * node));
+    };
+    const int q = joint.coordinate();
+    return
+        typename Joint::Rates{of(joint.node_a()), of(joint.node_b()), q < 0 ? 0.0 : v[scalar_offset() + q]};
+  };
+  int row = 0;
+  for (const Joint& joint : constraints_) {
+    const int q = joint.coordinate();
+    c.segment(row, joint.rows()) =
+        joint
+            .acceleration(frame(state, joint.node_a()), frame(state, joint.node_b()),
+                          q < 0 ? 0.0 : state.s[q], rates(joint, state.v), rates(joint, state.v_dot))
+            .head(joint.rows());
+    row += joint.rows();
+  }
+  for (const joints::GearConstraint& gear : gears_) {
+    const int in = scalar_offset() + gear.input, out = scalar_offset() + gear.output;
+    const auto psi = gear.transmission(state.s[gear.input]);
+    c[row++] = psi.first * state.v_dot[in] + psi.second * state.v[in] * state.v[in] - state.v_dot[out];
+  }
+}
+
+template <int D>
 VectorXd SystemIn<D>::law_tangents(const StateD& state, const TangentFactors& c, bool friction) const {
   VectorXd kappa(laws_.size());
   for (std::size_t k = 0; k < laws_.size(); ++k) {

@@ -63,6 +63,25 @@ typename JointConstraintIn<D>::Forces JointConstraintIn<D>::forces(const FrameD&
 }
 
 template <int D>
+Twist<D> JointConstraintIn<D>::acceleration(const FrameD& H_a, const FrameD& H_b, double theta,
+                                            const Rates& v, const Rates& v_dot) const {
+  if (type_ == JointType::spherical) {
+    const Jacobian J = jacobian(H_a, H_b, theta);
+    TwistD c = J.a * v_dot.a + J.b * v_dot.b;
+    const TwistD u = -J.a * v.a, of_b = J.b * v.b;
+    const Turn<D> turn = of_b.template tail<turns<D>>() - u.template tail<turns<D>>();
+    c.template head<D>() += turn_cross<D>(turn, u.template head<D>());
+    return c;
+  }
+  TwistD c = Ad_b_ * v_dot.b - twist_ * v_dot.theta;
+  if (node_a_ == ground) return c;
+  const FrameD turned = coordinate_ < 0 ? FrameD{} : back(theta);
+  const TwistD on_a = Ad_a_ * v.a, on_a_dot = Ad_a_ * v_dot.a;
+  const TwistD u = adjoint_product<D>(turned, on_a);
+  return c - adjoint_product<D>(turned, on_a_dot) + v.theta * ad_product<D>(twist_, u);
+}
+
+template <int D>
 typename JointConstraintIn<D>::GeometricStiffness JointConstraintIn<D>::geometric_stiffness(
     const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const {
   GeometricStiffness K;

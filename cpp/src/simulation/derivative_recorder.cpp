@@ -30,7 +30,8 @@ DerivativeRecorderIn<D>::DerivativeRecorderIn(const SystemIn<D>& system, const I
       options_(without_energies(options)),
       out_(out),
       points_(system, space, varied_),
-      joints_(system, models_of(varied_)) {
+      joints_(system, models_of(varied_)),
+      forces_(system, models_of(varied_)) {
   Transient one;
   RecorderIn<D>(system, options_, 1, one, space);  // how many rows there are
   out.time.resize(n);
@@ -47,8 +48,10 @@ void DerivativeRecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state,
   if (options_.record_points || options_.record_rotations) {
     points_.record(k, options_, state, derivative, out_);
   }
-  if (options_.record_joints) joints_.record(k, state, derivative, out_);
-  if (options_.record_forces) forces(k, state, derivative, loads);
+  if (!options_.record_joints && !options_.record_forces) return;
+  forces_.find(state, derivative);
+  if (options_.record_joints) joints_.record(k, forces_.state(), forces_.derivative(), out_);
+  if (options_.record_forces) forces(k, forces_.state(), forces_.derivative(), loads);
 }
 
 /// By differences of whole records.
@@ -61,7 +64,7 @@ void DerivativeRecorderIn<D>::forces(Eigen::Index k, const StateIn<D>& state,
     const auto outputs = [&](const SystemIn<D>& system, const InSpace<D>& space, double amount) {
       Transient at;
       RecorderIn<D> recorder(system, forces_alone(options_), 1, at, space);
-      recorder.record(0, moved(system_, state, derivative, column, amount), loads);
+      recorder.write(0, moved(system_, state, derivative, column, amount), loads);
       return at;
     };
     const Transient up = outputs(*varied.models.plus, varied.plus, varied.models.up);

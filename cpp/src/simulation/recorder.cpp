@@ -15,7 +15,7 @@ void resize(Eigen::Index n, std::initializer_list<std::pair<Eigen::MatrixXd*, Ei
 template <int D>
 RecorderIn<D>::RecorderIn(const SystemIn<D>& system, const TransientOptions& options, Eigen::Index n,
                           Transient& out, const InSpace<D>& space)
-    : system_(system), space_(space), options_(options), out_(out) {
+    : system_(system), space_(space), options_(options), out_(out), forces_(system) {
   const auto p = static_cast<Eigen::Index>(system.points().size());
   const auto j = static_cast<Eigen::Index>(system.joints().size());
   const auto l = static_cast<Eigen::Index>(system.meshes().size());
@@ -36,6 +36,12 @@ RecorderIn<D>::RecorderIn(const SystemIn<D>& system, const TransientOptions& opt
 
 template <int D>
 void RecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
+  const bool forceless = !options_.record_joints && !options_.record_energies && !options_.record_forces;
+  write(k, forceless ? state : forces_.of(state), loads);
+}
+
+template <int D>
+void RecorderIn<D>::write(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
   out_.time[k] = state.t;
   system_.scalar_residual(state, true, now_.drives);
   if (options_.record_points || options_.record_rotations) points(k, state);

@@ -46,7 +46,7 @@ Snapshots snapshots(const System& system, const std::vector<State>& states, cons
   found.acceleration.resize(3 * n_points, n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const State& state = states[static_cast<std::size_t>(k)];
-    recorder.record(k, state, loads);
+    recorder.write(k, state, loads);
     for (int p = 0; p < n_points; ++p) {
       found.acceleration.col(k).segment<3>(3 * p) = point_acceleration(system, state, p);
     }

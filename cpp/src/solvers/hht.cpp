@@ -221,7 +221,9 @@ template <int D>
 template <int D>
 bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   const double beta_h2 = coefficients_.beta * h * h;
-  const double tolerance = std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2);
+  const double tolerance = coefficients_.spectral_radius() < 1  // else what is left over adds up for ever
+                               ? std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2)
+                               : rounding_floor;
   const bool cautious = memory_.steps % trusted_steps == 0;
   bool fresh = false;
   double previous = 0;

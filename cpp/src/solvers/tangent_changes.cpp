@@ -48,10 +48,10 @@ Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
 }  // namespace
 
 template <int D>
-TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds)
-    : system_(system) {
+TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws)
+    : system_(system), follows_constraints_(system.gears().empty()) {
   find_turning_joints(welds);
-  find_laws(welds);
+  if (laws) find_laws(welds);
   const auto n_laws = static_cast<Eigen::Index>(laws_.size());
   const Eigen::Index columns = 2 * across * static_cast<Eigen::Index>(joints_.size()) + n_laws;
   W_.resize(welds.n_unknowns(), columns);
@@ -69,6 +69,7 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
     const auto& joint = system_.constraints()[k];
     const int first_row = row;
     row += joint.rows();
+    if (joint.type() == joints::JointType::spherical) follows_constraints_ = false;
     if (joint.coordinate() < 0 || joint.node_a() < 0) continue;
     const auto parent = welds.place_of(joint.node_a());
     if (parent.row == WeldsIn<D>::none) continue;  // held to the base
@@ -82,7 +83,9 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
     const Across on_parent = adjoint<D>(to_parent).transpose() * P;
     joints_.push_back({static_cast<int>(k), welds.row(first_row), parent.row, P, on_parent});
   }
-  if (joints_.size() > most_turning_joints) joints_.clear();
+  if (joints_.size() <= most_turning_joints) return;
+  joints_.clear();
+  follows_constraints_ = false;
 }
 
 template <int D>

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
+from flexarm.arguments import PATH, TABLES, takes
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.consistency import inconsistencies, missing
 from flexarm.arm.controller import Controller
@@ -94,6 +95,7 @@ class Arm(Table):
     # ------------------------------------------------------------------ files
 
     @classmethod
+    @takes(path=PATH)
     def from_toml(cls, path: str | Path) -> Self:
         """The arm in a model file.
 
@@ -117,6 +119,7 @@ class Arm(Table):
         return arm
 
     @classmethod
+    @takes(data=TABLES)
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """The arm in a dictionary that holds what the TOML file would.
 
@@ -133,8 +136,18 @@ class Arm(Table):
 
     def to_toml(self, path: str | Path) -> None:
         """Writes the model file; `from_toml` of it gives an equal arm."""
-        data = seen_from(self.to_dict(), Path(path).parent)
-        Path(path).write_text(toml_text(data), encoding="utf-8")
+        from flexarm.output import write_file
+
+        write_file(path, self.toml_for(Path(path).parent))
+
+    def toml_for(self, folder: Path) -> str:
+        """The text of a model file that shall lie in a folder."""
+        return toml_text(seen_from(self.to_dict(), folder))
+
+    @property
+    def part_files(self) -> tuple[Path, ...]:
+        """The files of its super-elements."""
+        return tuple(Path(link.file) for link in self.links if link.type == "superelement")
 
     # ---------------------------------------------------------------- effects
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexarm.arm.names import link_of
+from flexarm.arm.names import from_base, link_of
 from flexarm.arm.rotation import Vector, rotated
 
 if TYPE_CHECKING:
@@ -14,15 +14,7 @@ if TYPE_CHECKING:
 
 def first_turning_joint(arm: Arm) -> Joint | None:
     """The revolute joint nearest to the base, of several the first in the file; None if no joint turns."""
-    reached, waiting = {"base"}, list(arm.joints)
-    while waiting:  # a tree: in every round the joints on links that were reached before
-        found = [joint for joint in waiting if link_of(joint.parent) in reached]
-        turning = next((joint for joint in found if joint.type == "revolute"), None)
-        if turning is not None:
-            return turning
-        reached |= {link_of(joint.child) for joint in found}
-        waiting = [joint for joint in waiting if joint not in found]
-    return None
+    return next((joint for joint in from_base(arm.joints) if joint.type == "revolute"), None)
 
 
 def base_axis(arm: Arm) -> Vector:

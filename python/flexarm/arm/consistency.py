@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 Found = Iterable[tuple[Path, str]]
+_MOST_LISTED = 50
+"""Names in one message: enough for an arm; a thousand errors that list a thousand names nobody reads."""
 
 
 def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
@@ -26,8 +28,11 @@ def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
 
 
 def missing(kind: str, name: str, known: Iterable[str]) -> str:
-    """Sentence on a name that nothing has, with those that exist."""
-    listed = ", ".join(known)
+    """Sentence on a name that nothing has, with those that exist, of many the first."""
+    names = list(known)
+    listed = ", ".join(names[:_MOST_LISTED])
+    if len(names) > _MOST_LISTED:
+        listed += f" and {len(names) - _MOST_LISTED} more"
     return f"there is no {kind} {name!r}; " + (
         f"there are {listed}" if listed else f"the model has no {kind}s"
     )
@@ -92,21 +97,26 @@ def _tree(arm: Arm) -> Found:
                 ),
             )
         holder.setdefault(child, joint)
+    held: set[str] = set()
     for i, link in enumerate(arm.links):
         if link.name not in holder:
             yield ("links", i), f"no joint has link {link.name!r} as its child; every link hangs on a joint"
-        elif loop := _loop_above(link.name, holder):
+        elif loop := _loop_above(link.name, holder, held):
             yield ("links", i), f"hangs on itself and not on the base: {' <- '.join(loop)}"
 
 
-def _loop_above(link: str, holder: dict[str, Joint]) -> list[str]:
-    """The chain from a link to one met twice; empty if it ends at the base or at a link without a joint."""
-    chain = [link]
-    while chain[-1] in holder:
-        parent = link_of(holder[chain[-1]].parent)
-        if parent in chain:
-            return [*chain, parent]
-        chain.append(parent)
+def _loop_above(link: str, holder: dict[str, Joint], held: set[str]) -> list[str]:
+    """Return the chain from a link to one met twice; empty if it ends at the base or at a loose link.
+
+    Links without a loop above them are added to `held`, where the walks of later links end.
+    """
+    chain: dict[str, None] = {link: None}
+    while link in holder and link not in held:
+        link = link_of(holder[link].parent)
+        if link in chain:
+            return [*chain, link]
+        chain[link] = None
+    held.update(chain)
     return []
 
 
@@ -171,21 +181,23 @@ def _attachments(arm: Arm) -> Found:
 
 
 def _sensors(arm: Arm) -> Found:
+    names = {
+        key: {entry.name: None for entry in getattr(arm, f"{key}s")} for key in ("joint", "point", "link")
+    }
     for i, sensor in enumerate(arm.sensors):
         if sensor.spec.only_static:
             yield (
                 ("sensors", i, "quantity"),
                 f"{sensor.quantity} belongs to a record of poses, it is not a sensor",
             )
-        for key in ("joint", "point", "link"):
+        for key, known in names.items():
             name = getattr(sensor, key)
-            known = [entry.name for entry in getattr(arm, f"{key}s")]
             if name is not None and name not in known:
                 yield ("sensors", i, key), missing(key, name, known)
 
 
 def _drives(arm: Arm) -> Found:
-    moving = [joint.name for joint in arm.joints if joint.moves]
+    moving = {joint.name: None for joint in arm.joints if joint.moves}
     tables: list[tuple[str, Sequence[Any]]] = [("motors", arm.motors), ("controllers", arm.controllers)]
     for table, entries in tables:
         for i, entry in enumerate(entries):
@@ -212,8 +224,9 @@ def _drives(arm: Arm) -> Found:
 
 
 def _effects(arm: Arm) -> Found:
+    names = {kind: places(arm, kind) for kind in {effect.place for effect in arm.effects}}
     for i, effect in enumerate(arm.effects):
-        known = places(arm, effect.place)
+        known = names[effect.place]
         if known is not None and effect.at not in known:
             kind = "moving joint" if effect.place == "joint" else effect.place
             yield ("effects", i, "at"), missing(kind, effect.at, known)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.link import SuperElementLink
 from flexarm.arm.names import link_of
+from flexarm.output import place_of
 from flexarm.tables import table
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def found_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def seen_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """The reverse: files relative to the folder in which the model shall lie."""
-    return _with_files(data, lambda file: Path(relpath(file, folder)).as_posix())
+    return _with_files(data, lambda file: Path(relpath(place_of(file), place_of(folder))).as_posix())
 
 
 def _with_files(data: Mapping[str, Any], place: Any) -> dict[str, Any]:

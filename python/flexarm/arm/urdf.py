@@ -19,6 +19,7 @@ from flexarm.arm.inertia import Matrix
 from flexarm.arm.rotation import added, from_rpy, rotated, scaled, times, transposed
 from flexarm.arm.urdf_beams import is_named, on_beams
 from flexarm.errors import InvalidFile
+from flexarm.reading import reading, regular_file
 from flexarm.tables.ranges import out_of_range
 
 if TYPE_CHECKING:
@@ -83,19 +84,15 @@ def read_urdf(path: Path) -> dict[str, Any]:
     """
     from xml.etree import ElementTree
 
-    try:
+    with reading(regular_file(path), "XML"):
         content = path.read_bytes()
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
-    if _XACRO.search(_COMMENT.sub(b"", content)):
-        what = (
-            "is a xacro file that is not expanded; allowed is URDF, as `xacro in.xacro > arm.urdf` makes it"
-        )
-        raise InvalidFile(path, "file", what)
-    try:
-        robot = ElementTree.fromstring(content)
-    except ElementTree.ParseError as error:
-        raise InvalidFile(path, f"line {error.position[0]}", f"is no XML: {error}") from None
+        if _XACRO.search(_COMMENT.sub(b"", content)):
+            what = "is a xacro file that is not expanded; allowed is URDF"
+            raise InvalidFile(path, "file", f"{what}, as `xacro in.xacro > arm.urdf` makes it")
+        try:
+            robot = ElementTree.fromstring(content)
+        except ElementTree.ParseError as error:
+            raise InvalidFile(path, f"line {error.position[0]}", f"is no XML: {error}") from None
     if robot.tag != "robot":
         raise InvalidFile(path, "file", f"must hold a <robot>, got <{robot.tag}>")
     reader = _Reader(path)

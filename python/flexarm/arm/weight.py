@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.inertia import Matrix, inertia_matrix
 from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
-from flexarm.arm.names import link_of
+from flexarm.arm.names import from_base, link_of
 from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import (
     IDENTITY,
@@ -176,14 +176,10 @@ def link_frames(arm: Arm) -> dict[str, tuple[Matrix, Vector]]:
     """Pose of every link's frame in the base at q = 0, undeformed."""
     frames: dict[str, tuple[Matrix, Vector]] = {"base": (IDENTITY, (0.0, 0.0, 0.0))}
     ends = {link.name: link.end for link in arm.links if isinstance(link, Beam)}
-    waiting = list(arm.joints)
-    while waiting:  # a tree: in every round the children of placed links are placed
-        placed = [joint for joint in waiting if link_of(joint.parent) in frames]
-        for joint in placed:
-            frame = chained(frames[link_of(joint.parent)], place_in_link(arm, joint.parent))
-            if joint.at == "end":
-                frame = chained(frame, (IDENTITY, ends[link_of(joint.parent)]))
-            frame = chained(frame, (from_rpy(joint.origin.rpy), joint.origin.xyz))
-            frames[link_of(joint.child)] = chained(frame, inverted(*place_in_link(arm, joint.child)))
-        waiting = [joint for joint in waiting if joint not in placed]
+    for joint in from_base(arm.joints):
+        frame = chained(frames[link_of(joint.parent)], place_in_link(arm, joint.parent))
+        if joint.at == "end":
+            frame = chained(frame, (IDENTITY, ends[link_of(joint.parent)]))
+        frame = chained(frame, (from_rpy(joint.origin.rpy), joint.origin.xyz))
+        frames[link_of(joint.child)] = chained(frame, inverted(*place_in_link(arm, joint.child)))
     return frames

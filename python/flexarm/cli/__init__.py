@@ -16,10 +16,16 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Entry point of the command line."""
     leave_when_told()  # before all imports that take time
     import gc
+    import logging
+    import os
     import sys
 
+    from flexarm.cli import streams
     from flexarm.cli.run import run
 
+    streams.prepare()
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of caches that it cannot write
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever a shell's profile asks of windows
     gc.set_threshold(100_000)  # what imports make stays: looking through it again and again costs 50 ms
     code = run(list(sys.argv[1:] if arguments is None else arguments))
     stay()

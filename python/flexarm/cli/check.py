@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import Json, print_json, refuse, warn
+from flexarm.cli.options import AllowOutside, Json, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from flexarm.record import Record
     from flexarm.record.table import CarriedPayload
 
-Told = tuple[dict[str, Any], list[str], list[Problem]]
-"""For programs, in lines for a person, and warnings."""
+Told = tuple[dict[str, Any], list[str], list[Problem], list[Problem]]
+"""For programs, in lines for a person, warnings, and errors beside which the rest is told."""
 Faults = list[tuple[Path, Problem]]
 """What makes data unusable, by the file that is at fault."""
 _MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
@@ -32,6 +32,7 @@ def check(
         list[Path] | None, typer.Argument(metavar="RECORD", help="Records of what PATH is the model of.")
     ] = None,
     json: Json = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Say what a file is and what is wrong with it.
 
@@ -57,7 +58,8 @@ def check(
             told, lines, faults = _beside(path, records)
             warnings: list[Problem] = []
         else:
-            told, lines, warnings = _reader(path)(path)
+            told, lines, warnings, wrong = _reader(path)(path)
+            faults = [(path, problem) for problem in wrong]
     except InvalidFile as error:
         if json:
             print_json({"path": str(path), "problems": [_plain(problem) for problem in error.problems]})
@@ -109,9 +111,9 @@ def _model(path: Path) -> Told:
         weight = _weight(arm)
     except InvalidParameter as error:
         warnings += error.problems
-        return {"kind": "model", **_outline(arm)}, [arm.summary()], warnings
+        return {"kind": "model", **_outline(arm)}, [arm.summary()], warnings, []
     told = {"kind": "model", **_outline(arm), "weight": weight.to_json_dict()}
-    return told, [arm.summary(), "", *_weight_lines(weight)], warnings
+    return told, [arm.summary(), "", *_weight_lines(weight)], warnings, []
 
 
 def _weight(arm: Arm) -> WeightStatement:
@@ -176,6 +178,7 @@ def _small(value: float) -> float:
 
 def _record(path: Path) -> Told:
     from flexarm.record import Record
+    from flexarm.record.doubts import unknown_motion
 
     record = Record.load(path)
     signals = {name: _signal(record, name) for name in record.signals}
@@ -192,7 +195,7 @@ def _record(path: Path) -> Told:
         "frames": {name: frame.model_dump() for name, frame in record.frames.items()},
         "signals": signals,
     }
-    return told, [*_head(record), *map(_signal_line, signals.items())], record.check()
+    return told, [*_head(record), *map(_signal_line, signals.items())], record.check(), unknown_motion(record)
 
 
 def _signal(record: Record, name: str) -> dict[str, Any]:
@@ -262,4 +265,4 @@ def _superelement(path: Path) -> Told:
     from flexarm.superelement import SuperElement
 
     element = SuperElement.load(path)
-    return {"kind": "superelement", **element.to_json_dict()}, [element.summary()], element.check()
+    return {"kind": "superelement", **element.to_json_dict()}, [element.summary()], element.check(), []

@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import Json, Model, blame, load_arm, print_json, warn
+from flexarm.cli.options import (
+    AllowOutside,
+    Json,
+    Model,
+    Step,
+    blame,
+    load_arm,
+    print_json,
+    refuse_step,
+    warn,
+)
 
 
 def compare(
@@ -17,17 +27,21 @@ def compare(
     raw: Annotated[
         bool, typer.Option("--raw", help="Take clocks, frames and outliers as they are, align nothing.")
     ] = False,
+    step: Step = 2e-3,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """The gap between a model and a record.
 
     The model is driven by the record's drive and seen at each signal's own instants. The gap [m, rad ...] is
     shown per signal, direction (tangential, radial, normal; x, y, z with several joints) and frequency band,
     beside the noise. Clocks and frames are aligned within their stated sigmas. Gross outliers of places and
-    angles count in nothing, and are told.
+    angles count in nothing, and are told. So are signals that half the time step moves by more than half
+    their noise.
 
         flexarm compare arm.toml measured
         flexarm compare arm.toml measured --raw --json
     """
+    refuse_step(step)
     arm = load_arm(model)
     from flexarm.record import Record
 
@@ -36,7 +50,7 @@ def compare(
     from flexarm.comparison import compare as gap
 
     with blame(model, record):
-        result = gap(arm, measured, align=not raw)
+        result = gap(arm, measured, align=not raw, step=step, check_step=True)
     if json:
         print_json(result.to_json_dict())
     else:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, load_arm, show_progress
-from flexarm.cli.phases import phases
+from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, load_arm, refuse_step
+from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
 if TYPE_CHECKING:
@@ -38,7 +38,9 @@ def diagnose(
     hold_out: HoldOut = None,
     jobs: Jobs = None,
     seed: Seed = 0,
+    step: Step = 2e-3,
     force: Force = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Name the physical effect that a model lacks.
 
@@ -59,19 +61,20 @@ def diagnose(
 
         flexarm compare diagnosis/updated.toml other_day
     """
+    refuse_step(step)
     arm = load_arm(model)
     names = record_names([*records, *([] if hold_out is None else [hold_out])])
     read = {name: load_record(path, arm) for name, path in names.items()}
     held_out = None if hold_out is None else list(read.values())[-1]
     training = dict(list(read.items())[: len(records)])
+    from flexarm.input_files import hashes, input_files
     from flexarm.output import output_directory
 
-    with output_directory(out, force) as directory:
+    inputs = input_files(model, arm, read)
+    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
         with blame_one_of(model, names, read, arm):
-            found = _diagnosed(arm, training, held_out, jobs, seed)
-        from flexarm.diagnosis.outcome.inputs import hashes
-
-        traced = {"inputs_sha256": hashes(model, arm, read)}
+            found = _diagnosed(arm, training, held_out, jobs, seed, step)
+        traced = {"inputs_sha256": hashes(inputs)}
         found = replace(found, provenance={**found.provenance, **traced})
         found.write(directory)
     print(found.summary())
@@ -79,14 +82,13 @@ def diagnose(
 
 
 def _diagnosed(
-    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int
+    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int, step: float
 ) -> Diagnosis:
-    """The diagnosis, with a bar for a person at a terminal."""
+    """The diagnosis, which tells how far it is."""
     import flexarm
 
-    with phases(show_progress()) as tell:
-        progress = None if tell is None else lambda done, what: tell(what, done)
+    with progress() as tell:
         found: Diagnosis = flexarm.diagnose(
-            arm, records, hold_out=held_out, jobs=jobs, seed=seed, progress=progress
+            arm, records, hold_out=held_out, jobs=jobs, seed=seed, step=step, progress=tell
         )
     return found

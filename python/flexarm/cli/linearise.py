@@ -9,6 +9,7 @@ import typer
 
 from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
 from flexarm.errors import InvalidFile
+from flexarm.output import refuse_existing
 
 Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="Where to write: FILE.mat or FILE.nc.")]
 Inputs = Annotated[
@@ -59,28 +60,21 @@ def linearise(
     In MATLAB: m = load('arm.mat'); sys = ss(m.A, m.B, m.C, m.D, 'InputName', m.input). In Python:
     flexarm.LinearModel.load("arm.mat"), or control.ss(m.A, m.B, m.C, m.D) of it.
     """
-    _refuse(out, force)
+    if out.suffix not in (".mat", ".nc"):
+        raise InvalidFile("command line", "--out", f"must end in .mat or .nc, got {out}")
     arm = load_arm(model)
+    refuse_existing(out, force, [model, *arm.part_files])
     values = joint_values(arm, model, joint)
     asked = _pairs(inputs)
     from flexarm.linear import linearise as solve  # NumPy and the core, not needed for --help
 
     with blame(model):
         found = solve(arm, joints=values, inputs=asked, outputs=outputs or None, modes=modes)
-    found.save(out)
+    found.save(out, [model])
     if json:
         print_json({"file": str(out), **found.to_json_dict()})
     else:
         print(f"{found.summary()}\nwritten to {out}")
-
-
-def _refuse(out: Path, force: bool) -> None:
-    if out.suffix not in (".mat", ".nc"):
-        raise InvalidFile("command line", "--out", f"must end in .mat or .nc, got {out}")
-    if not out.parent.is_dir() or out.is_dir():
-        raise InvalidFile(out, "output", "must be a file in a directory that exists")
-    if out.exists() and not force:
-        raise InvalidFile(out, "output", "exists already; allowed is a new file, or --force")
 
 
 def _pairs(given: list[str] | None) -> list[tuple[str, str]] | None:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexarm.cli.run import INPUT_AT_FAULT
-from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.errors import InvalidFile, InvalidParameter, Problem, printable
+from flexarm.reading import OUTSIDE
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -34,6 +35,22 @@ Force = Annotated[
         help="Write into a directory that holds files: those of the same name are replaced, others stay.",
     ),
 ]
+Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step of the simulations [s].")]
+
+
+def _allow_outside(allowed: bool) -> bool:
+    OUTSIDE.set(allowed)
+    return allowed
+
+
+AllowOutside = Annotated[
+    bool,
+    typer.Option(
+        "--allow-outside",
+        callback=_allow_outside,
+        help="Read files that a record names outside its directory.",
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]
 
 
@@ -49,7 +66,7 @@ def load_arm(model: Path) -> Arm:
 def warn(file: Path, problems: Iterable[Problem]) -> None:
     """Prints `warning: FILE: WHERE: ...` on standard error for each problem."""
     for problem in problems:
-        print(f"warning: {file}: {problem}", file=sys.stderr)
+        print(printable(f"warning: {file}: {problem}"), file=sys.stderr)
 
 
 def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
@@ -60,7 +77,7 @@ def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
     found = list(faults)
     sys.stdout.flush()
     for file, problem in found:
-        print(f"error: {file}: {problem}", file=sys.stderr)
+        print(printable(f"error: {file}: {problem}"), file=sys.stderr)
     if found:
         raise typer.Exit(INPUT_AT_FAULT)
 
@@ -104,6 +121,18 @@ def _is_finite(text: str) -> bool:
         return math.isfinite(float(text))
     except ValueError:
         return False
+
+
+def refuse_step(step: float) -> None:
+    """Refuse a time step that is not positive and finite.
+
+    Raises
+    ------
+    InvalidFile
+        With the value of --step.
+    """
+    if not 0 < step < math.inf:
+        raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
 
 
 @contextmanager
@@ -150,8 +179,3 @@ def _finite(value: object) -> object:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def show_progress() -> bool:
-    """Whether progress is shown: only to a person at a terminal."""
-    return sys.stderr.isatty()

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Json, Model, blame, load_arm, print_json, show_progress, warn
-from flexarm.cli.phases import phases
+from flexarm.cli.options import AllowOutside, Force, Json, Model, blame, load_arm, print_json, warn
+from flexarm.cli.progress import progress
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def plan(
     json: Json = False,
     jobs: Jobs = None,
     force: Force = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Which effects an experiment could tell apart, before it is run.
 
@@ -60,9 +61,13 @@ def plan(
     if out is None:
         found = _planned(model, arm, motions, jobs)
     else:
+        from flexarm.input_files import input_files
         from flexarm.output import output_directory
+        from flexarm.record import Record
 
-        with output_directory(out, force) as directory:
+        records = {name: each for name, each in motions.items() if isinstance(each, Record)}
+        read = input_files(model, arm, records)
+        with output_directory(out, force, [*drive, *(more or ()), *read.values()]) as directory:
             found = _planned(model, arm, motions, jobs)
             found.write(directory)
     if json:
@@ -74,12 +79,11 @@ def plan(
 
 
 def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
-    """The plan, with a bar for a person at a terminal."""
+    """The plan, which tells how far it is."""
     import flexarm
 
-    with phases(show_progress()) as tell, blame(model):
-        progress = None if tell is None else lambda done, what: tell(what, done)
-        found: Plan = flexarm.plan(arm, motions, jobs=jobs, progress=progress)
+    with progress() as tell, blame(model):
+        found: Plan = flexarm.plan(arm, motions, jobs=jobs, progress=tell)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +11,7 @@ import typer
 from flexarm.cli.accept_matrices import MATRIX_SUFFIXES, accepted, refuse_for_matrices
 from flexarm.cli.options import Json, print_json, warn
 from flexarm.cli.reduce_mesh import draw, reduced, refuse_for_meshes, solid_part
-from flexarm.errors import InvalidFile
+from flexarm.output import output_file, refuse_existing
 
 Mesh = Annotated[
     Path,
@@ -128,19 +129,22 @@ def reduce(
 
     `flexarm check hub.nc` describes the file.
     """
-    _refuse_existing(out, force)
+    inputs = _inputs(mesh, grids, order, mass_matrix, damping_matrix)
+    refuse_existing(out, force, inputs)
     if picture is not None:
-        _refuse_existing(picture, force)
+        refuse_existing(picture, force, inputs)
     if grids is not None or mesh.suffix.lower() in MATRIX_SUFFIXES:
         refuse_for_matrices(mesh, grids, modes, max_frequency, material, picture, damping_ratio, recovery)
+        solid = None
         element = accepted(mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance)
     else:
         refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
         solid = solid_part(mesh, unit, material, merge, mass)
         element = reduced(mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery)
-        if picture is not None:
-            draw(solid, element, interface, picture, force)
-    element.save(out, force)
+    with nullcontext() if picture is None else output_file(picture, inputs) as drawn:
+        if drawn is not None and solid is not None:
+            draw(solid, element, interface, drawn)
+        element.save(out, force)
     warn(out, element.check(tolerance=tolerance))
     if json:
         print_json({"file": str(out), **element.to_json_dict()})
@@ -148,9 +152,7 @@ def reduce(
         print(f"{element.summary()}\nwritten to {out}")
 
 
-def _refuse_existing(path: Path, force: bool) -> None:
-    """Before the work is done rather than after it."""
-    if path.is_dir() or not path.resolve().parent.is_dir():
-        raise InvalidFile(path, "output", "must be a file in a directory that exists")
-    if path.exists() and not force:
-        raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
+def _inputs(mesh: Path, grids: Path | None, *texts: str | None) -> list[Path]:
+    """Files that are read; a list of freedoms is none, and a matrix may follow its file's name."""
+    named = [Path(name) for text in texts if text for name in (text, text.rpartition(":")[0]) if name]
+    return [mesh, *([grids] if grids else []), *named]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.cli.interfaces import read_interfaces
-from flexarm.cli.options import blame, show_progress, warn
+from flexarm.cli.options import blame, warn
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def reduced(
     recovery: bool,
 ) -> SuperElement:
     """The part reduced to its interfaces."""
-    from flexarm.cli.phases import phases
+    from flexarm.cli.progress import progress
     from flexarm.reduction import reduce_mesh
 
     pairs = read_interfaces(interface, _FORM)
@@ -65,7 +65,7 @@ def reduced(
         raise InvalidFile(
             "command line", "--interface", f"is needed, NAME=SET; the mesh has the sets {known}"
         )
-    with blame(file), phases(show_progress()) as progress:
+    with blame(file), progress() as tell:
         return reduce_mesh(
             solid,
             pairs,
@@ -76,13 +76,11 @@ def reduced(
             mass=mass,
             recovery=recovery,
             name=file.stem,
-            progress=progress,
+            progress=lambda phase, done: tell(done, phase),
         )
 
 
-def draw(
-    solid: SolidMesh, element: SuperElement, interface: list[str] | None, path: Path, force: bool
-) -> None:
+def draw(solid: SolidMesh, element: SuperElement, interface: list[str] | None, path: Path) -> None:
     """A picture of part and interfaces."""
     from flexarm.reduction import InterfaceSet
     from flexarm.superelement.picture import picture, save_picture
@@ -93,4 +91,4 @@ def draw(
     }
     frames = {name: element.interface(name) for name in element.interfaces}
     title = f"{element.name}: {element.mass_total:.5g} kg, {solid.n_dof} degrees of freedom"
-    save_picture(picture(solid, sets, frames, title), path, force)
+    save_picture(picture(solid, sets, frames, title), path)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexarm.cli.options import Force, Out, show_progress
+from flexarm.cli.options import Force, Out
+from flexarm.cli.progress import progress
 
 
 def reproduce(out: Out = Path("results"), force: Force = False) -> None:
@@ -18,5 +19,6 @@ def reproduce(out: Out = Path("results"), force: Force = False) -> None:
     """
     from flexarm.report import reproduce as make
 
-    make(out=out, force=force, progress=show_progress())
+    with progress() as tell:
+        make(out=out, force=force, progress=tell)
     print(f"written to {out}: open {out / 'index.html'}")

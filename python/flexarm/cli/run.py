@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 
-from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+from flexarm.errors import InvalidFile, InvalidParameter, NotConverged, printable
 from flexarm.leaving import farewell
 
 INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED = 2, 3, 130
@@ -33,6 +33,9 @@ def run(arguments: list[str]) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from flexarm.cli.app import app_for
+        from flexarm.output import written
+
+        written.clear()
 
         app = app_for(arguments)
         code = app(args=arguments or ["--help"], prog_name="flexarm", standalone_mode=False)
@@ -86,7 +89,7 @@ def _report(error: Exception) -> int:
         raise error
     sys.stdout.flush()
     for line in lines:
-        print(f"error: {line}", file=sys.stderr)
+        print(f"error: {printable(line)}", file=sys.stderr)
     return code
 
 

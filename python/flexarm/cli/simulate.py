@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import Force, Model, Out, blame, load_arm, show_progress, warn
+from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, blame, load_arm, refuse_step, warn
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 Drive = Annotated[
     Path, typer.Option("--drive", metavar="DRIVE", help="A record, or a CSV file of joint angles.")
 ]
-Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step [s].")]
 Alpha = Annotated[
     float, typer.Option("--alpha", metavar="A", help="HHT's alpha, -1/3 to 0; 0 damps nothing.")
 ]
@@ -38,6 +37,7 @@ def simulate(
     forces: Forces = False,
     seed: Seed = 0,
     force: Force = False,
+    allow_outside: AllowOutside = False,
 ) -> None:
     """Transient under a drive.
 
@@ -51,17 +51,18 @@ def simulate(
         flexarm simulate arm.toml --drive measured --out virtual --step 0.001 --forces
     """
     arm = load_arm(model)
-    if not 0 < step < float("inf"):
-        raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
+    refuse_step(step)
     if not -1 / 3 - 1e-12 <= alpha <= 0:
         raise InvalidFile("command line", "--alpha", f"must lie between -1/3 and 0, got {alpha:g}")
     from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help
+    from flexarm.input_files import input_files
     from flexarm.output import output_directory
     from flexarm.record.against_arm import unplaced_effects
     from flexarm.record.save import write
 
-    with output_directory(out, force) as directory:
-        record = _record(drive, arm)
+    record = _record(drive, arm)
+    read = input_files(model, arm, {} if record is None else {"": record})
+    with output_directory(out, force, [drive, *read.values()], ["record.toml", "simulation.nc"]) as directory:
         motion = _motion(drive, arm, record)
         _refuse_endless(motion, step)
         with blame(model):
@@ -116,16 +117,18 @@ def _run(
     arm: Arm, motion: Motion, record: Record | None, step: float, alpha: float, forces: bool
 ) -> Simulation:
     """The transient, with what the sensors need."""
+    from flexarm.cli.progress import progress
     from flexarm.simulation import simulate as solve
 
     seen = {entry.quantity for entry in (arm.sensors if record is None else record.signals.values())}
-    return solve(
-        arm if record is None else record.applied_to(arm),
-        motion,
-        step=step,
-        alpha=alpha,
-        forces=forces or "strain" in seen,
-        rotations=bool(seen & TURNS),
-        energies=True,
-        progress=show_progress(),
-    )
+    with progress() as tell:
+        return solve(
+            arm if record is None else record.applied_to(arm),
+            motion,
+            step=step,
+            alpha=alpha,
+            forces=forces or "strain" in seen,
+            rotations=bool(seen & TURNS),
+            energies=True,
+            progress=lambda done: tell(done, "simulation"),
+        )

@@ -17,7 +17,7 @@ from flexarm.comparison.unknowns import drive_clock, is_open, stated
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
-from flexarm.record.doubts import clocks_apart
+from flexarm.record.doubts import clocks_apart, unknown_motion
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -129,9 +129,9 @@ def last_needed(record: Record, arm: Arm, start: float) -> float:
     Raises
     ------
     InvalidParameter
-        If a signal has no instant in common with the drive.
+        If a signal has no instant in common with the drive, or shows a motion while that is unknown.
     """
-    for problem in clocks_apart(record):
+    for problem in (*clocks_apart(record), *unknown_motion(record)):
         raise InvalidParameter(problem.what, where=problem.where)
     own = record.clocks[drive_clock(record)].offset
     ends = []

@@ -13,6 +13,7 @@ from flexarm.comparison.bands import alias
 from flexarm.comparison.beside import beside
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap, signal_gap
+from flexarm.comparison.step_check import step_notes
 from flexarm.comparison.unknowns import movable
 from flexarm.drive.lead_in import LEAD
 from flexarm.measurement.outliers import SMOOTH, told
@@ -32,6 +33,7 @@ def compare(
     step: float = 2e-3,
     alpha: float = -0.05,
     bands: Sequence[float] | None = None,
+    check_step: bool = False,
 ) -> Comparison:
     """The gap between a model and a record, per signal, direction and band, against the noise.
 
@@ -56,6 +58,8 @@ def compare(
         Of the simulation [s], [-].
     bands : sequence of float, optional
         Inner edges of the bands [Hz]; default: half and twice the first mode that the sensors see.
+    check_step : bool
+        Simulate once more with half the step, and note predictions that move by more than half their noise.
 
     Returns
     -------
@@ -81,6 +85,7 @@ def compare(
         )
         for name, signal in subject.signals.items()
     }
+    steps = step_notes(arm, pair, step, alpha) if check_step else ()
     return Comparison(
         arm.name,
         record.description,
@@ -88,7 +93,7 @@ def compare(
         aligned,
         dict(subject.skipped),
         modes_hz,
-        (*_about_effects(subject.arm, record), *_notes(record, gaps, modes_hz, aligned, align)),
+        (*_about_effects(subject.arm, record), *_notes(record, gaps, modes_hz, aligned, align), *steps),
     )
 
 

@@ -35,6 +35,7 @@ from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.named import NamedEffect
 from flexarm.diagnosis.outcome.ends import ends_sentence, far_out
 from flexarm.diagnosis.outcome.estimates import Estimates, estimates
+from flexarm.diagnosis.outcome.foretold import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.outcome.left_open import left_open
 from flexarm.diagnosis.outcome.naming import named_effects, rejected
 from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
@@ -117,7 +118,7 @@ def diagnose(
     doubts = dict.fromkeys((*(f"model: {problem}" for problem in arm.warnings), *checked.doubts))
     remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
-        return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, begun))
+        return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = with_noise_of(checked.records, held)
     parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
@@ -148,7 +149,7 @@ def diagnose(
     seen = verified(
         bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
     )
-    return Diagnosis(
+    told = Diagnosis(
         found.verdict,
         arm,
         updated,
@@ -180,10 +181,12 @@ def diagnose(
             *seen.remarks,
         ),
         next_experiment=further.sentence,
-        provenance=_provenance(seed, begun),
+        provenance=_provenance(seed, step, begun),
         located=seen.located,
         located_after=seen.located_after,
     )
+    no_gap = no_gap_of(observed, choice.best.has_corners)
+    return adequate_if_foretold(told, no_gap, bool(observed.starts))
 
 
 @dataclass(frozen=True)
@@ -323,5 +326,5 @@ def _chosen(observed: Observed, tell: Callable[[float, str], object]) -> Choice:
     return choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
 
 
-def _provenance(seed: int, begun: float) -> dict[str, Any]:
-    return {"version": version(), "seed": seed, "seconds": time.monotonic() - begun}
+def _provenance(seed: int, step: float, begun: float) -> dict[str, Any]:
+    return {"version": version(), "seed": seed, "step": step, "seconds": time.monotonic() - begun}

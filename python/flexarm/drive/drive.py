@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexarm.arguments import ARM, PATH, takes
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.smoothing import interpolate
@@ -85,6 +86,7 @@ class Drive:
         return cls(joints, start=float(t[0]), end=float(t[-1]))
 
     @classmethod
+    @takes(path=PATH, arm=ARM)
     def from_csv(cls, path: str | Path, arm: Arm) -> Drive:
         """A CSV file with `time_s` and one column per driven joint, named after it.
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from flexarm.example.bracket import bracket
 from flexarm.example.motion import joined
+from flexarm.output import write_file
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -45,9 +46,9 @@ def write(directory: Path) -> None:
     hidden.to_toml(directory / "machine.toml")
     for seed, (name, (seconds, stops)) in enumerate(STOPS.items(), 1):
         virtual_record(hidden, seconds, stops, seed, LIGHT if name == "fast" else None).save(directory / name)
-    (directory / "swing.csv").write_text(_swing(), encoding="utf-8")
-    (directory / "bracket.inp").write_text(bracket(), encoding="utf-8")
-    (directory / "README.md").write_text(_shipped("about.md"), encoding="utf-8")
+    write_file(directory / "swing.csv", _swing())
+    write_file(directory / "bracket.inp", bracket())
+    write_file(directory / "README.md", _shipped("about.md"))
 
 
 def _shipped(name: str) -> str:
@@ -59,7 +60,7 @@ def _model(directory: Path) -> Arm:
     from flexarm.arm import Arm
 
     path = directory / "arm.toml"
-    path.write_text(_shipped("arm.toml"), encoding="utf-8")
+    write_file(path, _shipped("arm.toml"))
     return Arm.from_toml(path)
 
 

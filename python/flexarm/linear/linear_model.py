@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexarm.arguments import NUMBERS, PATH, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.linear import matlab
 from flexarm.linear.modal_form import NO_POLE
 from flexarm.netcdf import Contents
+from flexarm.reading import require
 from flexarm.result import Result, load, model_of, provenance
 
 if TYPE_CHECKING:
@@ -71,6 +74,7 @@ class LinearModel(Result):
         values = np.linalg.eigvals(self.A).astype(complex) if len(self.A) else np.zeros(0, complex)
         return np.asarray(values[np.argsort(np.abs(values), kind="stable")])
 
+    @takes(frequency_hz=NUMBERS)
     def frequency_response(self, frequency_hz: ArrayLike) -> Complex:
         """C (i omega - A)^-1 B + D: shape (frequency, output, input)."""
         omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=float))
@@ -132,8 +136,13 @@ class LinearModel(Result):
             {"kind": "linear model", "equations": "x' = A x + B u, y = C x + D u", **provenance(self.arm)},
         )
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the model: as a MAT file where the name ends in .mat, else as NetCDF.
+
+        Parameters
+        ----------
+        path, inputs
+            As of every result.
 
         Raises
         ------
@@ -141,11 +150,12 @@ class LinearModel(Result):
             If the file cannot be written.
         """
         if Path(path).suffix == ".mat":
-            matlab.save(self.contents(), path)
+            matlab.save(self.contents(), path, [*self.arm.part_files, *inputs])
         else:
-            super().save(path)
+            super().save(path, inputs)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> LinearModel:
         """Reads what `save` wrote, by the ending of its name.
 
@@ -155,17 +165,22 @@ class LinearModel(Result):
             If the file holds no linear model.
         """
         data = matlab.load(path) if Path(path).suffix == ".mat" else load(path, "linear model")
-        try:
-            arrays = {name: frozen(data[name].values) for name in (*MATRICES, *AT_REST)}
-            texts = {
-                f"{axis}_{what}s": tuple(str(text) for text in data[variable].values)
-                for axis in ("input", "output", "state")
-                for what, variable in (("name", axis), ("unit", f"{axis}_unit"))
-            }
-            fields: dict[str, Any] = {**arrays, **texts}
-            return cls(arm=model_of(data), **fields)
-        except KeyError as error:
-            raise InvalidFile(path, "file", f"is no linear model: {error} is missing") from None
+        arm = model_of(data, path)
+        texts: dict[str, Any] = {}
+        sizes = {"joint": len(arm.joints)}
+        for axis in ("input", "output", "state"):
+            for what, variable in (("name", axis), ("unit", f"{axis}_unit")):
+                if variable not in data:
+                    raise InvalidFile(path, variable, "is missing; a linear model names states and ports")
+                found = tuple(str(text) for text in np.ravel(data[variable].values))
+                if len(found) != sizes.setdefault(axis, len(found)):
+                    raise InvalidFile(path, variable, f"must hold {sizes[axis]} texts, got {len(found)}")
+                texts[f"{axis}_{what}s"] = found
+        sizes["from_state"] = sizes["state"]
+        axes = {**MATRICES, **{name: (axis,) for name, axis in AT_REST.items()}}
+        require(path, data, axes, sizes)
+        arrays: dict[str, Any] = {name: frozen(data[name].values) for name in axes}
+        return cls(arm=arm, **arrays, **texts)
 
     def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
         """Size of the frequency response from an input (default: first) to an output, or all of its unit."""

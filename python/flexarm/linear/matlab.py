@@ -8,21 +8,24 @@ Matrices under their names, names and units as columns of cells, texts as texts:
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.errors import InvalidFile
+from flexarm.linear.mat_file import read_mat
 from flexarm.netcdf import Contents
-from flexarm.output import output_file
+from flexarm.output import write_file
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def save(contents: Contents, path: str | Path) -> None:
-    """Writes variables, labels and attributes; the file appears when it is whole.
+def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
+    """Writes variables, labels and attributes; the file appears when it is whole and replaces no input.
 
     Raises
     ------
@@ -34,8 +37,9 @@ def save(contents: Contents, path: str | Path) -> None:
     arrays = {**{name: values for name, (_, values, _) in contents.variables.items()}, **contents.labels}
     columns = {name: _column(values) for name, values in arrays.items()}
     texts = {_identifier(name): text for name, text in contents.attributes.items()}
-    with output_file(path) as partial, partial.open("wb") as file:
-        savemat(file, {**columns, **texts}, long_field_names=True)
+    image = BytesIO()
+    savemat(image, {**columns, **texts}, long_field_names=True)
+    write_file(path, image.getbuffer(), inputs)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -47,26 +51,16 @@ def load(path: str | Path) -> xr.Dataset:
         If the file is missing or no MAT file of a linear model.
     """
     import xarray as xr
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
 
-    try:
-        found = loadmat(path, appendmat=False)
-    except (OSError, ValueError, NotImplementedError, TypeError, MatReadError) as error:
-        raise InvalidFile(path, "file", f"cannot be read as a MAT file: {error}") from None
     data = xr.Dataset()
-    for name, values in found.items():
-        if name.startswith("__"):
-            continue
-        if values.dtype.kind == "U":
-            data.attrs[name] = str(values[0]) if values.size else ""
-        elif values.dtype.kind == "O":
-            data[name] = ((f"{name}_row",), [str(cell[0]) if cell.size else "" for cell in values[:, 0]])
+    for name, values in read_mat(path).items():
+        if isinstance(values, str):
+            data.attrs[name] = values
+        elif isinstance(values, list):
+            data[name] = ((f"{name}_row",), values)
         else:
-            column = name.endswith(("_at_rest", "_values"))
-            data[name] = (
-                ((f"{name}_row",), values[:, 0]) if column else ((f"{name}_row", f"{name}_column"), values)
-            )
+            array = values[:, 0] if name.endswith(("_at_rest", "_values")) and values.shape[1] else values
+            data[name] = (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array)
     if data.attrs.get("kind") != "linear model":
         raise InvalidFile(path, "kind", f"must be 'linear model', got {data.attrs.get('kind', 'none')!r}")
     return data

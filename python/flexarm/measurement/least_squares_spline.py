@@ -62,7 +62,8 @@ def fit_spline(
 
     at = time[breaks]
     knots = np.concatenate([np.repeat(at[0], DEGREE), at, np.repeat(at[-1], DEGREE)])
-    design = BSpline.design_matrix(time, knots, DEGREE)
+    # SciPy looks for samples beyond the knots one by one; there are none, so it need not.
+    design = BSpline.design_matrix(time, knots, DEGREE, extrapolate=True)
     rows = design.data.reshape(-1, DEGREE + 1).T  # the four that are not zero at a sample
     first = design.indices[:: DEGREE + 1]
     band, right = _normal_equations(rows, np.searchsorted(first, np.arange(len(at) - 1)), values)

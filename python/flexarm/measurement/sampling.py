@@ -94,15 +94,13 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
     i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
-    h = time[i + 1] - time[i]
-    s, h = _column((inside - time[i]) / h, values), _column(h, values)
-    v_0, v_1 = (_slope(time, values, k) if rates is None else rates[k] for k in (i, i + 1))
-    found = (
-        (1 + 2 * s) * (1 - s) ** 2 * values[i]
-        + s * (1 - s) ** 2 * h * v_0
-        + s**2 * (3 - 2 * s) * values[i + 1]
-        - s**2 * (1 - s) * h * v_1
-    )  # eq. (1)
+    s = _column((inside - time[i]) / (time[i + 1] - time[i]), values)
+    k = np.arange(len(time) - 1) if len(time) < len(instants) else i  # of fewer, steps or instants
+    v_0, v_1 = (_slope(time, values, at) if rates is None else rates[at] for at in (k, k + 1))
+    h, jump = _column(time[k + 1] - time[k], values), values[k + 1] - values[k]
+    powers = (values[k], h * v_0, 3 * jump - h * (2 * v_0 + v_1), h * (v_0 + v_1) - 2 * jump)
+    a, b, c, d = powers if k is i else (each[i] for each in powers)
+    found = ((d * s + c) * s + b) * s + a  # eq. (1), by powers of s
     if rates is not None:
         found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]
     late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))

@@ -15,6 +15,7 @@ stands: an encoder of coarse steps shows a slow motion like that.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 
@@ -23,6 +24,8 @@ Stand = tuple[int, int]
 
 BLOCK = 16
 """Samples."""
+FIRST_LOOK = 32
+"""Blocks up to which a stretch is looked at first; of no influence on what is found."""
 LEAST = 4
 """Blocks of a stand; the top of a slow wave is shorter."""
 ALARM = 1e-6
@@ -73,14 +76,25 @@ class _Blocks:
 
     def grown(self, begin: int) -> int:
         """End of the longest stretch of blocks from one on that stands at all its lengths."""
-        ends = np.arange(begin + 1, self.count + 1)
+        most = FIRST_LOOK  # most stretches are short: lengths are looked at in parts that grow
+        while True:
+            ends = np.arange(begin + 1, min(begin + most, self.count) + 1)
+            moves = self._moves(begin, ends)
+            if moves.any():
+                return int(ends[np.argmax(moves)]) - 1
+            if ends[-1] == self.count:
+                return self.count
+            most *= 4
+
+    def _moves(self, begin: int, ends: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return True at each end up to which a stretch does not stand."""
         n = BLOCK * (ends - begin).astype(float)
         t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, [begin]]
         scatter = yy - y * y / n
         spread = np.maximum(tt - t * t / n, 1e-300)
         slope = (ty - t * y / n) / np.sqrt(spread)
-        moves = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > DRIFT)  # eq. (1)
-        return int(ends[np.argmax(moves)]) - 1 if moves.any() else self.count
+        found: NDArray[np.bool_] = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > DRIFT)  # eq. (1)
+        return found
 
 
 def _to_the_sample(stand: Stand, scaled: Floats) -> Stand:

@@ -13,6 +13,7 @@ from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.carried_doubts import carried_doubts
 from flexarm.record.doubts import stands_elsewhere
 from flexarm.record.drawn_out import drawn_out
+from flexarm.record.drive_span import range_at_rest
 from flexarm.record.frame_doubts import frame_doubts
 from flexarm.record.lasting import too_fast
 from flexarm.record.reached import places_seen, reached
@@ -21,12 +22,6 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
-
-
-MOVED = 1e-3
-"""Angle over which an encoder tells of a motion [rad or m]."""
-NOISY, ONE_STEP = 12.0, 1.5
-"""Its range at rest, in sigmas of a million samples and with a margin; and, if it is coarse, in steps."""
 
 
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
@@ -189,10 +184,7 @@ def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
 def _moves(signal: Signal) -> bool:
     """Whether an encoder shows more than its noise and one of its steps do."""
     seen = signal.values[signal.valid, 0]
-    steps = np.diff(np.unique(seen))
-    coarse = ONE_STEP * float(np.min(steps)) if len(steps) else 0.0
-    still = max(MOVED, NOISY * (signal.noise_std or 0.0), coarse)
-    return len(seen) > 0 and float(np.ptp(seen)) > still
+    return len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)
 
 
 def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:

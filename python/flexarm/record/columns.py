@@ -2,19 +2,28 @@
 
 The first line that is not a comment names the columns. Lines that start with `#` are comments, empty lines
 are skipped, empty cells and `nan` are drop-outs.
+
+NumPy's reader takes the file block by block, so that memory holds the columns and one block. Where it refuses
+a cell, the file is read once more, row by row, by the rules of this page.
 """
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+import io
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice, repeat
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.tables.toml import read_text
+
+_BLOCK = 1 << 20
+"""Characters that are read at once: many lines, and little memory beside their columns."""
 
 
 class CsvFile:
@@ -35,21 +44,43 @@ class CsvFile:
 
     def __init__(self, path: Path, named: str | Path | None = None) -> None:
         self.file = named or path
+        self._path = path
+        self._text: str | None = None
+        if not _is_file(path):  # a pipe gives its text once
+            self._text = self._read()
+        content = self._content()
+        self._header_line, header = next(content, (0, ""))
+        if not self._header_line:
+            raise InvalidFile(self.file, "line 1", "has no header; the first line must name the columns")
+        self.header = self._header(header)
+        if next(content, None) is None:
+            last = self._read().replace("\r\n", "\n").replace("\r", "\n").count("\n") + 1
+            raise InvalidFile(self.file, f"line {last}", "has a header and no rows")
+
+    def _read(self) -> str:
+        if self._text is not None:
+            return self._text
         try:
-            text = read_text(path)
+            return read_text(self._path)
         except InvalidFile as error:
             problem = error.problems[0]
             raise InvalidFile(self.file, problem.where, problem.what) from None
-        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-        self._numbers = [
-            i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")
-        ]
-        if not self._numbers:
-            raise InvalidFile(self.file, "line 1", "has no header; the first line must name the columns")
-        self.header = self._header(lines[self._numbers.pop(0)])
-        self._lines = [lines[i] for i in self._numbers]
-        if not self._lines:
-            raise InvalidFile(self.file, f"line {len(lines)}", "has a header and no rows")
+
+    def _open(self) -> TextIO:
+        if self._text is not None:
+            return io.StringIO(self._text, newline=None)
+        return self._path.open(encoding="utf-8-sig")
+
+    def _content(self) -> Iterator[tuple[int, str]]:
+        """Yield number and text of the lines that are neither empty nor comments, the header first."""
+        try:
+            with self._open() as file:
+                for number, line in enumerate(file, 1):
+                    if _says_something(line):
+                        yield number, line.rstrip("\n")
+        except (OSError, UnicodeDecodeError):
+            self._read()  # says what is wrong
+            raise
 
     def _header(self, line: str) -> list[str]:
         header = [name.strip() for name in self._cells(line)]
@@ -66,7 +97,7 @@ class CsvFile:
 
     def line(self, row: int) -> int:
         """Line number of a row, counted from 1."""
-        return self._numbers[row] + 1
+        return next(islice(self._content(), row + 1, None))[0]
 
     def index(self, column: str) -> int | None:
         """Position of a column, None if it does not exist."""
@@ -96,26 +127,47 @@ class CsvFile:
 
     def _fast(self, where: list[int]) -> Floats | None:
         """The columns by NumPy's reader, or None where a cell needs a closer look."""
-        commas = len(self.header) - 1
-        if any(line.count(",") != commas for line in self._lines):
-            return None
         try:
-            values = np.loadtxt(_filled(self._lines), delimiter=",", usecols=where, comments=None, ndmin=2)
+            with self._open() as file:
+                for _ in range(self._header_line):
+                    file.readline()
+                blocks = iter(lambda: file.read(_BLOCK) + file.readline(), "")
+                lines = chain.from_iterable(map(self._lines, blocks))
+                values = np.loadtxt(lines, delimiter=",", usecols=where, comments=None, ndmin=2)
         except ValueError:
             return None
         return np.asarray(values, dtype=float)
 
-    def _rows(self) -> Iterable[tuple[int, list[str]]]:
+    def _lines(self, block: str) -> list[str]:
+        """Return the rows of a block of lines, `nan` in empty cells.
+
+        Raises
+        ------
+        ValueError
+            If a row is not as long as the header, as far as its commas tell.
+        """
+        commas = len(self.header) - 1
+        block = block.removesuffix("\n")
+        lines = block.split("\n")
+        if set(map(str.count, lines, repeat(","))) != {commas} or "#" in block:
+            lines = list(filter(_says_something, lines))
+            if not set(map(str.count, lines, repeat(","))) <= {commas}:
+                raise ValueError("rows differ in their number of cells")
+            block = "\n".join(lines)
+        filled = _filled(block)
+        return lines if filled is block else filled.split("\n")
+
+    def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line numbers and cells, all rows as long as the header."""
-        for row, line in enumerate(self._lines):
+        for number, line in islice(self._content(), 1, None):
             cells = self._cells(line)
             if len(cells) != len(self.header):
                 raise InvalidFile(
                     self.file,
-                    f"line {self.line(row)}",
+                    f"line {number}",
                     f"has {len(cells)} cells, the header has {len(self.header)}: {line[:60]!r}",
                 )
-            yield self.line(row), cells
+            yield number, cells
 
     def _number(self, line: int, row: list[str], column: int) -> float:
         cell = row[column].strip()
@@ -136,13 +188,25 @@ class CsvFile:
         )
 
 
-def _filled(lines: list[str]) -> list[str]:
-    """Lines with `nan` in empty cells, for a reader that takes no empty ones."""
-    text = "\n".join(lines)
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that no file can have
+        return False
+
+
+def _says_something(line: str) -> bool:
+    """Return True if a line is neither empty nor a comment."""
+    words = line.strip()
+    return bool(words) and not words.startswith("#")
+
+
+def _filled(text: str) -> str:
+    """Return lines with `nan` in empty cells, for a reader that takes no empty ones."""
     if not (",," in text or ",\n" in text or "\n," in text or text.startswith(",") or text.endswith(",")):
-        return lines
+        return text
     for _ in range(2):  # twice: ",,," holds overlapping pairs
         text = text.replace(",,", ",nan,")
     text = text.replace(",\n", ",nan\n").replace("\n,", "\nnan,")
     text = f"nan{text}" if text.startswith(",") else text
-    return (f"{text}nan" if text.endswith(",") else text).split("\n")
+    return f"{text}nan" if text.endswith(",") else text

@@ -10,8 +10,9 @@ import numpy as np
 
 from flexarm.arm.geared import shaft_ratio
 from flexarm.errors import Problem
+from flexarm.record.drive_span import single_values, uncovered
 from flexarm.record.frame_doubts import rotation_doubts
-from flexarm.record.lasting import doubts_of_spans
+from flexarm.record.lasting import doubts_of_spans, spans_apart
 from flexarm.record.noise_doubts import clock_doubts, noise_doubts
 from flexarm.record.signal import Signal
 from flexarm.record.table import Frame
@@ -94,6 +95,19 @@ def clocks_apart(record: Record) -> Iterable[Problem]:
                 f"{times} by {own!r}: they have no instant in common; state the offset in "
                 f'clocks.{signal.clock}, or that the clock is "unknown"',
             )
+
+
+def unknown_motion(record: Record) -> list[Problem]:
+    """Return drives of a single value, or what other signals show while a drive is unknown.
+
+    Nothing is said of signals that have no instant in common with the drive, nor where stamps are in no s.
+    """
+    if record.kind != "motion":
+        return []
+    if (single := single_values(record)) or spans_apart(record):
+        return single
+    apart = [signal.name for signal, *_ in _apart(record)]
+    return uncovered(record, [s for s in record.signals.values() if s.name not in apart])
 
 
 def outside_the_drive(record: Record) -> dict[str, str]:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
-from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.errors import InvalidFile, Problem
+from flexarm.reading import OUTSIDE, is_inside, reading
 from flexarm.record.columns import CsvFile
 from flexarm.record.file_table import RecordTable, SignalTable
 from flexarm.record.record import Record
@@ -22,23 +23,19 @@ from flexarm.tables.ranges import first_beyond, range_of
 from flexarm.units import factor_to, si_factor
 
 
-def load(path: Path) -> Record:
+def load(path: Path, allow_outside: bool = False) -> Record:
     """The record in a directory, or beside the `record.toml` that `path` names."""
     toml = path / "record.toml" if path.is_dir() else path
-    if not toml.exists() and toml.name != "record.toml":
+    if not _exists(toml) and toml.name != "record.toml":
         raise InvalidFile(
             path, "record", "there is no such directory; a record is a directory with record.toml"
         )
     data, text = read_toml(toml, "flexarm-record/1")
     table = check_table(RecordTable, data, toml, text)
-    reader = _Reader(toml, table, text)
+    reader = _Reader(toml, table, text, allow_outside or OUTSIDE.get())
     clocks = dict(table.clocks) or {"clock": Clock()}
-    try:
+    with reading(toml, "a record"):
         signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
-    except InvalidFile:
-        raise
-    except InvalidParameter as error:
-        raise InvalidFile(toml, error.where, error.problems[0].what) from None
     return Record(
         signals={signal.name: signal for signal in signals},
         drive=table.drive,
@@ -59,8 +56,8 @@ def load(path: Path) -> Record:
 class _Reader:
     """Reads the signals of one record; those that share a file share the read."""
 
-    def __init__(self, toml: Path, table: RecordTable, text: str) -> None:
-        self.toml, self.table, self.text = toml, table, text
+    def __init__(self, toml: Path, table: RecordTable, text: str, outside: bool) -> None:
+        self.toml, self.table, self.text, self.outside = toml, table, text, outside
         self.notes: list[Problem] = []
         self._files: dict[str, CsvFile] = {}
         self._columns: dict[str, dict[str, Floats]] = {}
@@ -105,6 +102,9 @@ class _Reader:
         """Opens the file of a signal and looks for its columns."""
         if table.file not in self._files:
             path = self.toml.parent / table.file
+            if not (self.outside or is_inside(path, self.toml.parent)):
+                what = f"{table.file!r} lies outside the record's directory; --allow-outside reads it"
+                raise self._error(i, table, "file", what)
             if not _exists(path):
                 others = ", ".join(sorted(p.name for p in self.toml.parent.glob("*.csv")))
                 raise self._error(
@@ -232,7 +232,7 @@ def _separated(header: Sequence[str]) -> str:
 def _exists(path: Path) -> bool:
     try:
         return path.exists()
-    except OSError:  # a name that is too long for the file system
+    except (OSError, ValueError):  # a name that is too long for the file system, or holds a null byte
         return False
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arguments import PATH, takes
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
@@ -93,13 +94,16 @@ class Record:
     # ------------------------------------------------------------------ files
 
     @classmethod
-    def load(cls, path: str | Path) -> Record:
+    @takes(path=PATH)
+    def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
         """The record in a directory.
 
         Parameters
         ----------
         path : str or Path
             The directory that holds `record.toml`, or that file.
+        allow_outside : bool
+            Read files that lie outside this directory, too.
 
         Raises
         ------
@@ -108,7 +112,7 @@ class Record:
         """
         from flexarm.record.load import load
 
-        return load(Path(path))
+        return load(Path(path), allow_outside)
 
     def save(self, path: str | Path, force: bool = False) -> None:
         """Writes `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
@@ -118,7 +122,7 @@ class Record:
         path : str or Path
             A new or empty directory.
         force : bool
-            Write into a directory that holds files.
+            Write into a directory that holds files, but not over those that the record was read from.
 
         Raises
         ------
@@ -128,10 +132,18 @@ class Record:
         from flexarm.output import output_directory
         from flexarm.record.save import write
 
-        with output_directory(path, force) as directory:
+        with output_directory(path, force, self.files, ["record.toml"]) as directory:
             write(self, directory)
 
     # ------------------------------------------------------------------- parts
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that it was read from; none if it was made otherwise."""
+        if self.path is None:
+            return ()
+        names = dict.fromkeys(["record.toml", *(s.file for s in self.signals.values() if s.file)])
+        return tuple(self.path / name for name in names)
 
     @property
     def reference_clock(self) -> str:
@@ -185,14 +197,14 @@ class Record:
         Raises
         ------
         InvalidParameter
-            If the record names joints, points, links or payloads that the model has not; an `InvalidFile` if
-            the record was read from a file.
+            If the record names joints, points, links or payloads that the model has not, or its other signals
+            tell of a motion while its drive is unknown; an `InvalidFile` if it was read from a file.
         """
         from flexarm.record.against_arm import doubts, unknown_names
+        from flexarm.record.doubts import unknown_motion
 
-        unknown = unknown_names(self, arm)
-        if unknown:
-            raise self._error(unknown)
+        if problems := unknown_names(self, arm) or unknown_motion(self):
+            raise self._error(problems)
         return doubts(self, arm)
 
     def applied_to(self, arm: Arm) -> Arm:
@@ -227,6 +239,11 @@ class Record:
 
     @property
     def duration(self) -> float:
-        """From the first stamp to the last [s]."""
-        ends = [(s.time[0], s.time[-1]) for s in self.signals.values() if len(s.time)]
-        return float(max(b for _, b in ends) - min(a for a, _ in ends)) if ends else 0.0
+        """Duration of the motion [s]: of the longest drive, or of the longest signal if nothing drives."""
+        drives = [self.signals[name] for name in self.drive]
+        spans = [
+            float(signal.time[-1] - signal.time[0])
+            for signal in drives or self.signals.values()
+            if len(signal.time)
+        ]
+        return max(spans, default=0.0)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.output import write_file
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.tables import toml_text
@@ -35,7 +36,7 @@ def write(record: Record, directory: Path) -> None:
         tables += [_signal_table(signal, file) for signal in signals]
     order = {name: i for i, name in enumerate(record.signals)}
     tables.sort(key=lambda table: order[table["name"]])
-    (directory / "record.toml").write_text(toml_text(_record_table(record, tables)), encoding="utf-8")
+    write_file(directory / "record.toml", toml_text(_record_table(record, tables)))
 
 
 def _place(signal: Signal) -> Signal:
@@ -91,7 +92,7 @@ def _write_csv(path: Path, signals: list[Signal]) -> None:
     columns = [stamps] + [_cells(column) for s in signals for column in s.values.T]
     header = ",".join([first.time_column, *(c for s in signals for c in s.channels)])
     rows = map(",".join, zip(*columns, strict=True))
-    path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    write_file(path, "\n".join([header, *rows]) + "\n")
 
 
 def _cells(column: Floats) -> list[str]:

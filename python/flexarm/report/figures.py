@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.output import write_file
 from flexarm.report.scene import Surface
 from flexarm.report.tables import Table
 
@@ -69,10 +71,11 @@ def style() -> Iterator[None]:
 
 def save(figure: Figure, stem: Path) -> None:
     """Writes .png and .pdf, the same bytes every time."""
-    figure.savefig(stem.with_suffix(".png"), metadata={"Software": None})
-    figure.savefig(
-        stem.with_suffix(".pdf"), metadata={"CreationDate": None, "Producer": None, "Creator": None}
-    )
+    metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None, "Creator": None}}
+    for kind, told in metadata.items():
+        image = BytesIO()
+        figure.savefig(image, format=kind, metadata=told)
+        write_file(stem.with_suffix(f".{kind}"), image.getbuffer())
 
 
 def _figure(rows: int, height: float, **options: Any) -> tuple[Figure, Any]:

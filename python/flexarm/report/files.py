@@ -10,6 +10,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.output import write_file
 from flexarm.report.figures import style
 
 if TYPE_CHECKING:
@@ -85,9 +86,9 @@ def write_files(
         Name and content of the page and of the JSON file; numbers must be finite.
     """
     for drawing in drawings:
-        (directory / f"{drawing.name}.png").write_bytes(drawing.png)
+        write_file(directory / f"{drawing.name}.png", drawing.png)
     name, html = page
-    (directory / name).write_text(html, encoding="utf-8")
+    write_file(directory / name, html)
     name, content = report
     text = json.dumps(content, indent=2, allow_nan=False)
-    (directory / name).write_text(text + "\n", encoding="utf-8")
+    write_file(directory / name, text + "\n")

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
 
-from flexarm.leaving import scratch_directory
 from flexarm.mockup import solid_arm
-from flexarm.output import output_directory
+from flexarm.output import output_directory, write_file
 from flexarm.report.study import Report
+from flexarm.simulation.progress import bar
 
 SEED = 2008
 """Of the virtual measurement, unless another one is asked for."""
@@ -23,7 +23,9 @@ RECORD, HINGE = "virtual-measurement", "hinge"
 """Directories of the record and of the super-elements beside the figures."""
 
 
-def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed: int = SEED) -> None:
+def reproduce(
+    out: str | Path, force: bool = False, progress: bool | Report = False, seed: int = SEED
+) -> None:
     """The paper's figures and claims, made again.
 
     Writes figure-04, 06, 07, 08, 09 and 10 as .png, .pdf and .csv, summary.json, index.html, and beside them
@@ -36,8 +38,8 @@ def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed
         A new or empty directory.
     force : bool
         Write into a directory that holds files.
-    progress : bool
-        Show a bar on standard error.
+    progress : bool or callable
+        Show a bar on standard error, or call with the part that is done, 0 to 1, and what is being done.
     seed : int
         Of the virtual measurement's noise.
 
@@ -48,10 +50,10 @@ def reproduce(out: str | Path, force: bool = False, progress: bool = False, seed
     """
     with (
         output_directory(out, force) as directory,
-        scratch_directory() as scratch,
-        _bar(progress) as report,
+        TemporaryDirectory(dir=directory.parent) as scratch,  # gone with the hidden directory
+        _reported(progress) as report,
     ):
-        _write(directory, scratch, report, seed)
+        _write(directory, Path(scratch), report, seed)
 
 
 def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
@@ -78,26 +80,23 @@ def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
     report(0.97, "page")
     (directory / RECORD).mkdir()
     write(found.record, directory / RECORD)
-    shutil.copytree(found.models.hinge.folder, directory / HINGE)
+    (directory / HINGE).mkdir()
+    for file in found.models.hinge.folder.iterdir():
+        write_file(directory / HINGE / file.name, file.read_bytes())
     solid_arm(replace(found.models.hinge, folder=directory / HINGE)).to_toml(directory / "model.toml")
-    (directory / "summary.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+    write_file(directory / "summary.json", json.dumps(numbers, indent=2) + "\n")
     seconds = {**found.seconds, "all": perf_counter() - began}
-    (directory / "index.html").write_text(page(found, numbers, seconds), encoding="utf-8")
+    write_file(directory / "index.html", page(found, numbers, seconds))
     report(1.0, "done")
 
 
 @contextmanager
-def _bar(wanted: bool) -> Iterator[Report]:
-    """A bar that names what is being done."""
-    if not wanted:
+def _reported(progress: bool | Report) -> Iterator[Report]:
+    """The caller's function, a bar, or nothing."""
+    if callable(progress):
+        yield progress
+    elif progress:
+        with bar(keep=True) as tell:
+            yield tell
+    else:
         yield lambda done, what: None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=100, bar_format="{percentage:3.0f}%|{bar}| {elapsed} {desc}") as bar:
-
-        def show(done: float, what: str) -> None:
-            bar.set_description_str(what, refresh=False)
-            bar.update(100 * done - bar.n)
-
-        yield show

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.drive import Drive
+from flexarm.output import write_file
 from flexarm.report.oscillation import grid
 from flexarm.report.study import Study
 from flexarm.report.variants import tube_of
@@ -170,7 +171,7 @@ def write_csv(table: Table, path: Path) -> None:
     """One row an instant; empty cells where nothing was measured."""
     columns = [[_cell(value) for value in column.values] for column in table.values()]
     rows = [",".join(cells) for cells in zip(*columns, strict=True)]
-    path.write_text("\n".join([",".join(table), *rows]) + "\n", encoding="utf-8")
+    write_file(path, "\n".join([",".join(table), *rows]) + "\n")
 
 
 def _cell(value: float) -> str:

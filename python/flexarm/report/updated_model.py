@@ -16,6 +16,7 @@ from flexarm.diagnosis.outcome.refinement import refinements
 from flexarm.diagnosis.outcome.report_file import provenance_of
 from flexarm.diagnosis.outcome.sentences import rivals_sentence
 from flexarm.diagnosis.wording import listed, place_words, probability
+from flexarm.output import write_file
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.named import Estimate, NamedEffect
@@ -29,10 +30,9 @@ NORMAL90 = 1.645
 
 def write_updated(diagnosis: Diagnosis, path: Path) -> None:
     """Writes the file."""
-    diagnosis.updated.to_toml(path)
     lines = [part for line in _head(diagnosis) for part in wrap(line, WIDTH, subsequent_indent="    ")]
     head = "".join(f"# {line}\n" for line in lines)
-    path.write_text(f"{head}\n{path.read_text(encoding='utf-8')}", encoding="utf-8")
+    write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent)}")
 
 
 def _head(d: Diagnosis) -> Iterator[str]:

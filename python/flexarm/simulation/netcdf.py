@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arrays import frozen
 from flexarm.netcdf import Contents, Variable
-from flexarm.result import labels, load, model_of, provenance
+from flexarm.reading import reading, require
+from flexarm.result import counts, labels, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities
 from flexarm.simulation.energies import NAMES as ENERGIES
 from flexarm.simulation.energies import Energies
@@ -36,6 +37,8 @@ _VARIABLES = {
     "joint_command": (("time", "joint"), "rad", "angle that the controller is asked for"),
     "motor_voltage": (("time", "joint"), "V", "voltage of the motor"),
 }
+_ALWAYS = list(_VARIABLES)[:13]
+"""What every run has; the rest is there if it was asked for."""
 _COUNTS = (
     "drive_sha256",
     "backend",
@@ -73,12 +76,16 @@ def stored(path: str | Path) -> dict[str, Any]:
         If the file is not a stored run.
     """
     data = load(path, "simulation")
-    arm = model_of(data)
+    arm = model_of(data, path)
+    there = [name for name in _VARIABLES if name in data or name in _ALWAYS]
+    require(path, data, {"time": ("time",), **{name: _VARIABLES[name][0] for name in there}}, counts(arm))
+    with reading(path, "a stored run"):
+        sensitivities = Sensitivities.stored(arm, data)
     return {
         "arm": arm,
         "time": frozen(data["time"].values),
-        **{name: frozen(data[name].values) for name in _VARIABLES if name in data and name not in ENERGIES},
+        **{name: frozen(data[name].values) for name in there if name not in ENERGIES},
         "energy_record": Energies(*(frozen(data[name].values) for name in ENERGIES)),
-        "sensitivities": Sensitivities.stored(arm, data),
+        "sensitivities": sensitivities,
         "solver": {name: data.attrs[name] for name in _COUNTS if name in data.attrs},
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from flexarm.arguments import ARM, DRIVE, NAMES, NUMBER, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
@@ -15,6 +16,7 @@ from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import differentiated, solved
 
 
+@takes(arm=ARM, drive=DRIVE, step=NUMBER, alpha=NUMBER, end=NUMBER, sensitivities=NAMES)
 def simulate(
     arm: Arm,
     drive: Drive | Record,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexarm.arguments import NUMBERS, PATH, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
@@ -131,6 +132,7 @@ class Simulation(Result):
         turn = Rotation.from_quat(self.orientation.reshape(-1, 4))
         return np.asarray(turn.inv().apply(specific.reshape(-1, 3))).reshape(specific.shape)
 
+    @takes(times=NUMBERS, point=TEXT)
     def at(self, times: ArrayLike, point: str) -> Floats:
         """Positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation.
 
@@ -156,6 +158,7 @@ class Simulation(Result):
         return contents(self)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> Simulation:
         """Reads what `save` wrote.
 

@@ -7,12 +7,25 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arrays import frozen
 from flexarm.netcdf import Contents
-from flexarm.result import AXES, labels, load, model_of, provenance
+from flexarm.reading import reading, require
+from flexarm.result import AXES, counts, labels, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities
 from flexarm.statics.statics import PartShape
 
 if TYPE_CHECKING:
     from flexarm.statics.statics import Statics
+
+# What a stored equilibrium always holds, and what the axes count.
+_VARIABLES = {
+    "position": ("point", "axis"),
+    "displacement": ("point", "axis"),
+    "rotation": ("point", "axis", "body_axis"),
+    "joint_torque": ("joint",),
+    "drive_angle": ("joint",),
+    "link_angle": ("joint",),
+    "section_forces": ("link", "end", "component"),
+    "base_wrench": ("wrench",),
+}
 
 # What a file keeps of a PartShape, in its order: variable, axes, unit.
 _PART_VARIABLES = (
@@ -64,28 +77,22 @@ def stored(path: str | Path) -> dict[str, Any]:
         If the file is not a stored equilibrium.
     """
     data = load(path, "statics")
-    names = (
-        "position",
-        "displacement",
-        "rotation",
-        "joint_torque",
-        "drive_angle",
-        "link_angle",
-        "section_forces",
-        "base_wrench",
-    )
-    arrays: dict[str, Any] = {name: frozen(data[name].values) for name in names}
-    solver = {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")}
-    arm = model_of(data)
-    parts = {
-        link.name: PartShape(*(frozen(data[f"{link.name}_{what}"].values) for what, _, _ in _PART_VARIABLES))
-        for link in arm.links
-        if link.type == "superelement"
+    arm = model_of(data, path)
+    parts = [link.name for link in arm.links if link.type == "superelement"]
+    of_parts = {
+        f"{name}_{what}": tuple(f"{name}_freedom" if axis == "freedom" else axis for axis in axes)
+        for name in parts
+        for what, axes, _ in _PART_VARIABLES
     }
-    return {
-        "arm": arm,
-        **arrays,
-        "solver": solver,
-        "parts": parts,
-        "sensitivities": Sensitivities.stored(arm, data),
-    }
+    require(path, data, {**_VARIABLES, **of_parts}, counts(arm))
+    with reading(path, "a stored equilibrium"):
+        return {
+            "arm": arm,
+            **{name: frozen(data[name].values) for name in _VARIABLES},
+            "solver": {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")},
+            "parts": {
+                name: PartShape(*(frozen(data[f"{name}_{what}"].values) for what, _, _ in _PART_VARIABLES))
+                for name in parts
+            },
+            "sensitivities": Sensitivities.stored(arm, data),
+        }

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from numpy.typing import ArrayLike
 
 from flexarm import _core
+from flexarm.arguments import ARM, NAMES, VALUES, VECTORS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import core_arm
@@ -14,6 +15,7 @@ from flexarm.held_arm import HeldArm, positions
 from flexarm.statics.statics import PartShape, Statics
 
 
+@takes(arm=ARM, joints=VALUES, forces=VECTORS, at_link=NAMES, sensitivities=NAMES)
 def static(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import PATH, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.result import Result
@@ -90,6 +91,7 @@ class Statics(Result):
         return contents(self)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> Statics:
         """Reads what `save` wrote.
 

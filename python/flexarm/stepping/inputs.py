@@ -49,6 +49,8 @@ class Inputs:
         """Value, rate and acceleration of every joint; NaN for rates that follow from the angles."""
         rows = np.zeros((len(self._joints), 3))
         rows[:, 1:] = nan
+        if not isinstance(inputs, Mapping):
+            raise InvalidParameter(f"must be a dictionary, got {type(inputs).__name__}", where="inputs")
         if inputs.keys() != self._places.keys():
             wrong = sorted(inputs.keys() ^ self._places.keys())
             raise InvalidParameter(

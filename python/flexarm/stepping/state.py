@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any, SupportsIndex, SupportsInt
 
@@ -11,9 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
+from flexarm.arguments import PATH, takes
 from flexarm.arrays import Floats, frozen
-from flexarm.errors import InvalidFile, InvalidParameter
-from flexarm.output import output_file
+from flexarm.errors import InvalidFile
+from flexarm.output import write_file
+from flexarm.reading import reading, regular_file, room
 
 FORMAT = "flexarm-state/1"
 
@@ -125,10 +128,12 @@ class State:
         InvalidFile
             If the file cannot be written.
         """
-        with output_file(path) as partial, partial.open("wb") as file:
-            np.savez(file, format=FORMAT, key=self._key, **self.stored.flat())
+        image = BytesIO()
+        np.savez(image, format=FORMAT, key=self._key, **self.stored.flat())
+        write_file(path, image.getbuffer())
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> State:
         """Reads what `save` wrote.
 
@@ -137,18 +142,13 @@ class State:
         InvalidFile
             If the file is missing or holds no state.
         """
-        try:
+        with reading(regular_file(path), "a stored state"), zipfile.ZipFile(path) as packed:
+            room(path, "file", sum(entry.file_size for entry in packed.infolist()))
             with np.load(path, allow_pickle=False) as file:
                 flat = {name: file[name] for name in file.files}
             if str(flat.pop("format", "")) != FORMAT:
                 raise InvalidFile(path, "format", f"is no stored state; needed is {FORMAT!r}")
             return cls(str(flat.pop("key")), None, Stored.from_flat(flat))
-        except InvalidParameter:
-            raise
-        except OSError as error:
-            raise InvalidFile(path, "file", f"cannot be read: {error.strerror or error}") from None
-        except (ValueError, KeyError, EOFError, AttributeError, zipfile.BadZipFile) as error:
-            raise InvalidFile(path, "file", f"cannot be read as a stored state: {error}") from None
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, State):

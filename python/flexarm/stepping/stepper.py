@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
+from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
@@ -59,6 +60,7 @@ class Stepper:
     >>> state = sim.step(state, {"hinge": sim.joint(state, "hinge").motor_torque})  # doctest: +SKIP
     """
 
+    @takes(arm=ARM, told=TEXTS, forces=NAMES, step=NUMBER, alpha=NUMBER)
     def __init__(
         self,
         arm: Arm,
@@ -190,6 +192,8 @@ class Stepper:
         return point_loads(self._arm, forces)
 
     def _moment(self, state: State) -> _core.Moment:
+        if not isinstance(state, State):
+            raise InvalidParameter(f"must be a State, got {type(state).__name__}", where="state")
         if state.key != self._key:
             raise InvalidParameter(
                 "belongs to another arm, or to one whose joints are told something else; "

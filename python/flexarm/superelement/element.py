@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexarm.arguments import PATH, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
@@ -274,6 +275,7 @@ class SuperElement:
         save(self, path, force)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> SuperElement:
         """Reads a super-element file, of flexarm or of whoever writes the format.
 

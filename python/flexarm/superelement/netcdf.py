@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,11 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.configuration import config
-from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.errors import InvalidFile, Problem
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
+from flexarm.output import refuse_existing
+from flexarm.reading import reading
 from flexarm.superelement.element import SuperElement
 from flexarm.superelement.rigid_motion import inertia_load
 from flexarm.superelement.variables import Variables, read_variables, texts
@@ -46,18 +49,15 @@ UNITS = {
 }
 
 
-def save(element: SuperElement, path: str | Path, force: bool = False) -> None:
-    """Writes a super-element; the file appears when it is whole.
+def save(element: SuperElement, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
+    """Writes a super-element; the file appears when it is whole, and replaces no input.
 
     Raises
     ------
     InvalidFile
         If the file exists and `force` is not set, or cannot be written.
     """
-    if Path(path).is_dir():
-        raise InvalidFile(path, "output", "is a directory, a file is needed")
-    if Path(path).exists() and not force:
-        raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
+    refuse_existing(Path(path), force, inputs)
     write(contents(element), path)
 
 
@@ -120,14 +120,9 @@ def load(path: str | Path) -> SuperElement:
     if data.attributes.get("format") != FORMAT:
         found = data.attributes.get("format", "none")
         raise InvalidFile(path, "format", f"the attribute must be {FORMAT!r}, got {found!r}")
-    try:
+    with reading(path, "a super-element"):
         element = _element(data, path)
         element.check()
-    except InvalidFile:
-        raise
-    except InvalidParameter as error:
-        first = error.problems[0]
-        raise InvalidFile(path, first.where, first.what, problems=error.problems) from None
     return element
 
 
@@ -186,6 +181,6 @@ def _quality(data: Variables) -> dict[str, Any]:
     """What `save` stored; another program's attribute of that name is left alone."""
     try:
         told = json.loads(data.attributes.get("quality", "{}"))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, RecursionError):
         return {}
     return told if isinstance(told, dict) else {}

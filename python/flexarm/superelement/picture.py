@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile
-from flexarm.output import output_file
+from flexarm.output import refuse_existing, write_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,21 +69,21 @@ def picture(
     return figure
 
 
-def save_picture(figure: Figure, path: str | Path, force: bool = False) -> None:
-    """Writes the picture; its kind follows the name's ending.
+def save_picture(figure: Figure, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
+    """Writes the picture; its kind follows the name's ending, and no input is replaced.
 
     Raises
     ------
     InvalidFile
         If the file exists and `force` is not set, or cannot be written.
     """
-    if Path(path).exists() and not force:
-        raise InvalidFile(path, "output", "exists already; allowed is a new file, or --force")
-    with output_file(path) as partial:
-        try:
-            figure.savefig(partial, dpi=150)
-        except ValueError as error:  # an ending that matplotlib does not know
-            raise InvalidFile(path, "output", f"cannot be written: {error}") from None
+    refuse_existing(Path(path), force, inputs)
+    image = BytesIO()
+    try:
+        figure.savefig(image, dpi=150, format=Path(path).suffix[1:] or None)
+    except ValueError as error:  # an ending that matplotlib does not know
+        raise InvalidFile(path, "output", f"cannot be written: {error}") from None
+    write_file(path, image.getbuffer())
 
 
 def _cycle(n: int) -> list[str]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.errors import InvalidFile
+from flexarm.reading import check_hdf5, reading, regular_file
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,24 +34,16 @@ def read_variables(path: str | Path) -> Variables:
     InvalidFile
         If it does not exist, is no NetCDF file, or is damaged.
     """
-    try:
+    with reading(regular_file(path), "NetCDF"):
         with Path(path).open("rb") as file:
             classic = file.read(3) == b"CDF"
         return _classic(Path(path)) if classic else _hdf5(Path(path))
-    except InvalidFile:
-        raise
-    except FileNotFoundError:
-        raise InvalidFile(path, "file", "does not exist") from None
-    except IsADirectoryError:
-        raise InvalidFile(path, "file", "is a directory, a super-element file is needed") from None
-    except Exception as error:  # a damaged file fails in whatever the reader happens to meet
-        told = " ".join(str(error).split()) or type(error).__name__
-        raise InvalidFile(path, "file", f"cannot be read as NetCDF: {told}") from None
 
 
 def _hdf5(path: Path) -> Variables:
     import h5py  # type: ignore[import-untyped]
 
+    check_hdf5(path)
     with h5py.File(path, "r") as file:
         arrays = {}
         for name, item in file.items():

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -84,52 +87,57 @@ def _tables_in(field: FieldInfo) -> list[type[Table]]:
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 
 
+@dataclass(frozen=True)
+class _Layout:
+    """Lines of a TOML text, and the numbers of those below each header, in the order of the text."""
+
+    lines: list[str]
+    headers: list[int]
+    below: dict[str, list[int]]
+
+    def end(self, begin: int) -> int:
+        """The first header at or after `begin`, or the end of the text."""
+        at = bisect_left(self.headers, begin)
+        return self.headers[at] if at < len(self.headers) else len(self.lines)
+
+
+@lru_cache(maxsize=1)  # a file with many problems asks for a line of each
+def _layout(text: str) -> _Layout:
+    layout = _Layout(text.splitlines(), [], {})
+    for number, line in enumerate(layout.lines):
+        if header := _HEADER.match(line):
+            layout.headers.append(number)
+            layout.below.setdefault(header[2].strip("\"'"), []).append(number + 1)
+    return layout
+
+
 def line_in(text: str, path: Path) -> int | None:
     """Line of `text` where the value at `path` stands, or its table, or None."""
     if not path:
         return None
-    lines = text.splitlines()
-    begin, end, rest = _nested_block(lines, path) or _block(lines, path)
+    layout = _layout(text)
+    begin, rest = _nested_block(layout, path) or _block(layout, path)
     for key in rest[:1]:
         pattern = re.compile(rf"""^\s*["']?{re.escape(str(key))}["']?\s*(=|\.)""")
-        for number in range(begin, end):
-            if pattern.match(lines[number]):
+        for number in range(begin, layout.end(begin)):
+            if pattern.match(layout.lines[number]):
                 return number + 1
     return begin if begin else None
 
 
-def _nested_block(lines: list[str], path: Path) -> tuple[int, int, Path] | None:
+def _nested_block(layout: _Layout, path: Path) -> tuple[int, Path] | None:
     """As `_block`, under the header of a table within a table such as `[a.b]`; None if there is none."""
     for depth in range(len(path) - 1, 1, -1):
-        wanted = ".".join(map(str, path[:depth]))
-        for number, line in enumerate(lines):
-            header = _HEADER.match(line)
-            if header and header[2] == wanted:
-                below = range(number + 1, len(lines))
-                return (
-                    number + 1,
-                    next((n for n in below if _HEADER.match(lines[n])), len(lines)),
-                    path[depth:],
-                )
+        found = layout.below.get(".".join(map(str, path[:depth])))
+        if found:
+            return found[0], path[depth:]
     return None
 
 
-def _block(lines: list[str], path: Path) -> tuple[int, int, Path]:
-    """Lines after the header of the path's top table up to the next header, and the path within it."""
-    wanted = str(path[0])
+def _block(layout: _Layout, path: Path) -> tuple[int, Path]:
+    """First line after the header of the path's top table, 0 without one, and the path within it."""
     nth = path[1] if len(path) > 1 and isinstance(path[1], int) else None
-    begin, count = 0, -1
-    for number, line in enumerate(lines):
-        header = _HEADER.match(line)
-        if not header:
-            continue
-        if begin:
-            return begin, number, path[1:] if nth is None else path[2:]
-        if header[2].strip("\"'") == wanted:
-            count += 1
-            if nth is None or count == nth:
-                begin = number + 1
-    if begin:
-        return begin, len(lines), path[1:] if nth is None else path[2:]
-    first_header = next((n for n, line in enumerate(lines) if _HEADER.match(line)), len(lines))
-    return 0, first_header, path
+    found = layout.below.get(str(path[0]), [])
+    if (nth or 0) < len(found):
+        return found[nth or 0], path[1:] if nth is None else path[2:]
+    return 0, path

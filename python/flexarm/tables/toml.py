@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.errors import InvalidFile
+from flexarm.reading import regular_file
 
 
 def read_text(file: Path) -> str:
@@ -19,6 +20,7 @@ def read_text(file: Path) -> str:
     InvalidFile
         If it is missing, a directory, not readable or not a text in UTF-8.
     """
+    regular_file(file)
     try:
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -27,13 +29,8 @@ def read_text(file: Path) -> str:
         raise InvalidFile(
             file, f"line {line}", f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
         ) from None
-    except FileNotFoundError:
-        raise InvalidFile(file, "file", "there is no such file") from None
-    except IsADirectoryError:
-        raise InvalidFile(file, "file", "is a directory, a file is needed") from None
-    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InvalidFile(file, "file", f"cannot be read: {reason}") from None
+    except OSError as error:
+        raise InvalidFile(file, "file", f"cannot be read: {error.strerror}") from None
 
 
 def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:

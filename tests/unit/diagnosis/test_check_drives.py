@@ -10,7 +10,9 @@ from lab_arms import HINGED, PLANAR
 
 import flexarm
 from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.checks import runs
 from flexarm.diagnosis.checks.check import check
+from flexarm.diagnosis.checks.drive_hypotheses import wild_drives
 from flexarm.record import Clock, Frame
 
 END = 14.0
@@ -106,6 +108,32 @@ def test_all_angles_in_one_wrong_unit(factors, sees):
     """Who writes one angle in degrees writes all of them so."""
     found = blamed("two joints", 0.2, 0.3, factors, sees)
     assert found == {name: pytest.approx(factor, rel=0.02) for name, factor in factors.items()}
+
+
+def test_degrees_of_a_motor_are_named_before_any_run_along_them(monkeypatch):
+    """0.3 rad in degrees of a motor are over 300 turns of the joint: no model is driven by them."""
+    driven = []
+    simulate_all = runs.simulate_all
+
+    def counted(pairs, **options):
+        driven.extend(pairs := list(pairs))
+        return simulate_all(pairs, **options)
+
+    monkeypatch.setattr(runs, "simulate_all", counted)
+    factor = RATIO * 180 / np.pi
+    found = blamed("one joint", 0.3, 0.2, {"hinge": factor}, "position motor_torque")
+    assert found == {"hinge": pytest.approx(factor, rel=0.02)}
+    assert driven
+    assert all(any(effect.name == "unit_error" for effect in arm.effects) for arm, _ in driven)
+
+
+def test_a_turntable_that_turns_many_times_slowly_is_not_wild():
+    arm, record = bench("one joint", 0.3, 0.2)
+    hinge = record.signals["hinge"]
+    slow = hinge.replace(values=5.0 * hinge.time[:, None] + 100.0)
+    assert not wild_drives(arm, record.replace(signals={**record.signals, "hinge": slow}))
+    fast = hinge.replace(values=50.0 * hinge.time[:, None])
+    assert wild_drives(arm, record.replace(signals={**record.signals, "hinge": fast})) == {"hinge"}
 
 
 def test_a_factor_that_no_unit_has_is_estimated():

@@ -1,6 +1,7 @@
 """A verdict does not stand alone beside a held-out record that the model does not foretell."""
 
 import json
+from dataclasses import replace
 
 import diagnoses
 import pytest
@@ -8,7 +9,7 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.outcome.foretold import TIMES, _Left, foretold_sentence
+from flexarm.diagnosis.outcome.foretold import TIMES, _Left, adequate_if_foretold, foretold_sentence
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
 
@@ -86,12 +87,13 @@ def test_a_signal_beside_the_main_one_is_told_too():
     assert "7.92 mm rms are left of 'torque', 112 times the noise. " in foretold_sentence(d)
 
 
-def test_a_model_that_is_adequate_does_not_foretell_another_machine():
+def test_no_model_is_adequate_that_does_not_foretell_another_machine():
     """Poses of the model's own machine are explained; those held out are of one whose shoulder gives way."""
     training = posed(two_joints(), poses(2, 12, 1), 1)
     soft = two_joints().with_effect(JointCompliance(at="shoulder", stiffness=2e4))
     d = flexarm.diagnose(two_joints(), {"yard": training}, posed(soft, poses(2, 10, 2), 2), jobs=1)
-    assert d.verdict == "adequate"
+    assert d.verdict == "unexplained" and not d.effects
+    assert "the model is not adequate: of 'tip' in the held-out 'held_out'" in d.remainder
     assert "The model does not foretell the held-out record 'held_out': " in d.summary()
 
 
@@ -99,3 +101,22 @@ def test_a_record_without_noise_is_foretold_to_what_simulations_miss():
     """Nanometres are no gap, though the training is left with less."""
     assert _Left("other", "tip", "m", 3e-8, None, 1e-9).ratio < TIMES
     assert _Left("other", "tip", "m", 3e-5, None, 1e-9).ratio > TIMES
+
+
+@pytest.mark.parametrize(("swings", "verdict"), [(False, "unexplained"), (True, "adequate")])
+def test_a_training_that_is_left_with_as_much_makes_no_model_adequate(swings, verdict):
+    """A fit that judged few rows is no excuse; what an arm swung with at the start of its records is one."""
+    before, _ = diagnoses.comparisons()
+    d = replace(diagnoses.adequate(), after=before)
+    found = adequate_if_foretold(d, {}, swings)
+    assert found.verdict == verdict
+    assert ("'tip' in the held-out 'other' 7.92 mm rms are left, 112 times the noise" in found.remainder) == (
+        verdict == "unexplained"
+    )
+
+
+def test_noise_of_drives_counts_as_noise_of_what_is_held_out():
+    before, _ = diagnoses.comparisons()
+    d = replace(diagnoses.adequate(), after=before)
+    assert adequate_if_foretold(d, {"tip": 60.0**2}, False) is d
+    assert adequate_if_foretold(d, {"tip": 10.0**2}, False).verdict == "unexplained"

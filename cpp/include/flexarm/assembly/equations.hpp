@@ -148,6 +148,9 @@ class SystemIn {
   /// Equation (2).
   void violation(const StateD& state, VectorXd& phi) const;
 
+  /// The second derivative of (2) in time, Φ_q v' + γ, where (2) and its first derivative hold.
+  void constraint_acceleration(const StateD& state, VectorXd& c) const;
+
   /// Both in one pass, with friction, as time stepping asks for them. Joints that are flagged in `left_out`
   /// have no part in it; empty: none.
   void evaluate(const StateD& state, const LoadsD& loads, VectorXd& r, VectorXd& phi,

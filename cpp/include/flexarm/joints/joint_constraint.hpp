@@ -87,6 +87,19 @@ class JointConstraintIn {
   };
   Response respond(const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const;
 
+  /// Velocities of both nodes and of θ, or accelerations.
+  struct Rates {
+    TwistD a, b;
+    double theta;
+  };
+  /// Φ'' where Φ = Φ' = 0, from velocities and accelerations: rows() entries count. With u = −Φ_a v_a
+  ///
+  ///     Φ'' = Φ_a v_a' + Φ_b v_b' + Φ_θ θ'' + θ' ad(ξ) u
+  ///
+  /// and for a spherical joint the turn of B against A times u instead.
+  TwistD acceleration(const FrameD& H_a, const FrameD& H_b, double theta, const Rates& v,
+                      const Rates& v_dot) const;
+
   /// Derivatives of Φ_aᵀ λ at fixed λ: with respect to θ (revolute, prismatic) and to the increments of the
   /// nodes.
   struct GeometricStiffness {

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "flexarm/simulation/consistent_forces.hpp"
 #include "flexarm/simulation/joint_slopes.hpp"
 #include "flexarm/simulation/point_slopes.hpp"
 
@@ -37,6 +38,7 @@ class DerivativeRecorderIn {
   Transient& out_;
   PointSlopesIn<D> points_;
   JointSlopesIn<D> joints_;
+  ConsistentForceSlopesIn<D> forces_;
 };
 
 /// The models of variations alone.

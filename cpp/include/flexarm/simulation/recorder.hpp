@@ -7,6 +7,7 @@
 /// motor over its angle φ, F: point loads.
 #pragma once
 
+#include "flexarm/simulation/consistent_forces.hpp"
 #include "flexarm/simulation/in_space.hpp"
 #include "flexarm/simulation/transient.hpp"
 
@@ -23,8 +24,11 @@ class RecorderIn {
   RecorderIn(const SystemIn<D>& system, const TransientOptions& options, Eigen::Index n, Transient& out,
              const InSpace<D>& space = {});
 
-  /// Writes instant k, in rising order.
+  /// Writes instant k, in rising order; forces are those of consistent_forces.hpp.
   void record(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads);
+
+  /// The same with accelerations and forces as they are in the state.
+  void write(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads);
 
  private:
   struct Instant {
@@ -41,6 +45,7 @@ class RecorderIn {
   const InSpace<D> space_;
   const TransientOptions options_;
   Transient& out_;
+  ConsistentForcesIn<D> forces_;
   Instant last_, now_;
 };
 

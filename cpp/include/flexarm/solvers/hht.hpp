@@ -21,7 +21,8 @@
 /// The iteration stops when the error left, estimated from the contraction as in [HairerWanner1996], is below
 /// two tolerances: one for positions, and one for accelerations, to which an error δ of a position
 /// contributes δ/(β h²). What is left over does not add up in positions, for every step restores equilibrium
-/// (1) by itself. Units: SI, h in s. docs/theory.md, section "Time stepping".
+/// (1) by itself; in accelerations of constrained nodes it is forgotten by the spectral radius, so that with
+/// α = 0 the iteration goes on to rounding. Units: SI, h in s. docs/theory.md, section "Time stepping".
 #pragma once
 
 #include <functional>

@@ -50,8 +50,11 @@ namespace flexarm::solvers {
 template <int D>
 class TangentChangesIn {
  public:
-  /// @param welds which unknowns S has.
-  TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds);
+  /// @param welds which unknowns S has. @param laws whether S has the laws' tangents.
+  TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws = true);
+
+  /// Whether (1) follows every change of Φ_q.
+  bool follows_constraints() const { return follows_constraints_; }
 
   /// S₀ has been factored in this state. @param c factors of the tangent, @param laws tangents in S₀.
   void keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c, const Eigen::VectorXd& laws,
@@ -111,7 +114,8 @@ class TangentChangesIn {
   std::vector<LawRows> law_rows_;  // of all laws
   assembly::TangentFactors factors_{};
   Eigen::VectorXd kept_laws_;
-  Eigen::MatrixXd W_, G_, C_;       // G = Uᵀ W
+  Eigen::MatrixXd W_, G_, C_;  // G = Uᵀ W
+  bool follows_constraints_;
   bool turned_ = false;             // whether C is not zero
   Eigen::MatrixXd LU_, C_G_, G_l_;  // of I + C G_JJ, by rows; (I + C G_JJ)⁻¹ C G_JL; Ĝ
   Pivots<most_in_joints> pivots_;

@@ -17,6 +17,7 @@ from flexarm.diagnosis.checks.borne_out import borne_out
 from flexarm.diagnosis.checks.checked import Checked, Removed
 from flexarm.diagnosis.checks.contradictions import remarks_on_frames, remarks_on_poses
 from flexarm.diagnosis.checks.doubted import doubted
+from flexarm.diagnosis.checks.drive_hypotheses import wild_drives
 from flexarm.diagnosis.checks.drives import CLEAR, DriveFinding, drive_fault, same_fault
 from flexarm.diagnosis.checks.few_poses import remarks_on_few_poses
 from flexarm.diagnosis.checks.finding import Finding
@@ -86,7 +87,14 @@ def check(
         named[name], removed, notes = _readable(arm, name, record, step)
         outliers += removed
         remarks += notes
-    subjects, failed, empty = run(arm, named, step, alpha, progress)
+    wild = {name: wild_drives(arm, record) for name, record in named.items()}
+    tame = {name: record for name, record in named.items() if not wild[name]}
+    subjects, failed, empty = run(arm, tame, step, alpha, progress) if tame else ({}, {}, {})
+    failed |= {
+        name: f"no joint turns as {', '.join(sorted(at))} say{'s' * (len(at) == 1)}"
+        for name, at in wild.items()
+        if at
+    }
     verdicts = []
     remarks += [*remarks_on_stamps(named), *remarks_on_starts(subjects), *remarks_on_few_poses(subjects)]
     remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]

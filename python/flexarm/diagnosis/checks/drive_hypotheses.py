@@ -18,6 +18,7 @@ from flexarm.arm.sizes import LONGEST
 from flexarm.diagnosis.checks.finding import Finding
 from flexarm.measurement.torque import gear_ratio
 from flexarm.record.doubts import FARTHEST
+from flexarm.record.lasting import LIVELY, motion_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -30,6 +31,11 @@ FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0
 """Wrong units of angles and counts; the joint's own ratio and its inverse come on top."""
 OF_ALL = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3)
 """The same of all drives together."""
+WILD = 20 * pi
+"""Angle of a drive [rad], at a joint's output, beyond which no model is driven by it if it is fast, too.
+
+It is five times as far as hardly any joint goes; such a run takes minutes and says no more.
+"""
 LEAST = 1e-3
 """Standard deviation of a motion that a hypothesis must leave [rad or m]."""
 NEAR = 12.0
@@ -59,8 +65,29 @@ def hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> l
     turning = [signal for signal in drives if signal.unit == "rad"]
     if moving and len(turning) > 1:
         found += _units(turning, arm, OF_ALL)
+    beyond = wild_drives(arm, record)
+    found = [each for each in found if beyond <= factors_of(each).keys()]
     wild = {signal.name for signal in drives if _over(signal, arm) > 1}
     return sorted(found, key=lambda each: not wild <= {effect.at for effect in each})
+
+
+def wild_drives(arm: Arm, record: Record) -> set[str]:
+    """Return the drives that turn their joint further than `WILD` and faster than joints do, as they stand.
+
+    Drives with an effect of the model are left out: it says what their values are.
+    """
+    known = {effect.at for effect in arm.effects if effect.place.startswith("signal")}
+    drives = [record.signals[name] for name in record.drive if name not in known]
+    return {signal.name for signal in drives if is_wild(signal, arm)}
+
+
+def is_wild(signal: Signal, arm: Arm) -> bool:
+    """Return True if a drive of a motion turns its joint further than `WILD`, and faster than joints do."""
+    turns = signal.unit == "rad" and signal.joint is not None and signal.pose is None
+    if not turns or FARTHEST * _over(signal, arm) <= WILD:
+        return False
+    motion = motion_of(signal.name, signal.time, signal.values[:, 0], signal.unit)
+    return motion.rate > LIVELY * shaft_ratio(signal.joint, arm.gears)
 
 
 def _units(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
@@ -69,7 +96,10 @@ def _units(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list
 
     ratios = [gear_ratio(arm, str(signal.joint)) for signal in drives]
     alike = [[factor] * len(drives) for factor in factors]
-    own = [ratios, [1 / ratio for ratio in ratios]] if any(ratio != 1 for ratio in ratios) else []
+    own = [ratios, [1 / ratio for ratio in ratios]]
+    if all(is_wild(signal, arm) for signal in drives):
+        own.append([180 / pi * ratio for ratio in ratios])  # degrees of the motor
+    own = own if any(ratio != 1 for ratio in ratios) else []
     return [
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
         for each in [*alike, *own]

@@ -57,11 +57,25 @@ class Plateau:
 
 def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Plateau]:
     """All runs (1), exact repeats and noisy ones; a prediction that moves by less than `least` stands."""
-    found = runs(y, 0.0)
-    if noise > 0:
-        found += [run for run in runs(y, 6 * noise) if not any(_overlap(run, exact) for exact in found)]
     moves = max(10 * noise, MOVES * float(np.std(p)), least)
-    return [run for run in found if moved(p, driven, run) >= moves]
+    fewest = rows_to_move(p, moves)
+    found = exact = repeats(y)
+    if noise > 0 and stays(y, 6 * noise, fewest).any():
+        taken = np.zeros(len(y) + 1, dtype=int)
+        for run in exact:
+            taken[run.first + 1 : run.last + 1] = 1
+        taken = np.cumsum(taken)
+        noisy = runs(y, 6 * noise)
+        found = [*exact, *(run for run in noisy if taken[run.last] == taken[run.first])]
+    return [run for run in found if run.last - run.first >= fewest and moved(p, driven, run) >= moves]
+
+
+def rows_to_move(p: Floats, moves: float) -> int:
+    """Return the rows below which no run of a prediction moves by `moves`, from its greatest step."""
+    step = float(np.max(np.abs(np.diff(p)), initial=0.0))
+    if moves <= FEWEST * step:
+        return FEWEST
+    return len(p) + 1 if step * len(p) < moves else int(moves / step)
 
 
 def moved(p: Floats, driven: Rows, run: Plateau) -> float:
@@ -70,25 +84,51 @@ def moved(p: Floats, driven: Rows, run: Plateau) -> float:
     return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
 
-def _overlap(a: Plateau, b: Plateau) -> bool:
-    return a.first < b.last and b.first < a.last
+def stays(y: Floats, width: float, rows: int) -> Rows:
+    """Return True at each row from which on `rows` rows stay within `width`; shape (n - rows + 1,)."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    if rows > len(y):
+        return np.zeros(0, dtype=bool)
+    high, low = (each(y, rows, origin=-(rows // 2)) for each in (maximum_filter1d, minimum_filter1d))
+    found: Rows = (high - low <= width)[: len(y) - rows + 1]
+    return found
+
+
+def repeats(y: Floats) -> list[Plateau]:
+    """Longest runs of rows of one value."""
+    ends = np.flatnonzero(np.diff(y) != 0) + 1
+    firsts, lasts = np.append(0, ends), np.append(ends, len(y))
+    long = lasts - firsts >= FEWEST
+    return [Plateau(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
 
 
 def runs(y: Floats, width: float) -> list[Plateau]:
     """Longest runs of rows that stay within `width`, from the left."""
-    found, i, n = [], 0, len(y)
-    while i < n:
-        low = high = y[i]
-        j = i + 1
-        while j < n and max(high, y[j]) - min(low, y[j]) <= width:
-            low, high = min(low, y[j]), max(high, y[j])
-            j += 1
-        if j - i >= FEWEST:
-            found.append(Plateau(i, j))
-            i = j
-        else:
-            i += 1
+    if width == 0:
+        return repeats(y)
+    begins = np.flatnonzero(stays(y, width, FEWEST))
+    found: list[Plateau] = []
+    k = 0
+    while k < len(begins):
+        i = int(begins[k])
+        j = _end_of_run(y, i, width)
+        found.append(Plateau(i, j))
+        k = int(np.searchsorted(begins, j))
     return found
+
+
+def _end_of_run(y: Floats, first: int, width: float) -> int:
+    """Return the first row after `first` beyond `width`, looked for in parts that double."""
+    rows = 4 * FEWEST
+    while True:
+        part = y[first : first + rows]
+        beyond = np.maximum.accumulate(part) - np.minimum.accumulate(part) > width
+        if beyond.any():
+            return first + int(np.argmax(beyond))
+        if first + rows >= len(y):
+            return len(y)
+        rows *= 2
 
 
 def saturated(channel: Channel) -> tuple[Finding, Rows] | None:

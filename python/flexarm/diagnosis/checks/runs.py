@@ -56,7 +56,7 @@ def _simulations(
     moving = {name: record for name, record in records.items() if record.kind == "motion"}
     seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
     runs = simulate_all(
-        [(record.applied_to(arm), record) for record in moving.values()],
+        [(arm, record) for record in moving.values()],  # `simulate` applies the record
         progress=progress,
         step=step,
         alpha=alpha,

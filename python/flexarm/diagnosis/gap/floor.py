@@ -7,7 +7,8 @@ and what the simulation is wrong by, as the rms change of the predicted signal, 
     mesh     of every beam is twice as fine: of order four, 15/16 of the error                       (2)
     alpha    is 0, without numerical damping, instead of its default                                 (3)
 
-Each should be below the noise. They are found for the record with the liveliest drive, or for all. A gap is
+Each should be below the noise. (1) is found for every record, the others for that with the liveliest drive,
+or for all. A gap is
 correlated from sample to sample unless it is white noise; the number of independent samples in it is what an
 information criterion may count.
 """
@@ -23,6 +24,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.step_check import change
 from flexarm.diagnosis.gap.floor_table import Floor, SignalFloor
 from flexarm.diagnosis.residuals.noise import drive_noise, effective_samples, estimated_noise
 from flexarm.errors import InvalidParameter, NotConverged
@@ -37,14 +39,14 @@ def floor(
 ) -> Floor:
     """How small a gap could be: noise of every record, and error of the simulation.
 
-    Takes three more simulations, of 2, 2 and 1 times the work; of poses one.
+    Takes a simulation of twice the work for each motion, and two more of the liveliest; of poses one.
 
     Parameters
     ----------
     pairs : dict of str to Beside, or Beside
         Records by name, each beside its simulation, as for `locate`.
     thorough : bool
-        Simulate every record again, not only the one with the liveliest drive.
+        Find (2) and (3) of every record, not only of the one with the liveliest drive.
     step, alpha : float
         Of the simulations in `pairs` [s], [-].
 
@@ -59,9 +61,9 @@ def floor(
     liveliest = max(found, key=lambda name: _liveliness(found[name]))
     signals: list[SignalFloor] = []
     for name, pair in found.items():
-        others = _variants(pair, step, alpha) if thorough or name == liveliest else {}
-        signals += _of_record(name, pair, others)
-    return Floor(tuple(signals))
+        whole = thorough or name == liveliest
+        signals += _of_record(name, pair, _variants(pair, step, alpha, whole))
+    return Floor(tuple(signals), step)
 
 
 def refined(arm: Arm) -> Arm:
@@ -83,7 +85,11 @@ def _of_record(name: str, pair: Beside, others: Mapping[str, Beside | None]) -> 
     found = []
     for signal in pair.subject.signals.values():
         is_drive = signal.name in pair.record.drive
-        errors = {} if is_drive else {kind: _change(pair, other, signal) for kind, other in others.items()}
+        errors = (
+            {}
+            if is_drive
+            else {kind: inf if b is None else change(pair, b, signal) for kind, b in others.items()}
+        )
         residual = pair.subject.residual(signal, pair.aligned.placement)
         rows = residual[np.isfinite(residual).all(axis=1)]
         noise = pair.subject.noise(signal)
@@ -111,14 +117,15 @@ def _estimated(pair: Beside, signal: Signal, residual: Floats, is_drive: bool) -
     return estimated_noise(pair, signal, residual)
 
 
-def _variants(pair: Beside, step: float, alpha: float) -> dict[str, Beside | None]:
-    """The record beside other simulations (1)-(3); None where one comes to no end."""
+def _variants(pair: Beside, step: float, alpha: float, whole: bool) -> dict[str, Beside | None]:
+    """The record beside other simulations, (1) or all; None where one comes to no end."""
     arm, record = pair.subject.arm, replace(pair.record, links={})  # the arm is drawn out already
     wanted: dict[str, tuple[Arm, float, float]] = {}
-    if any(link.type == "beam" for link in arm.links):
+    if whole and any(link.type == "beam" for link in arm.links):
         wanted["mesh"] = (refined(arm), step, alpha)  # eq. (2)
     if record.kind == "motion":
         wanted["step"] = (arm, step / 2, alpha)  # eq. (1)
+    if whole and record.kind == "motion":
         wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (3)
     found: dict[str, Beside | None] = {}
     for kind, (model, length, damping) in sorted(wanted.items(), reverse=True):
@@ -127,13 +134,3 @@ def _variants(pair: Beside, step: float, alpha: float) -> dict[str, Beside | Non
         except NotConverged:
             found[kind] = None
     return found
-
-
-def _change(pair: Beside, other: Beside | None, signal: Signal) -> float:
-    """Rms change of a prediction, all channels together, at the record's own instants."""
-    if other is None:
-        return inf
-    placement = pair.aligned.placement
-    there = other.subject.residual(signal, placement) - pair.subject.residual(signal, placement)
-    squares = np.sum(there**2, axis=1)
-    return float(np.sqrt(np.nanmean(squares))) if np.isfinite(squares).any() else 0.0

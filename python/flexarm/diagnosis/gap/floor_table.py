@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.comparison.step_check import step_note
 from flexarm.diagnosis.wording import with_unit
 
 if TYPE_CHECKING:
@@ -83,9 +84,12 @@ class Floor:
     ----------
     signals : tuple of SignalFloor
         By record and signal.
+    step : float
+        Of the simulations [s].
     """
 
     signals: tuple[SignalFloor, ...]
+    step: float = 2e-3
 
     @property
     def is_below_noise(self) -> bool:
@@ -107,6 +111,9 @@ class Floor:
             for name, below in each.below.items():
                 if isinf(each.errors[name]):
                     found.append(f"{at}: cannot be simulated with another {name}")
+                elif name == "step":
+                    said = step_note(each.errors[name], each.total or 0.0, self.step)
+                    found += [f"{at}: {said}"] if said else []
                 elif not below and each.total:
                     found.append(
                         f"{at}: the simulation's {name} counts, {with_unit(each.errors[name], each.unit, 2)} "

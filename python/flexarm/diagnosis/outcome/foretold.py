@@ -1,19 +1,26 @@
 """Whether a model foretells what was held out, and what is said beside the verdict where it does not.
 
 Of a record that it never saw a right model leaves what it leaves of the training, or the noise. What is held
-out chooses nothing, so that a verdict stays as it is; the sentence beside it tells the signal and the record
-of which most is left over the greater one of the two, from `TIMES` of that on.
+out chooses no effect; the sentence beside the verdict tells the signal and the record of which most is left
+over the greater one of the two, from `TIMES` of that on.
+
+No model is adequate that leaves `TIMES` of the noise of held-out data, noise of the drives and time steps
+included: the verdict is "unexplained" instead. Where the training begins in motion, what the arm swung with
+counts as noise too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import sqrt
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.wording import number, with_unit
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.residuals.observed import Observed
 
 TIMES = 3.0
 """Four readings of noise, as two poses have, are as far off once in three million times."""
@@ -33,9 +40,14 @@ class _Left:
     training: float | None
 
     @property
+    def least(self) -> float:
+        """What a simulation misses anyway."""
+        return LEAST.get(self.unit, 0.0)
+
+    @property
     def ratio(self) -> float:
         """To the greater one of what is left of the training and the noise; zero where nothing is known."""
-        known = max(self.noise or 0.0, self.training or 0.0, LEAST.get(self.unit, 0.0))
+        known = max(self.noise or 0.0, self.training or 0.0, self.least)
         return self.held_out / known if known > 0 else 0.0
 
 
@@ -55,6 +67,47 @@ def foretold_sentence(diagnosis: Diagnosis) -> str:
         else f"; the training is left with {with_unit(worst.training, worst.unit)}"
     )
     return f"{who} does not foretell {what}: {size}{noise}{rest}. {_why(d)}"
+
+
+def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
+    """Return the diagnosis, "unexplained" if it is "adequate" and held-out data contradict that.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        With held-out records before and after.
+    no_gap : dict of str to float
+        Mean square over that of the noise, by signal, of what a right model leaves beside noise.
+    swings : bool
+        Whether a record of training begins in motion, so that `compare` shows swings that a fit removes.
+    """
+    d = diagnosis
+    if d.verdict != "adequate":
+        return d
+
+    def times(left: _Left) -> float:
+        if left.noise is None or swings:
+            return left.ratio
+        return left.held_out / max(left.noise * sqrt(1 + no_gap.get(left.signal, 0.0)), left.least, 1e-300)
+
+    worst = max(_left(d), key=times, default=None)
+    if worst is None or times(worst) < TIMES:
+        return d
+    noise = f", {number(worst.held_out / worst.noise, 2)} times the noise" if worst.noise else ""
+    said = (
+        "No effect is missing as far as the training tells, but the model is not adequate: of "
+        f"{worst.signal!r} in the held-out {worst.record!r} "
+        f"{with_unit(worst.held_out, worst.unit)} rms are left{noise}."
+    )
+    return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
+
+
+def no_gap_of(observed: Observed, corners: bool) -> dict[str, float]:
+    """Return the mean square over that of the noise, by signal, that drives and time steps leave at most."""
+    found: dict[str, float] = {}
+    for each in observed.rows:
+        found[each.signal] = max(found.get(each.signal, 0.0), each.no_gap(corners))
+    return found
 
 
 def remarks_beside(diagnosis: Diagnosis) -> tuple[str, ...]:

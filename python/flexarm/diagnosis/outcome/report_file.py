@@ -128,6 +128,7 @@ class ProvenanceEntry(_Entry):
     git: str
     inputs_sha256: dict[str, str]
     seed: int
+    step: float = 2e-3
     seconds: float
     rejected: list[RejectedEntry]
 
@@ -204,6 +205,7 @@ def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
         "git": given.get("git", versions["git"]),
         "inputs_sha256": dict(given.get("inputs_sha256", {})),
         "seed": given.get("seed", 0),
+        "step": given.get("step", 2e-3),
         "seconds": given.get("seconds", 0.0),
     }
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
+from flexarm.arguments import PATH, takes
 from flexarm.diagnosis.gap.pooled_gap import PooledGap, pooled_gap
 from flexarm.diagnosis.named import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
@@ -156,6 +157,7 @@ class Diagnosis(SavedAsDirectory):
         return plot(self, ax, record)
 
     @classmethod
+    @takes(path=PATH)
     def load(cls, path: str | Path) -> Self:
         """What `save` or `flexarm diagnose` wrote.
 

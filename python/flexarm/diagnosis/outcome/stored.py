@@ -29,8 +29,10 @@ from flexarm.diagnosis.named import Alternative, Estimate, NamedEffect, Nuisance
 from flexarm.diagnosis.outcome.report_file import ReportFile
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents, Variable
+from flexarm.reading import reading
 from flexarm.result import load, model_of
 from flexarm.tables import toml_text
+from flexarm.tables.toml import read_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -114,8 +116,9 @@ def stored(path: str | Path) -> dict[str, Any]:
     directory = Path(path).parent if Path(path).suffix == ".json" else Path(path)
     told = _report(Path(path) if Path(path).suffix == ".json" else directory / REPORT)
     dataset = load(directory / GAPS, KIND)
-    arm, details = model_of(dataset), told["details"]
-    comparisons = _comparisons(dataset)
+    arm, details = model_of(dataset, directory / GAPS), told["details"]
+    with reading(directory / GAPS, "gaps of a diagnosis"):
+        comparisons = _comparisons(dataset)
     return {
         "verdict": told["verdict"],
         "arm": arm,
@@ -142,11 +145,10 @@ def stored(path: str | Path) -> dict[str, Any]:
 
 def _report(path: Path) -> dict[str, Any]:
     """The object of report.json, checked against its format."""
+    text = read_text(path)
     try:
-        return ReportFile.model_validate(json.loads(path.read_text(encoding="utf-8"))).model_dump()
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
-    except ValueError as error:  # no JSON, or another format
+        return ReportFile.model_validate(json.loads(text)).model_dump()
+    except (ValueError, RecursionError) as error:  # no JSON, or another format
         what = str(error).splitlines()[0]
         raise InvalidFile(path, "file", f"is no report of a diagnosis ({what})") from None
 

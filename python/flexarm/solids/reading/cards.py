@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexarm.errors import InvalidFile
+from flexarm.reading import Includes, any_text
 
 #: Largest number of a grid or cell that Nastran allows.
 MOST = 999_999_999
-_MOST_INCLUDES = 20
 
 
 @dataclass
@@ -73,9 +73,10 @@ class Card:
             raise self.error(f"field {index + 2} must be a number, got {self.text(index)!r}") from None
 
 
-def cards(path: Path, depth: int = 0) -> Iterator[Card]:
+def cards(path: Path, includes: Includes | None = None) -> Iterator[Card]:
     """Every card of a file and of those it includes."""
-    lines = list(enumerate(path.read_bytes().decode("latin-1").expandtabs(8).splitlines(), start=1))
+    includes = includes or Includes()
+    lines = list(enumerate(any_text(path).expandtabs(8).splitlines(), start=1))
     begin = next(
         (i for i, (_, text) in enumerate(lines) if text.strip().upper().startswith("BEGIN BULK")), -1
     )
@@ -88,7 +89,9 @@ def cards(path: Path, depth: int = 0) -> Iterator[Card]:
         if text.upper().startswith("ENDDATA"):
             break
         if text.upper().startswith("INCLUDE"):
-            yield from _included(text, path, number, depth)
+            name = text[7:].strip().strip("'\"")
+            with includes.into(path, f"line {number}, INCLUDE", name) as file:
+                yield from cards(file, includes)
             continue
         name, fields = _split(text)
         if current is not None and (not name or name[0] in "+*"):
@@ -124,11 +127,3 @@ def _case_sets(lines: list[tuple[int, str]], path: Path) -> Iterator[Card]:
             while text.endswith(","):
                 text += next(rest, (0, ""))[1].split("$")[0].strip() or " "
             yield Card("SET", [words[1], *text.replace(",", " ").split()], path, number)
-
-
-def _included(line: str, path: Path, number: int, depth: int) -> Iterator[Card]:
-    name = line[7:].strip().strip("'\"")
-    file = path.parent / name
-    if not file.is_file() or depth >= _MOST_INCLUDES:
-        raise InvalidFile(path, f"line {number}, INCLUDE", f"there is no file {file}")
-    yield from cards(file, depth + 1)

@@ -19,7 +19,7 @@ import numpy as np
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidFile
 from flexarm.solids.reading.content import Content
-from flexarm.solids.reading.gmsh_numbers import cell_numbers
+from flexarm.solids.reading.gmsh_numbers import cell_numbers, check_counts
 from flexarm.solids.reading.through_meshlane import blocks_of, read_by
 
 #: What a failure of the reader means, by a part of its message.
@@ -39,6 +39,7 @@ def content(path: Path) -> Content:
 def _content(path: Path) -> Content:
     import meshlane
 
+    check_counts(path)
     _refuse_shared_names(path)
     mesh = meshlane.gmsh.read(str(path))
     blocks = blocks_of(mesh)

@@ -12,6 +12,7 @@ from typing import IO
 import numpy as np
 
 from flexarm.arrays import Ints
+from flexarm.errors import InvalidFile
 
 
 def cell_numbers(path: Path) -> Ints | None:
@@ -25,6 +26,25 @@ def cell_numbers(path: Path) -> Ints | None:
         if version.startswith("2"):
             return _version_2_binary(file) if binary == "1" else _version_2_text(file)
         return _version_4(file, "" if binary == "1" else " ") if version in ("4", "4.1") else None
+
+
+def check_counts(path: Path) -> None:
+    """Raises InvalidFile if a file says that it holds more nodes or cells than bytes."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        if not _forward_to(file, b"$MeshFormat"):
+            return
+        version, binary, _ = file.readline().decode().split()
+        for section in ("$Nodes", "$Elements"):
+            file.seek(0)
+            if not _forward_to(file, section.encode()):
+                return
+            if version.startswith("2"):
+                counts = [int(file.readline())]
+            else:
+                counts = np.fromfile(file, np.uint64, 4, "" if binary == "1" else " ")[:2].tolist()
+            if not all(0 <= count <= size for count in counts):
+                raise InvalidFile(path, section, f"declares {max(counts)} entries in a file of {size} bytes")
 
 
 def _forward_to(file: IO[bytes], section: bytes) -> bool:

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from flexarm.errors import InvalidFile
+from flexarm.reading import Includes, any_text
 
 #: Largest number of a node or cell that the programs allow.
 MOST = 999_999_999
-_MOST_INCLUDES = 20
 
 
 @dataclass
@@ -78,10 +78,11 @@ class Keyword:
             raise self.error(f"must be numbers, got {', '.join(values)}", line) from None
 
 
-def keywords(path: Path, depth: int = 0) -> Iterator[Keyword]:
+def keywords(path: Path, includes: Includes | None = None) -> Iterator[Keyword]:
     """Every keyword of a file and of those it includes."""
+    includes = includes or Includes()
     current: Keyword | None = None
-    lines = iter(enumerate(_text(path).splitlines(), start=1))
+    lines = iter(enumerate(any_text(path).splitlines(), start=1))
     for number, line in lines:
         text = line.strip()
         if not text or text.startswith("**"):
@@ -91,20 +92,12 @@ def keywords(path: Path, depth: int = 0) -> Iterator[Keyword]:
                 current.rows.append((number, [value.strip().strip('"') for value in text.split(",")]))
             continue
         if current is not None:
-            yield from _followed(current, depth)
+            yield from _followed(current, includes)
         while text.endswith(","):
             text += next(lines, (0, "*"))[1].strip()  # at the end of the file the comma is not the last
         current = _keyword(text, path, number)
     if current is not None:
-        yield from _followed(current, depth)
-
-
-def _text(path: Path) -> str:
-    raw = path.read_bytes()
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")
+        yield from _followed(current, includes)
 
 
 def _keyword(text: str, path: Path, number: int) -> Keyword:
@@ -116,13 +109,10 @@ def _keyword(text: str, path: Path, number: int) -> Keyword:
     return Keyword(" ".join(name.upper().split()), parameters, path, number)
 
 
-def _followed(keyword: Keyword, depth: int) -> Iterator[Keyword]:
+def _followed(keyword: Keyword, includes: Includes) -> Iterator[Keyword]:
     if keyword.name != "INCLUDE":
         yield keyword
         return
-    path = keyword.file.parent / keyword.needed("INPUT")
-    if not path.is_file():
-        raise keyword.error(f"there is no file {path}")
-    if depth >= _MOST_INCLUDES:
-        raise keyword.error(f"files include one another more than {_MOST_INCLUDES} deep")
-    yield from keywords(path, depth + 1)
+    name = keyword.needed("INPUT")
+    with includes.into(keyword.file, f"line {keyword.line}, *INCLUDE", name) as path:
+        yield from keywords(path, includes)

@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 
+from flexarm.arguments import PATH, takes
 from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile
+from flexarm.reading import regular_file
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.reading.content import Content
 from flexarm.solids.reading.part import part_in
@@ -25,6 +27,7 @@ FORMATS = {
 }
 
 
+@takes(path=PATH)
 def read_mesh(
     path: str | Path,
     unit: str = "m",
@@ -66,9 +69,7 @@ def read_mesh(
     >>> part = flexarm.read_mesh("hub.inp", unit="mm", materials=steel).check()  # doctest: +SKIP
     """
     check_unit(unit)
-    file = Path(path)
-    if not file.is_file():
-        raise InvalidFile(file, "path", "there is no such file")
+    file = regular_file(path)
     given = materials if isinstance(materials, Mapping) else {}
     mesh = part_in(_reader(file)(file), str(path), unit, given)
     if isinstance(materials, Material):

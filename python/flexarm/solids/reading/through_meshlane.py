@@ -33,6 +33,7 @@ def read_by(
     """
     try:
         with redirect_stderr(StringIO()), catch_warnings():
+            filterwarnings("ignore")  # of numbers that damage made, which are checked later
             filterwarnings(
                 "error", message="string or file could not be read"
             )  # numpy, in the middle of text

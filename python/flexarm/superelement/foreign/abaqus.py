@@ -28,6 +28,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
+from flexarm.reading import any_text
 from flexarm.superelement.foreign.labelled import SCALAR, Freedom, Labelled, MatrixFile
 
 _ROLES = {"STIFFNESS": "stiffness", "MASS": "mass", "VISCOUSDAMPING": "damping"}
@@ -43,10 +44,7 @@ def read_abaqus(path: Path) -> MatrixFile:
     InvalidFile
         If the file is neither, or a number is missing or damaged.
     """
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise InvalidFile(path, "file", f"cannot be read: {error.strerror}") from None
+    text = any_text(path)
     return _user_element(path, text) if _USER_ELEMENT.search(text) else _matrix_input(path, text)
 
 
@@ -180,14 +178,14 @@ def read_storage(path: Path) -> MatrixFile:
     if not order.is_file():
         raise InvalidFile(order, "file", f"does not exist; it holds the order of freedoms of {path.name}")
     freedoms = []
-    for number, line in enumerate(order.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+    for number, line in enumerate(any_text(order).splitlines(), 1):
         match = re.fullmatch(r"\s*(\d+)\.([1-6])\s*", line)
         if match is None:
             raise InvalidFile(order, "freedom", f"must be POINT.COMPONENT, got {line!r}", line=number)
         freedoms.append(Freedom(int(match[1]), int(match[2])))
     n = len(freedoms)
     triplets = []
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+    for number, line in enumerate(any_text(path).splitlines(), 1):
         row = _floats(path, number, line.replace(",", " "))
         if len(row) != 3 or not (1 <= row[0] <= n and 1 <= row[1] <= n):
             what = f"must hold row, column (1 to {n}) and value, got {line!r}"

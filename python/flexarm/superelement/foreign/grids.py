@@ -21,6 +21,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
+from flexarm.reading import any_text
 from flexarm.superelement.foreign.cards import Card, cards_of
 
 
@@ -74,10 +75,7 @@ def read_grids(path: str | Path) -> dict[int, Grid]:
         If the file cannot be read, holds no points, or refers to systems that it does not define.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise InvalidFile(path, "grids", f"cannot be read: {error.strerror}") from None
+    text = any_text(path)
     upper = text.upper()
     grids = _nodes(path, text) if "*NODE" in upper else _bulk(path, text)
     if not grids:

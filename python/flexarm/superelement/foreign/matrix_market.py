@@ -18,6 +18,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
+from flexarm.reading import any_text
 from flexarm.superelement.foreign.labelled import Labelled, MatrixFile
 
 BANNER = "%%MatrixMarket"
@@ -57,7 +58,7 @@ def read_matrix_market(path: Path) -> MatrixFile:
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
-    text = path.read_text(encoding="utf-8", errors="replace")
+    text = any_text(path)
     return ((i, line.strip()) for i, line in enumerate(text.splitlines(), 1) if line.strip())
 
 

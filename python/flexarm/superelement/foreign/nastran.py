@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.reading import reading
 from flexarm.superelement.foreign.labelled import Freedom, Labelled, MatrixFile
 
 
@@ -79,12 +80,6 @@ def _pyyeti(module: str, path: Path) -> Any:
 
 
 def _read(path: Path, kind: str, reader: Any) -> Any:
-    if not path.is_file():
-        raise InvalidFile(path, "file", "does not exist")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return reader()
-    except Exception as error:  # a damaged file fails in whatever the reader happens to meet
-        told = " ".join(str(error).split()) or type(error).__name__
-        raise InvalidFile(path, kind, f"cannot be read: {told}") from None
+    with reading(path, kind, kind), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return reader()

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.superelement.foreign.labelled import SCALAR, Freedom
+from flexarm.tables.toml import read_text
 
 _WORD = re.compile(r"(\d+)(?:-(\d+))?(?:\.(0|[1-6]{1,6}))?")
 
@@ -33,10 +34,7 @@ def read_order(order: str | Path) -> tuple[Freedom, ...]:
     text, file = str(order), None
     if isinstance(order, Path) or Path(text).is_file():
         file = Path(order)
-        try:
-            text = file.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InvalidFile(file, "order", f"cannot be read: {error}") from None
+        text = read_text(file)
     freedoms: list[Freedom] = []
     seen: set[Freedom] = set()
     for number, line in enumerate(text.splitlines(), 1):

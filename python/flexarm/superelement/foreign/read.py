@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexarm.errors import InvalidFile
+from flexarm.reading import reading, regular_file
 from flexarm.superelement.foreign.abaqus import read_abaqus, read_storage
 from flexarm.superelement.foreign.labelled import Labelled, MatrixFile
 from flexarm.superelement.foreign.matrix_market import BANNER, read_matrix_market
@@ -36,18 +37,18 @@ def read_matrix_file(path: Path) -> MatrixFile:
     InvalidFile
         If it is none of the formats, or damaged.
     """
-    if not path.is_file():
-        raise InvalidFile(path, "file", "does not exist")
+    regular_file(path)
     suffix = path.suffix.lower()
-    if suffix == ".op4":
-        return read_op4(path)
-    if suffix in (".sti", ".mas"):
-        return read_storage(path)
-    if suffix == ".mtx":
-        with path.open("rb") as file:
-            market = file.read(len(BANNER)) == BANNER.encode()
-        return read_matrix_market(path) if market else read_abaqus(path)
-    return read_dmig(path)
+    with reading(path, "matrices"):
+        if suffix == ".op4":
+            return read_op4(path)
+        if suffix in (".sti", ".mas"):
+            return read_storage(path)
+        if suffix == ".mtx":
+            with path.open("rb") as file:
+                market = file.read(len(BANNER)) == BANNER.encode()
+            return read_matrix_market(path) if market else read_abaqus(path)
+        return read_dmig(path)
 
 
 def choose(stiffness: str | Path, mass: str | Path | None, damping: str | Path | None) -> Chosen:

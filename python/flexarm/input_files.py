@@ -1,9 +1,10 @@
-"""Hashes of the files that a diagnosis was made from, so that a report can be traced to them."""
+"""The files of a model and its records: what a report is traced to, and what no output may replace."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,8 +13,8 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 
-def hashes(model: Path, arm: Arm, records: Mapping[str, Record]) -> dict[str, str]:
-    """SHA-256 of the model file, its super-elements, and the files of every record.
+def input_files(model: Path, arm: Arm, records: Mapping[str, Record]) -> dict[str, Path]:
+    """The model file, its super-elements, and the files of every record.
 
     Parameters
     ----------
@@ -26,16 +27,19 @@ def hashes(model: Path, arm: Arm, records: Mapping[str, Record]) -> dict[str, st
 
     Returns
     -------
-    dict of str to str
+    dict of str to Path
         By file, those of records as `NAME/record.toml`.
     """
-    files = {model.name: model}
-    files |= {Path(link.file).name: Path(link.file) for link in arm.links if link.type == "superelement"}
+    files = {model.name: model, **{file.name: file for file in arm.part_files}}
     for name, record in records.items():
         if record.path is not None:
-            parts = dict.fromkeys(["record.toml", *(s.file for s in record.signals.values() if s.file)])
-            files |= {f"{name}/{part}": record.path / part for part in parts}
-    return {name: sha256(file) for name, file in files.items() if file.is_file()}
+            files |= {f"{name}/{relpath(file, record.path)}": file for file in record.files}
+    return {name: file for name, file in files.items() if file.is_file()}
+
+
+def hashes(files: Mapping[str, Path]) -> dict[str, str]:
+    """SHA-256 of each file."""
+    return {name: sha256(file) for name, file in files.items()}
 
 
 def sha256(file: Path) -> str:

@@ -1,0 +1,92 @@
+/// @file
+/// Forces of a state whose accelerations satisfy the constraints.
+///
+/// Time stepping solves r(H, v, v̇, λ) = 0 and Φ(H) = 0 at the end of a step. Its accelerations of constrained
+/// nodes are differences of positions, with errors of first order after every jump of a drive's acceleration
+/// or jerk; they decay by the spectral radius, and with α = 0 not at all. So do the multipliers λ. At the
+/// same positions and velocities w and λ̃ are those of the equations of motion and the second derivative of Φ,
+///
+///     M w + Φ_qᵀ λ̃ = M v̇ + Φ_qᵀ λ,   Φ_q w + γ(H, v) = 0                                            (1)
+///
+/// of the order of positions and velocities, and without memory: with c = Φ_q v̇ + γ
+///
+///     [M  Φ_qᵀ; Φ_q  0] (w − v̇, λ̃ − λ) = −(0, c)                                                     (2)
+///
+/// Internal forces are those of the positions and stay as they are. Derivatives by a parameter follow from
+/// the difference of (2) in its two models. Sources: [Geradin2001], [Arnold2015];
+/// docs/theory.md, section "Time stepping".
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+#include "flexarm/assembly/iteration_matrix.hpp"
+#include "flexarm/simulation/variation.hpp"
+#include "flexarm/solvers/kept_factor.hpp"
+#include "flexarm/solvers/tangent_changes.hpp"
+
+namespace flexarm::simulation {
+
+template <int D>
+class ConsistentForcesIn {
+ public:
+  explicit ConsistentForcesIn(const assembly::SystemIn<D>& system);
+
+  /// The state with w and λ̃ of (1); `state` itself where they are v̇ and λ. The result lasts until the next
+  /// call.
+  /// @throws NotConverged if the matrix of (2) is singular.
+  const assembly::StateIn<D>& of(const assembly::StateIn<D>& state);
+
+  /// (w − v̇, (λ̃ − λ)/s) of the last call.
+  const VectorXd& change() const { return change_; }
+  double scale() const { return scale_; }  ///< s of multipliers and constraints
+  /// x := the solution of (2) in `state`, of which the last call of of() was made, for the right side x.
+  void solve(const assembly::StateIn<D>& state, VectorXd& x);
+
+ private:
+  void find_massless(const assembly::StateIn<D>& state);
+  void make_factor(const assembly::StateIn<D>& state);
+
+  const assembly::SystemIn<D>& system_;
+  double scale_;
+  assembly::IterationMatrixIn<D> matrix_;
+  Eigen::SparseMatrix<double> regular_;
+  Eigen::SparseMatrix<double> massless_;  // what coordinates without mass get
+  const solvers::WeldsIn<D> none_;        // rigid joints have their multipliers
+  solvers::TangentChangesIn<D> changes_;
+  bool factored_ = false;
+  solvers::KeptFactor kept_;      // where changes_ follow the state,
+  solvers::SparseFactor factor_;  // otherwise made anew
+  VectorXd c_, change_;
+  assembly::StateIn<D> consistent_;
+};
+
+/// The same, and derivatives of w and λ̃ with respect to parameters.
+template <int D>
+class ConsistentForceSlopesIn {
+ public:
+  ConsistentForceSlopesIn(const assembly::SystemIn<D>& system, const std::vector<VariationIn<D>>& variations);
+
+  /// Makes state() and derivative() of a state of the time stepping and its derivative.
+  void find(const assembly::StateIn<D>& state, const StateDerivative& derivative);
+
+  const assembly::StateIn<D>& state() const { return *state_; }
+  const StateDerivative& derivative() const { return derivative_; }
+
+ private:
+  /// The left side of (2) times its solution, and c, in one of the models.
+  VectorXd evaluate(const assembly::SystemIn<D>& model, assembly::IterationMatrixIn<D>& matrix,
+                    const assembly::StateIn<D>& state) const;
+
+  const assembly::SystemIn<D>& system_;
+  const std::vector<VariationIn<D>> variations_;
+  ConsistentForcesIn<D> forces_;
+  std::vector<assembly::IterationMatrixIn<D>> plus_, minus_;
+  const assembly::StateIn<D>* state_ = nullptr;
+  StateDerivative derivative_;
+};
+
+using ConsistentForces = ConsistentForcesIn<3>;
+
+}  // namespace flexarm::simulation

@@ -1,0 +1,133 @@
+#include "flexarm/simulation/consistent_forces.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "flexarm/errors.hpp"
+
+namespace flexarm::simulation {
+namespace {
+
+// Coordinates without mass get this part of the least one: they take no force, and (2) stays regular.
+constexpr double nearly_massless = 1e-12;
+
+template <int D>
+const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::SystemIn<D>& system,
+                                                          assembly::IterationMatrixIn<D>& matrix,
+                                                          const assembly::StateIn<D>& state, double scale) {
+  const assembly::TangentFactors mass{1, 0, 0, scale};
+  return matrix.assemble(state, {}, mass, VectorXd::Zero(static_cast<Eigen::Index>(system.laws().size())));
+}
+
+}  // namespace
+
+template <int D>
+ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system)
+    : system_(system),
+      scale_(std::max(system.mass(), 1e-12) / std::max(1, system.n_nodes())),
+      matrix_(system),
+      none_(system, false),
+      changes_(system, none_, false),
+      c_(system.n_constraints()),
+      change_(VectorXd::Zero(system.n_unknowns())) {}
+
+template <int D>
+void ConsistentForcesIn<D>::find_massless(const assembly::StateIn<D>& state) {
+  const VectorXd mass = system_.tangent(state, {}, {1, 0, 0}, false).diagonal();
+  double least = std::numeric_limits<double>::infinity();
+  for (const double m : mass) {
+    if (m > 0) least = std::min(least, m);
+  }
+  massless_.resize(system_.n_unknowns(), system_.n_unknowns());
+  for (Eigen::Index k = 0; k < mass.size(); ++k) {
+    if (mass[k] == 0) massless_.insert(k, k) = nearly_massless * least;
+  }
+}
+
+template <int D>
+void ConsistentForcesIn<D>::make_factor(const assembly::StateIn<D>& state) {
+  const bool follows = changes_.follows_constraints();
+  if (factored_ && follows) return;
+  if (massless_.size() == 0) find_massless(state);
+  const Eigen::SparseMatrix<double>& A = masses_and_constraints(system_, matrix_, state, scale_);
+  const bool all_massive = massless_.nonZeros() == 0;
+  const Eigen::SparseMatrix<double>& regular = all_massive ? A : (regular_ = A + massless_);
+  factored_ = follows ? kept_.factor(regular) : factor_.factor(regular);
+  if (!factored_) {
+    throw NotConverged("forces of the joints: the matrix of masses and constraints is singular", state.t, 0,
+                       0);
+  }
+  if (follows) {
+    const VectorXd no_laws = VectorXd::Zero(static_cast<Eigen::Index>(system_.laws().size()));
+    changes_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
+  }
+}
+
+template <int D>
+void ConsistentForcesIn<D>::solve(const assembly::StateIn<D>& state, VectorXd& x) {
+  if (!changes_.follows_constraints()) {
+    factor_.solve(x);
+    return;
+  }
+  kept_.solve(x);
+  changes_.correct(state, x);
+}
+
+template <int D>
+const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>& state) {
+  system_.constraint_acceleration(state, c_);
+  change_.setZero();
+  if (c_.isZero(0)) return state;  // at rest
+  make_factor(state);
+  change_.tail(c_.size()) = -scale_ * c_;
+  solve(state, change_);  // eq. (2)
+  consistent_ = state;
+  consistent_.v_dot.head(system_.n_free()) += change_.head(system_.n_free());
+  consistent_.multipliers += scale_ * change_.tail(c_.size());
+  return consistent_;
+}
+
+template <int D>
+ConsistentForceSlopesIn<D>::ConsistentForceSlopesIn(const assembly::SystemIn<D>& system,
+                                                    const std::vector<VariationIn<D>>& variations)
+    : system_(system), variations_(variations), forces_(system) {
+  for (const VariationIn<D>& one : variations_) {
+    plus_.emplace_back(*one.plus);
+    minus_.emplace_back(*one.minus);
+  }
+}
+
+template <int D>
+VectorXd ConsistentForceSlopesIn<D>::evaluate(const assembly::SystemIn<D>& model,
+                                              assembly::IterationMatrixIn<D>& matrix,
+                                              const assembly::StateIn<D>& state) const {
+  VectorXd sides = masses_and_constraints(model, matrix, state, forces_.scale()) * forces_.change();
+  VectorXd c(model.n_constraints());
+  model.constraint_acceleration(state, c);
+  sides.tail(c.size()) = forces_.scale() * c;  // Φ_q (w − v̇) is part of it, for the state has w
+  return sides;
+}
+
+template <int D>
+void ConsistentForceSlopesIn<D>::find(const assembly::StateIn<D>& state, const StateDerivative& derivative) {
+  state_ = &forces_.of(state);
+  derivative_ = derivative;
+  if (state_ == &state || derivative.size() == 0) return;
+  for (Eigen::Index k = 0; k < derivative.size(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const VariationIn<D>& p = variations_[at];
+    VectorXd x = (evaluate(*p.minus, minus_[at], moved(system_, *state_, derivative, k, p.down)) -
+                  evaluate(*p.plus, plus_[at], moved(system_, *state_, derivative, k, p.up))) /
+                 p.spread();
+    forces_.solve(state, x);
+    derivative_.v_dot.col(k).head(system_.n_free()) += x.head(system_.n_free());
+    derivative_.multipliers.col(k) += forces_.scale() * x.tail(system_.n_constraints());
+  }
+}
+
+template class ConsistentForcesIn<2>;
+template class ConsistentForcesIn<3>;
+template class ConsistentForceSlopesIn<2>;
+template class ConsistentForceSlopesIn<3>;
+
+}  // namespace flexarm::simulation

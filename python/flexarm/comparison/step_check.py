@@ -1,0 +1,69 @@
+"""Check whether the time step is fine enough for what the sensors see.
+
+The method is of second order: with the change c of a prediction where a step h is halved, the step
+
+    h' = h sqrt(FINE noise / c)                                                                       (1)
+
+brings the change to `FINE` of the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import floor, log10, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.comparison.beside import beside
+from flexarm.errors import NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.comparison.beside import Beside
+    from flexarm.record import Signal
+
+FINE = 0.5
+"""Change of a prediction over its noise, where the step is halved, from which on it is told."""
+
+
+def step_notes(arm: Arm, pair: Beside, step: float, alpha: float) -> Iterator[str]:
+    """Yield a sentence for each signal that half a time step moves by more than `FINE` of its noise.
+
+    Takes one more simulation of twice the work; nothing for poses.
+    """
+    if pair.record.kind == "static":
+        return
+    try:
+        finer = beside(arm, pair.record, align=False, step=step / 2, alpha=alpha)
+    except NotConverged:
+        return
+    for signal in pair.subject.evidence.values():
+        noise = float(np.sqrt(np.sum(pair.subject.noise(signal) ** 2)))
+        said = step_note(change(pair, finer, signal), noise, step)
+        if said:
+            yield f"{signal.name}: {said}"
+
+
+def step_note(moved: float, noise: float, step: float) -> str:
+    """Return in words that half a step moves a prediction too far, and what step would do (1); else ""."""
+    if not 0 < FINE * noise < moved < np.inf:
+        return ""
+    return (
+        f"half the time step of {1e3 * step:.3g} ms moves the prediction by {moved / noise:.2g} times the "
+        f"noise; take a step of {1e3 * _rounded(step * sqrt(FINE * noise / moved)):.3g} ms or less (--step)"
+    )
+
+
+def change(pair: Beside, other: Beside, signal: Signal) -> float:
+    """Return the rms change of a prediction, all channels together, at the record's own instants."""
+    placement = pair.aligned.placement
+    there = other.subject.residual(signal, placement) - pair.subject.residual(signal, placement)
+    squares = np.sum(there**2, axis=1)
+    return float(np.sqrt(np.nanmean(squares))) if np.isfinite(squares).any() else 0.0
+
+
+def _rounded(value: float) -> float:
+    """Return a value rounded down to two digits."""
+    digit = 10.0 ** (floor(log10(value)) - 1)
+    return floor(value / digit) * digit

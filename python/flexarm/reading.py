@@ -1,0 +1,224 @@
+"""Files as they come in: only regular ones, no more than they can hold, and one kind of error.
+
+A reader asks `regular_file` before it opens anything, `room` before it takes up what a file declares, and
+does its work inside `reading`, which turns whatever a library meets in a damaged file into `InvalidFile`.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SMALL = 2**28
+"""Bytes that any file may unfold to: 256 MB, a part of 3000 freedoms."""
+EXPANSION = 20
+"""Times its size that a compressed file may unfold to, above `SMALL`: numbers with noise shrink far less."""
+OUTSIDE: ContextVar[bool] = ContextVar("OUTSIDE", default=False)
+"""Whether records may name files outside their directories: what --allow-outside sets."""
+DEEPEST_INCLUDE = 20
+"""Files that may include one another in turn."""
+MOST_INCLUDES = 1000
+"""Files that a mesh may include in all."""
+
+
+def regular_file(path: str | Path) -> Path:
+    """The path, if a regular file is there that may be read; links are followed.
+
+    Raises
+    ------
+    InvalidFile
+        If nothing is there, or a directory, pipe, device or socket, which might never end.
+    """
+    try:
+        mode = Path(path).stat().st_mode
+    except FileNotFoundError:
+        raise InvalidFile(path, "file", "there is no such file") from None
+    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InvalidFile(path, "file", f"cannot be read: {reason}") from None
+    if stat.S_ISDIR(mode):
+        raise InvalidFile(path, "file", "is a directory, a file is needed")
+    if not stat.S_ISREG(mode):
+        raise InvalidFile(path, "file", "is no regular file; pipes and devices are not read")
+    if not os.access(path, os.R_OK):
+        raise InvalidFile(path, "file", "cannot be read: Permission denied")
+    return Path(path)
+
+
+def is_inside(path: Path, folder: Path) -> bool:
+    """Return True if a path that can be followed lies in a folder, links and all."""
+    try:
+        return path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # links in a circle, a null byte, a name that is too long
+        return False
+
+
+def any_text(path: str | Path) -> str:
+    """The text of another program's file: UTF-8, or UTF-16 that says so, or else Latin-1.
+
+    Raises
+    ------
+    InvalidFile
+        If it is no regular file, or cannot be read.
+    """
+    with reading(regular_file(path), "text"):
+        raw = Path(path).read_bytes()
+        if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+            return raw.decode("utf-16")
+        try:
+            return raw.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            return raw.decode("latin-1")
+
+
+@contextmanager
+def reading(path: str | Path, what: str, where: str = "file") -> Iterator[None]:
+    """Turns what goes wrong while a file is taken apart into `InvalidFile`.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    what : str
+        What it should be, such as `a NetCDF file`.
+    where : str
+        The place that the message names.
+    """
+    try:
+        yield
+    except (InvalidFile, NotConverged):
+        raise
+    except InvalidParameter as error:
+        first = error.problems[0]
+        raise InvalidFile(path, first.where or where, first.what, problems=error.problems) from None
+    except Exception as error:  # a damaged file fails in whatever the reader happens to meet
+        told = getattr(error, "strerror", None) or " ".join(str(error).split())
+        reason = f"{type(error).__name__}: {told}" if isinstance(error, LookupError) else told
+        raise InvalidFile(
+            path, where, f"cannot be read as {what}: {reason or type(error).__name__}"
+        ) from None
+
+
+@dataclass
+class Includes:
+    """The files that a file includes, and those these include: no circles, and an end.
+
+    Attributes
+    ----------
+    open : list of Path
+        Those being read, each included by the one before it.
+    count : int
+        Those included so far.
+    """
+
+    open: list[Path] = field(default_factory=list)
+    count: int = 0
+
+    @contextmanager
+    def into(self, file: Path, where: str, name: str) -> Iterator[Path]:
+        """The file that `name` is, relative to the one that includes it, while it is read.
+
+        Raises
+        ------
+        InvalidFile
+            If it is not there, includes itself, lies too deep, or is one too many.
+        """
+        path = file.parent / name
+        try:
+            regular_file(path)
+        except InvalidFile as error:
+            what = error.problems[0].what.replace("there is no such file", "is not there")
+            raise InvalidFile(file, where, f"{path} {what}") from None
+        self.open.append(file.resolve())
+        self.count += 1
+        if path.resolve() in self.open:
+            raise InvalidFile(file, where, f"{name!r} is being read already: files include one another")
+        if len(self.open) > DEEPEST_INCLUDE or self.count > MOST_INCLUDES:
+            what = f"includes go at most {DEEPEST_INCLUDE} deep and are at most {MOST_INCLUDES} in all"
+            raise InvalidFile(file, where, what)
+        yield path
+        self.open.pop()
+
+
+def room(path: str | Path, where: str, declared: int, size: int | None = None) -> None:
+    """Raises InvalidFile if a piece of a file declares more bytes than such a file can hold.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    where : str
+        Name of the piece.
+    declared : int
+        Bytes it says to unfold to.
+    size : int, optional
+        Bytes of the file, asked for if left out.
+    """
+    size = Path(path).stat().st_size if size is None else size
+    most = max(SMALL, EXPANSION * size)
+    if declared > most:
+        what = f"declares {declared} bytes in a file of {size}; allowed are {most}"
+        raise InvalidFile(path, where, what)
+
+
+def check_hdf5(path: str | Path) -> None:
+    """Raises InvalidFile if an HDF5 file leads to other files, or unfolds to more than it can hold."""
+    import h5py  # type: ignore[import-untyped]
+
+    with reading(regular_file(path), "NetCDF"), h5py.File(path, "r") as file:
+        total, size = 0, Path(path).stat().st_size
+        for name in file:
+            if not isinstance(file.get(name, getlink=True), h5py.HardLink):
+                raise InvalidFile(path, name, "is a link; allowed are numbers that the file holds itself")
+            item = file[name]
+            if not isinstance(item, h5py.Dataset):
+                continue
+            if item.is_virtual or item.external:
+                raise InvalidFile(path, name, "lies in another file; allowed are numbers that the file holds")
+            width = 64 if item.dtype.kind == "O" else item.dtype.itemsize  # a text of Python
+            total += (item.size or 0) * width
+            room(path, name, total, size)
+
+
+def require(
+    path: str | Path,
+    data: xr.Dataset,
+    axes: Mapping[str, Sequence[str]],
+    sizes: Mapping[str, int],
+) -> None:
+    """Raises InvalidFile unless variables are there, as real numbers of the right shape.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    data : Dataset
+        What it holds.
+    axes : dict of str to sequence of str
+        Variable -> what its axes count.
+    sizes : dict of str to int
+        How many there are of it; another axis is as long as the first variable says that has it.
+    """
+    known: dict[str, int] = dict(sizes)
+    for name, counted in axes.items():
+        if name not in data:
+            raise InvalidFile(path, name, f"is missing; needed are {', '.join(axes)}")
+        values: Any = data[name]
+        if values.dtype.kind not in "fiu":
+            raise InvalidFile(path, name, f"must hold real numbers, got type {values.dtype}")
+        shape = values.shape
+        wanted = tuple(known.setdefault(axis, n) for axis, n in zip(counted, shape, strict=False))
+        if len(shape) != len(counted) or shape != wanted:
+            told = ", ".join(f"{axis}: {known[axis]}" if axis in known else axis for axis in counted)
+            raise InvalidFile(path, name, f"must have the shape ({told}), got {shape}")

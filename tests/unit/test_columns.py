@@ -1,0 +1,82 @@
+"""A CSV file is read block by block: where a block ends changes neither numbers nor messages."""
+
+import os
+import threading
+
+import numpy as np
+import pytest
+
+from flexarm.errors import InvalidFile
+from flexarm.record import columns
+from flexarm.record.columns import CsvFile
+
+HEADER = "# made by hand\n\ntime_s,name,angle,torque\n"
+
+
+def rows(count=200):
+    """Lines with drop-outs, comments and empty lines among them, and the columns they hold."""
+    rng = np.random.default_rng(5)
+    values = rng.normal(size=(count, 2))
+    values[rng.random(values.shape) < 0.2] = np.nan
+    times = np.arange(count) * 1e-3
+    lines = []
+    for t, (a, b) in zip(times, values, strict=True):
+        lines.append(
+            f"{float(t)!r},x,{'' if np.isnan(a) else repr(float(a))},{'' if np.isnan(b) else repr(float(b))}"
+        )
+        lines += ["  # a comment, with a comma", "", "   "][: rng.integers(0, 4)]
+    return lines, np.column_stack([times, values])
+
+
+@pytest.mark.parametrize("block", [1, 7, 100, 1 << 20])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_columns_do_not_depend_on_the_length_of_a_block(tmp_path, monkeypatch, block, end):
+    lines, expected = rows()
+    path = tmp_path / "run.csv"
+    path.write_bytes((HEADER + "\n".join(lines)).replace("\n", end).encode())
+    monkeypatch.setattr(columns, "_BLOCK", block)
+    monkeypatch.setattr(CsvFile, "_rows", lambda self: pytest.fail("read row by row"))
+    found = CsvFile(path).numbers(["time_s", "angle", "torque"])
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize(
+    "row, what",
+    [
+        ("0.5,x,1.0", "has 3 cells, the header has 4"),
+        ("0.5,x,1.0,2.0,", "has 5 cells"),
+        ("0.5,x,1.0,1_000", "column torque.*got '1_000'"),
+        ("0.5,x,1.0,2.0 # late", "column torque.*got '2.0 # late'"),
+        ("0.5,x,inf,2.0", "column angle.*an infinite number"),
+    ],
+)
+def test_a_wrong_row_far_down_is_told_with_its_line(tmp_path, monkeypatch, row, what):
+    lines, _ = rows()
+    lines.insert(150, row)
+    path = tmp_path / "run.csv"
+    path.write_text(HEADER + "\n".join(lines))
+    monkeypatch.setattr(columns, "_BLOCK", 100)
+    with pytest.raises(InvalidFile, match=f"line {3 + 151}[,:].*{what}"):
+        CsvFile(path).numbers(["time_s", "angle", "torque"])
+
+
+def test_a_byte_that_is_no_text_far_down_is_told_with_its_line(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_bytes(b"time_s,angle\n" + b"0,1\n" * 100_000 + b"\xff,1\n")
+    with pytest.raises(InvalidFile, match="line 100002: not a text in UTF-8: byte 0xff"):
+        CsvFile(path).numbers(["time_s"])
+
+
+def test_quoted_cells_are_numbers_too(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text('time_s,"angle"\n"0",1\n1,"2.5"\n')
+    assert CsvFile(path).numbers(["angle"]).tolist() == [[1], [2.5]]
+
+
+def test_a_pipe_is_read_once(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    writer = threading.Thread(target=path.write_text, args=("time_s,angle\n0,1\n1,2\n",))
+    writer.start()
+    assert CsvFile(path).numbers(["angle"]).tolist() == [[1], [2]]
+    writer.join()

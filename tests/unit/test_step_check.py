@@ -1,0 +1,71 @@
+"""The time step of `compare` and `diagnose`: an option, and a warning where half of it moves predictions."""
+
+import json
+import re
+
+import diagnoses
+import numpy as np
+import pytest
+
+import flexarm
+from flexarm.cli.run import run
+from flexarm.comparison import compare
+
+NOTE = re.compile(
+    r"(\w+): half the time step of (\S+) ms moves the prediction by (\S+) times the noise; "
+    r"take a step of (\S+) ms or less \(--step\)"
+)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """A swing of which the tracker is said to see every tenth of a micrometre."""
+    swing = diagnoses.record(1, 0.25)
+    tip = swing.signals["tip"].replace(noise_std=1e-7)
+    return swing.replace(signals={**swing.signals, "tip": tip})
+
+
+def told(record, step):
+    notes = compare(diagnoses.with_spring(), record, step=step, check_step=True).notes
+    return [found.groups() for note in notes if (found := NOTE.match(note))]
+
+
+def test_a_coarse_step_is_told_with_the_step_that_is_fine_enough(exact):
+    [(signal, stated, times, wanted)] = told(exact, 0.01)
+    assert (signal, stated) == ("tip", "10") and float(times) > 0.5
+    assert float(wanted) == pytest.approx(10 * np.sqrt(0.5 / float(times)), rel=0.1)  # order two
+    assert told(exact, 1e-3 * float(wanted)) == []
+
+
+def test_no_run_is_added_unless_it_is_asked_for(exact):
+    assert not any(NOTE.match(note) for note in compare(diagnoses.with_spring(), exact, step=0.01).notes)
+
+
+def test_compare_takes_a_step_and_warns(exact, tmp_path, capsys):
+    diagnoses.with_spring().to_toml(tmp_path / "arm.toml")
+    exact.save(tmp_path / "run")
+    command = ["compare", str(tmp_path / "arm.toml"), str(tmp_path / "run"), "--step"]
+    assert run([*command, "0.01"]) == 0
+    assert "half the time step of 10 ms" in " ".join(capsys.readouterr().out.split())
+    assert run([*command, "0"]) == 2
+    assert "--step: must be positive, got 0 s" in capsys.readouterr().err
+
+
+def test_a_diagnosis_writes_its_step_and_warns_of_it(exact, tmp_path):
+    diagnoses.with_spring().to_toml(tmp_path / "arm.toml")
+    exact.save(tmp_path / "run")
+    out = tmp_path / "out"
+    command = [
+        "diagnose",
+        str(tmp_path / "arm.toml"),
+        str(tmp_path / "run"),
+        "--out",
+        str(out),
+        "--step",
+        "0.02",
+    ]
+    assert run(command) == 0
+    report = json.loads((out / "report.json").read_text())
+    assert report["provenance"]["step"] == 0.02
+    assert any("half the time step of 20 ms" in remark for remark in report["details"]["remarks"])
+    assert flexarm.Diagnosis.load(out).provenance["step"] == 0.02
