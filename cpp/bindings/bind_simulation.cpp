@@ -198,7 +198,8 @@ void bind_transient(py::module_& m) {
       .def_readwrite("record_rotations", &TransientOptions::record_rotations)
       .def_readwrite("record_joints", &TransientOptions::record_joints)
       .def_readwrite("record_energies", &TransientOptions::record_energies)
-      .def_readwrite("record_forces", &TransientOptions::record_forces);
+      .def_readwrite("record_forces", &TransientOptions::record_forces)
+      .def_readwrite("consistent_forces", &TransientOptions::consistent_forces);
   py::class_<Transient>(m, "Transient", "A run: one column an instant.")
       .def_readonly("time", &Transient::time)
       .def_readonly("position", &Transient::position)

@@ -597,6 +597,7 @@ class TransientOptions:
     Options of a run.
     """
 
+    consistent_forces: bool
     dimension: Dimension
     record_energies: bool
     record_forces: bool

@@ -16,7 +16,10 @@ const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::System
                                                           assembly::IterationMatrixIn<D>& matrix,
                                                           const assembly::StateIn<D>& state, double scale) {
   const assembly::TangentFactors mass{1, 0, 0, scale};
-  return matrix.assemble(state, {}, mass, VectorXd::Zero(static_cast<Eigen::Index>(system.laws().size())));
+  const VectorXd no_laws = VectorXd::Zero(static_cast<Eigen::Index>(system.laws().size()));
+  const Eigen::SparseMatrix<double>* A = matrix.assemble(state, {}, mass, no_laws);
+  if (A == nullptr) throw NotConverged("forces of the joints: a mass is not finite", state.t, 0, 0);
+  return *A;
 }
 
 }  // namespace
@@ -90,22 +93,35 @@ const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>
 template <int D>
 ConsistentForceSlopesIn<D>::ConsistentForceSlopesIn(const assembly::SystemIn<D>& system,
                                                     const std::vector<VariationIn<D>>& variations)
-    : system_(system), variations_(variations), forces_(system) {
-  for (const VariationIn<D>& one : variations_) {
-    plus_.emplace_back(*one.plus);
-    minus_.emplace_back(*one.minus);
-  }
-}
+    : system_(system),
+      variations_(variations),
+      forces_(system),
+      with_(system.n_velocities()),
+      without_(system.n_velocities()),
+      phi_(system.n_constraints()),
+      c_(system.n_constraints()) {}
 
+/// Equation (1) of assembly/equations.hpp with and without the change: nothing but masses and constraints is
+/// left.
 template <int D>
 VectorXd ConsistentForceSlopesIn<D>::evaluate(const assembly::SystemIn<D>& model,
-                                              assembly::IterationMatrixIn<D>& matrix,
-                                              const assembly::StateIn<D>& state) const {
-  VectorXd sides = masses_and_constraints(model, matrix, state, forces_.scale()) * forces_.change();
-  VectorXd c(model.n_constraints());
-  model.constraint_acceleration(state, c);
-  sides.tail(c.size()) = forces_.scale() * c;  // Φ_q (w − v̇) is part of it, for the state has w
+                                              assembly::StateIn<D> state) {
+  VectorXd sides(model.n_unknowns());
+  auto c = sides.tail(model.n_constraints());
+  model.constraint_acceleration(state, c_);
+  model.evaluate(state, {}, with_, phi_);
+  state.v_dot.head(model.n_free()) -= forces_.change().head(model.n_free());
+  state.multipliers -= forces_.scale() * forces_.change().tail(model.n_constraints());
+  model.evaluate(state, {}, without_, phi_);
+  sides.head(model.n_free()) = (with_ - without_).head(model.n_free());
+  c = forces_.scale() * c_;  // Φ_q (w − v̇) is part of it, for the state has w
   return sides;
+}
+
+/// False for the columns of parameters that the motion does not depend on, such as places of sensors.
+bool moves(const StateDerivative& derivative, Eigen::Index k) {
+  return !derivative.position.col(k).isZero(0) || !derivative.v_dot.col(k).isZero(0) ||
+         !derivative.multipliers.col(k).isZero(0);
 }
 
 template <int D>
@@ -114,10 +130,10 @@ void ConsistentForceSlopesIn<D>::find(const assembly::StateIn<D>& state, const S
   derivative_ = derivative;
   if (state_ == &state || derivative.size() == 0) return;
   for (Eigen::Index k = 0; k < derivative.size(); ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    const VariationIn<D>& p = variations_[at];
-    VectorXd x = (evaluate(*p.minus, minus_[at], moved(system_, *state_, derivative, k, p.down)) -
-                  evaluate(*p.plus, plus_[at], moved(system_, *state_, derivative, k, p.up))) /
+    if (!moves(derivative, k)) continue;
+    const VariationIn<D>& p = variations_[static_cast<std::size_t>(k)];
+    VectorXd x = (evaluate(*p.minus, moved(system_, *state_, derivative, k, p.down)) -
+                  evaluate(*p.plus, moved(system_, *state_, derivative, k, p.up))) /
                  p.spread();
     forces_.solve(state, x);
     derivative_.v_dot.col(k).head(system_.n_free()) += x.head(system_.n_free());

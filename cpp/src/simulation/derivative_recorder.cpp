@@ -49,9 +49,12 @@ void DerivativeRecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state,
     points_.record(k, options_, state, derivative, out_);
   }
   if (!options_.record_joints && !options_.record_forces) return;
-  forces_.find(state, derivative);
-  if (options_.record_joints) joints_.record(k, forces_.state(), forces_.derivative(), out_);
-  if (options_.record_forces) forces(k, forces_.state(), forces_.derivative(), loads);
+  const bool consistent = options_.has_consistent_forces();
+  if (consistent) forces_.find(state, derivative);
+  const StateIn<D>& recorded = consistent ? forces_.state() : state;
+  const StateDerivative& slopes = consistent ? forces_.derivative() : derivative;
+  if (options_.record_joints) joints_.record(k, recorded, slopes, out_);
+  if (options_.record_forces) forces(k, recorded, slopes, loads);
 }
 
 /// By differences of whole records.

@@ -36,8 +36,7 @@ RecorderIn<D>::RecorderIn(const SystemIn<D>& system, const TransientOptions& opt
 
 template <int D>
 void RecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
-  const bool forceless = !options_.record_joints && !options_.record_energies && !options_.record_forces;
-  write(k, forceless ? state : forces_.of(state), loads);
+  write(k, options_.has_consistent_forces() ? forces_.of(state) : state, loads);
 }
 
 template <int D>

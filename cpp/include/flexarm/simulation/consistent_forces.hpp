@@ -13,7 +13,7 @@
 ///     [M  Φ_qᵀ; Φ_q  0] (w − v̇, λ̃ − λ) = −(0, c)                                                     (2)
 ///
 /// Internal forces are those of the positions and stay as they are. Derivatives by a parameter follow from
-/// the difference of (2) in its two models. Sources: [Geradin2001], [Arnold2015];
+/// the difference of (2) in its two models. `TransientOptions::consistent_forces` leaves it out. Sources: [Geradin2001], [Arnold2015];
 /// docs/theory.md, section "Time stepping".
 #pragma once
 
@@ -76,13 +76,12 @@ class ConsistentForceSlopesIn {
 
  private:
   /// The left side of (2) times its solution, and c, in one of the models.
-  VectorXd evaluate(const assembly::SystemIn<D>& model, assembly::IterationMatrixIn<D>& matrix,
-                    const assembly::StateIn<D>& state) const;
+  VectorXd evaluate(const assembly::SystemIn<D>& model, assembly::StateIn<D> state);
 
   const assembly::SystemIn<D>& system_;
   const std::vector<VariationIn<D>> variations_;
   ConsistentForcesIn<D> forces_;
-  std::vector<assembly::IterationMatrixIn<D>> plus_, minus_;
+  VectorXd with_, without_, phi_, c_;
   const assembly::StateIn<D>* state_ = nullptr;
   StateDerivative derivative_;
 };

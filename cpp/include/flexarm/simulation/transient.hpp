@@ -31,6 +31,12 @@ struct TransientOptions {
   bool record_joints = true;      ///< angles, rates, torques
   bool record_energies = false;
   bool record_forces = false;  ///< section forces and base wrench
+  /// Torques, forces and work are those of consistent_forces.hpp, not of the time stepping.
+  bool consistent_forces = true;
+
+  bool has_consistent_forces() const {
+    return consistent_forces && (record_joints || record_energies || record_forces);
+  }
 };
 
 /// Recorded columns; one column an instant. Sizes: n instants, p points, j joints, l links.

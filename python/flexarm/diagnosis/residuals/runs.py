@@ -27,6 +27,10 @@ In shorter steps a run is so much longer, and fewer are: as much as that, or one
 """
 
 
+FORCES = {"motor_torque", "motor_voltage", "force", "strain"}
+"""Quantities that see torques and forces."""
+
+
 class Runs:
     """Runs of models in the motions and poses of some records.
 
@@ -97,6 +101,7 @@ class Runs:
             alpha=self.alpha,
             rotations=True,
             forces=any(signal.quantity == "strain" for signal in record.signals.values()),
+            consistent_forces=any(signal.quantity in FORCES for signal in record.signals.values()),
             end=last_needed(record, arm, drive.start),
         )
 
