@@ -16,6 +16,7 @@ from flexarm.errors import InvalidParameter
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -49,14 +50,35 @@ def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
         @wraps(function)
         def checked(*args: P.args, **kwargs: P.kwargs) -> R:
             for name, value in expected.bind(*args, **kwargs).arguments.items():
-                kind = kinds.get(name)
-                if kind and value is not expected.parameters[name].default and not kind.accepts(value):
-                    raise InvalidParameter(f"must be {kind.words}, got {_told(value)}", where=name)
+                if name in kinds and value is not expected.parameters[name].default:
+                    require(kinds[name], name, value)
             return function(*args, **kwargs)
 
         return checked
 
     return decorate
+
+
+def holds(**kinds: Kind) -> Callable[[type[Made]], type[Made]]:
+    """Check the fields of a class by name before an object is made, as `takes` does for a function."""
+
+    def decorate(made: type[Made]) -> type[Made]:
+        made.__init__ = takes(**kinds)(made.__init__)  # type: ignore[method-assign]
+        return made
+
+    return decorate
+
+
+def require(kind: Kind, name: str, value: object) -> None:
+    """Check one argument.
+
+    Raises
+    ------
+    InvalidParameter
+        With its name, what it must be and what it is.
+    """
+    if not kind.accepts(value):
+        raise InvalidParameter(f"must be {kind.words}, got {_told(value)}", where=name)
 
 
 def _told(value: object) -> str:
@@ -81,6 +103,24 @@ def _is_row(value: object) -> bool:
     return array.dtype.kind in "fiu" and array.ndim <= 1
 
 
+def _is_array(value: object) -> bool:
+    if isinstance(value, str | bytes):
+        return False
+    try:
+        np.asarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
+
+
+def _is_indices(value: object) -> bool:
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return array.dtype.kind in "iu" or (array.dtype.kind == "f" and not array.size)
+
+
 def _is_count(value: Any) -> bool:
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     return whole and bool(abs(value) < 2**31)
@@ -102,6 +142,26 @@ def _is_pairs(value: object) -> bool:
     )
 
 
+def _any(value: object) -> bool:
+    return True
+
+
+def _each(accepts: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    """A collection of such, or a dictionary; an iterator is looked at once only, by whoever uses it."""
+    return lambda value: (
+        isinstance(value, Iterator)
+        or (
+            isinstance(value, Collection)
+            and not isinstance(value, str | bytes | np.ndarray)
+            and all(map(accepts, value.values() if isinstance(value, Mapping) else value))
+        )
+    )
+
+
+def _either(*accepts: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: any(each(value) for each in accepts)
+
+
 def _by_name(accepts: Callable[[Any], bool]) -> Callable[[Any], bool]:
     return lambda value: (
         isinstance(value, Mapping) and all(isinstance(k, str) and accepts(v) for k, v in value.items())
@@ -113,17 +173,42 @@ def _one_of(module: str, *names: str) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, tuple(getattr(import_module(module), name) for name in names))
 
 
+_is_material = _one_of("flexarm.arm.link", "Material")
+
 ARM = Kind("an Arm", _one_of("flexarm.arm", "Arm"))
 DRIVE = Kind("a Drive or a Record", _one_of("flexarm", "Drive", "Record"))
+DRIVES = Kind("a list or dictionary of Drives and Records", _each(DRIVE.accepts))
+RECORD = Kind("a Record", _one_of("flexarm.record", "Record"))
+RECORDS = Kind("a Record, or a list or dictionary of them", _either(RECORD.accepts, _each(_any)))
+MOTION = Kind("a Simulation", lambda value: hasattr(value, "arm") and hasattr(value, "time"))
+SENSORS = Kind("a list of Sensors", _each(_one_of("flexarm.arm.sensor", "Sensor")))
+SIGNALS = Kind("a list or dictionary of Signals", _each(_one_of("flexarm.record", "Signal")))
+CLOCKS = Kind("a dictionary of Clocks by name", _by_name(_one_of("flexarm.record", "Clock")))
+FRAMES = Kind("a dictionary of Frames by name", _by_name(_one_of("flexarm.record", "Frame")))
+MATERIALS = Kind("a dictionary of Materials by name", _by_name(_is_material))
+MATERIAL = Kind("a Material, or a dictionary of them by name", _either(_is_material, MATERIALS.accepts))
 NUMBER = Kind("a number", _is_number)
 NUMBERS = Kind("a number or a row of numbers", _is_row)
+ROW = Kind("a row of numbers", lambda value: _is_row(value) and np.ndim(value) == 1)
+POSITIVE = Kind("a positive, finite number", lambda value: _is_number(value) and 0 < float(value) < np.inf)
+SHARE = Kind("a number from 0 to 1", lambda value: _is_number(value) and 0 <= float(value) <= 1)
+ARRAY = Kind("an array of numbers", _is_array)
+ARRAYS = Kind("a dictionary of arrays of numbers by name", _by_name(_is_array))
+INDICES = Kind("a dictionary of whole numbers by name", _by_name(_is_indices))
+GROUPS = Kind("a dictionary of dictionaries of whole numbers", _by_name(INDICES.accepts))
 COUNT = Kind("a whole number", _is_count)
+JOBS = Kind("a whole number of at least 1", lambda value: _is_count(value) and value >= 1)
+FLAG = Kind("True or False", lambda value: isinstance(value, bool | np.bool_))
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 NAMES = Kind("a list of names", _is_names)
+NAME_TUPLE = Kind("a tuple of names", lambda value: isinstance(value, tuple | list) and _is_names(value))
+NAME_OR_NAMES = Kind("a name or a list of names", _either(TEXT.accepts, _is_names))
 VALUES = Kind("a dictionary of numbers by name", _by_name(_is_number))
 PAIRS = Kind("a dictionary or pairs of texts", _is_pairs)
 ITEMS = Kind("a list", lambda value: isinstance(value, Iterable) and not isinstance(value, np.ndarray))
-TEXTS = Kind("a dictionary of texts by name", _by_name(lambda value: isinstance(value, str)))
+TEXTS = Kind("a dictionary of texts by name", _by_name(TEXT.accepts))
 VECTORS = Kind("a dictionary of three numbers by name", _by_name(_is_row))
+NAMED = Kind("a dictionary by name", _by_name(_any))
 TABLES = Kind("a dictionary, as a TOML file gives it", lambda value: isinstance(value, Mapping))
 PATH = Kind("a path of a file", lambda value: isinstance(value, str | os.PathLike))
+MESH = Kind("a SolidMesh or a path", _either(PATH.accepts, _one_of("flexarm.solids", "SolidMesh")))

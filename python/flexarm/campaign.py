@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from threading import Event
 from typing import Any
 
+from flexarm.arguments import ITEMS, JOBS, takes
 from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -18,6 +19,7 @@ from flexarm.simulation import Progress, Simulation, reported, simulate
 from flexarm.threads import thread_pool
 
 
+@takes(runs=ITEMS, jobs=JOBS)
 def simulate_all(
     runs: Iterable[tuple[Arm, Drive | Record]],
     *,
@@ -51,8 +53,6 @@ def simulate_all(
     """
     wanted = [_pair(run, k) for k, run in enumerate(runs)]
     threads = jobs if jobs is not None else (os.cpu_count() or 1)
-    if threads < 1:
-        raise InvalidParameter(f"must be at least 1, got {threads}", where="jobs")
     found: list[Simulation] = []
     stopped, process = Event(), os.getpid()
     options["progress"] = lambda done: not stopped.is_set()

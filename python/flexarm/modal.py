@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm import _core
-from flexarm.arguments import ARM, COUNT, NAMES, PATH, VALUES, takes
+from flexarm.arguments import ARM, COUNT, FLAG, NAMES, PATH, VALUES, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
@@ -141,7 +141,7 @@ class Modes(Result):
         return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
 
 
-@takes(arm=ARM, joints=VALUES, count=COUNT, sensitivities=NAMES)
+@takes(arm=ARM, joints=VALUES, count=COUNT, gravity=FLAG, sensitivities=NAMES)
 def modes(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

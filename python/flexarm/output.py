@@ -21,6 +21,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from flexarm.arguments import FLAG, PATH, takes
 from flexarm.errors import InvalidFile
 from flexarm.leaving import undone_on_leaving
 
@@ -168,6 +169,7 @@ class SavedAsDirectory(ABC):
     def write(self, directory: Path) -> None:
         """Writes the files into a directory that is there."""
 
+    @takes(directory=PATH, force=FLAG)
     def save(self, directory: str | Path, force: bool = False) -> None:
         """Writes the files, see `write`, all of them or none.
 

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flexarm.arguments import PATH, takes
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents, save
@@ -50,6 +51,7 @@ class Result(ABC):
         """The same as an xarray Dataset with units."""
         return self.contents().dataset()
 
+    @takes(path=PATH)
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the result as NetCDF, with the model it was made with.
 

@@ -11,15 +11,29 @@ from flexarm import (
     Arm,
     Drive,
     InvalidParameter,
+    JointDrive,
     Record,
+    Signal,
     Simulation,
+    SolidMesh,
     Stepper,
+    accept_matrices,
+    compare,
+    diagnose,
     linearise,
+    measure,
     modes,
+    plan,
+    read_mesh,
+    reduce_mesh,
     simulate,
+    simulate_all,
     static,
 )
+from flexarm.record.table import Clock
 from flexarm.superelement import SuperElement
+
+SIGNAL = Signal(name="tip", quantity="position", values=np.zeros((2, 3)), time=[0.0, 1.0], point="tip")
 
 WRONG = [b"x", [1, 2], np.zeros((3, 3)), {"nobody": "x"}, {"nobody": [1, 2]}, object()]
 KINDS = ["bytes", "list", "matrix", "texts", "lists", "object"]
@@ -65,3 +79,54 @@ def test_a_wrong_state_and_wrong_inputs_are_named(arm: Arm) -> None:
     for wrong in (None, "x", [1, 2]):
         with pytest.raises(InvalidParameter, match="inputs: must be a dictionary"):
             stepper.step(stepper.start(), wrong)  # type: ignore[arg-type]
+
+
+def test_a_wrong_argument_is_named_before_work(arm: Arm) -> None:
+    """Of each public callable each argument in turn is what it can never be."""
+    record = Record(signals=[SIGNAL])
+    run = simulate(arm, Drive({}, end=0.01))
+    element = {"name": "x", "interfaces": ("a",), "positions": np.zeros((1, 3))}
+    element |= {"rotations": np.eye(3)[None], "frequency_hz": np.zeros(0)}
+    element |= {name: np.eye(6) for name in ("stiffness", "mass", "damping")}
+    calls: list[tuple[Callable[..., Any], dict[str, Any]]] = [
+        (compare, {"arm": arm, "record": record, "align": True, "bands": [1.0]}),
+        (diagnose, {"arm": arm, "records": [record], "hold_out": record, "jobs": 1, "seed": 0}),
+        (plan, {"arm": arm, "drives": [Drive({})], "jobs": 1, "clocks": {}}),
+        (simulate_all, {"runs": [], "jobs": 1}),
+        (measure, {"simulation": run, "sensors": [], "rng": None, "drive": (), "clocks": {}}),
+        (Drive.from_record, {"record": record, "arm": arm}),
+        (Drive.from_samples, {"time": [0.0, 1.0], "values": {"hinge": [0.0, 1.0]}, "side": "motor"}),
+        (JointDrive, {"breaks": [0.0, 1.0], "coefficients": [[0.0]], "side": "motor"}),
+        (Record, {"signals": [SIGNAL], "drive": (), "clocks": {"clock": Clock()}, "joints": {}}),
+        (record.check, {"arm": arm}),
+        (record.applied_to, {"arm": arm}),
+        (record.save, {"path": "new"}),
+        (Signal, {"name": "s", "quantity": "time", "values": [], "noise_std": 1.0, "axes": ()}),
+        (SuperElement, element),
+        (SolidMesh, {"points": np.zeros((1, 3)), "cells": {}, "point_sets": {}, "materials": {}}),
+        (read_mesh, {"path": "x", "unit": "m", "materials": None, "merge": 0.0}),
+        (reduce_mesh, {"mesh": "x", "interfaces": {}, "mass": 1.0, "damping_ratio": 0.0, "name": "x"}),
+        (accept_matrices, {"stiffness": "x", "grids": "x", "interfaces": {}, "mass": 1.0, "tolerance": 0.1}),
+        (arm.to_toml, {"path": "x"}),
+        (arm.joint, {"name": "hinge"}),
+        (Stepper(arm, {"hinge": "motor"}).start, {"joints": {}, "forces": {}}),
+    ]
+    for function, sound in calls:
+        for name in sound.keys() - {"rng"}:
+            for wrong in (object(), 1j, b"x", {1: object()}):
+                if name in ("records", "runs") and isinstance(wrong, bytes | dict):
+                    continue  # looked at one by one
+                with pytest.raises(InvalidParameter, match=f"^{name}: must be"):
+                    function(**{**sound, name: wrong})
+
+
+@pytest.mark.parametrize("jobs", [float("nan"), 0, -1, 10**60, "2", True])
+def test_a_number_of_jobs_is_a_whole_number_of_at_least_one(arm: Arm, jobs: Any) -> None:
+    with pytest.raises(InvalidParameter, match="jobs: must be a whole number of at least 1"):
+        simulate_all([(arm, Drive({}))], jobs=jobs)
+
+
+def test_the_name_of_an_arm_can_be_printed() -> None:
+    for name in ("a\x00", "a\u202e", "x" * 5000):
+        with pytest.raises(InvalidParameter, match="name"):
+            Arm.from_dict({"name": name, "joints": [], "links": []})

@@ -204,7 +204,9 @@ payloads = st.lists(
     joint=joints,
     beam=beams,
     loads=payloads,
-    label=st.text(st.characters(codec="utf-8"), min_size=1),
+    label=st.text(st.characters(codec="utf-8"), min_size=1, max_size=100).filter(
+        lambda text: text.isprintable() and text == text.strip()
+    ),
     gravity=vectors,
 )
 def test_any_arm_survives_writing_and_reading(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
-from flexarm.arguments import PATH, TABLES, takes
+from flexarm.arguments import PATH, TABLES, TEXT, takes
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.consistency import inconsistencies, missing
 from flexarm.arm.controller import Controller
@@ -34,6 +34,7 @@ from flexarm.tables import (
     toml_text,
     value_in,
 )
+from flexarm.tables.table import Label
 
 Entry = TypeVar("Entry", Joint, Link, Payload, Point)
 AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(read_effect)]
@@ -66,7 +67,7 @@ class Arm(Table):
     """
 
     format: Literal["flexarm-arm/1"] = "flexarm-arm/1"
-    name: str = Field("arm", description="name of the arm", min_length=1)
+    name: Label = Field("arm", description="name of the arm", min_length=1)
     gravity: Vector3 = value_in("m/s2", "acceleration of gravity in the base's axes", (0.0, 0.0, -9.81))
     urdf: str | None = None
     joints: tuple[Joint, ...] = ()
@@ -134,6 +135,7 @@ class Arm(Table):
         """The dictionary that `from_dict` reads."""
         return {"format": self.format, "name": self.name, "gravity": list(self.gravity), **self.to_plain()}
 
+    @takes(path=PATH)
     def to_toml(self, path: str | Path) -> None:
         """Writes the model file; `from_toml` of it gives an equal arm."""
         from flexarm.output import write_file
@@ -184,6 +186,7 @@ class Arm(Table):
 
     # ------------------------------------------------------------------- parts
 
+    @takes(name=TEXT)
     def joint(self, name: str) -> Joint:
         """The joint of that name.
 
@@ -194,14 +197,17 @@ class Arm(Table):
         """
         return _named("joint", self.joints, name)
 
+    @takes(name=TEXT)
     def link(self, name: str) -> Link:
         """The link of that name; errors as `joint`."""
         return _named("link", self.links, name)
 
+    @takes(name=TEXT)
     def point(self, name: str) -> Point:
         """The point of that name; errors as `joint`."""
         return _named("point", self.points, name)
 
+    @takes(name=TEXT)
     def payload(self, name: str) -> Payload:
         """The payload of that name; errors as `joint`."""
         return _named("payload", self.payloads, name)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arguments import ARM, FLAG, MOTION, NUMBER, RECORD, ROW, takes
 from flexarm.comparison.align import Aligned
 from flexarm.comparison.bands import alias
 from flexarm.comparison.beside import beside
@@ -24,6 +25,16 @@ if TYPE_CHECKING:
     from flexarm.record import Record, Signal
 
 
+@takes(
+    arm=ARM,
+    record=RECORD,
+    align=FLAG,
+    simulation=MOTION,
+    step=NUMBER,
+    alpha=NUMBER,
+    bands=ROW,
+    check_step=FLAG,
+)
 def compare(
     arm: Arm,
     record: Record,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.configuration import version
 from flexarm.diagnosis.borrowed_noise import with_noise_of
@@ -62,6 +63,7 @@ COARSE = 2.0
 """Steps of fits over those of the diagnosis; what they miss is corrected about the model at hand."""
 
 
+@takes(arm=ARM, records=RECORDS, hold_out=RECORD, jobs=JOBS, seed=COUNT, step=NUMBER, alpha=NUMBER)
 def diagnose(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import ARM, PATH, takes
+from flexarm.arguments import ARM, ARRAY, ARRAYS, PATH, RECORD, TEXT, takes
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.smoothing import interpolate
@@ -52,6 +52,7 @@ class Drive:
         return found.hexdigest()
 
     @classmethod
+    @takes(time=ARRAY, values=ARRAYS, side=TEXT)
     def from_samples(cls, time: ArrayLike, values: Mapping[str, ArrayLike], side: str = "motor") -> Drive:
         """Exact samples, joined by a cubic spline (not-a-knot) and held before and after.
 
@@ -100,6 +101,7 @@ class Drive:
         return cls.from_samples(*samples_in(path, arm))
 
     @classmethod
+    @takes(record=RECORD, arm=ARM)
     def from_record(cls, record: Record, arm: Arm) -> Drive:
         """The drive signals of a record: angles smoothed by their stated noise, commands held.
 

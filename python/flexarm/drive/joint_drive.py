@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
+from flexarm.arguments import ARRAY, TEXT, holds
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter
 
@@ -21,6 +22,7 @@ _KINDS = {
 }
 
 
+@holds(breaks=ARRAY, coefficients=ARRAY, side=TEXT)
 @dataclass(frozen=True)
 class JointDrive:
     """Motion of one joint as scipy.interpolate.PPoly has it, held before and after.

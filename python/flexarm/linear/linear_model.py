@@ -136,6 +136,7 @@ class LinearModel(Result):
             {"kind": "linear model", "equations": "x' = A x + B u, y = C x + D u", **provenance(self.arm)},
         )
 
+    @takes(path=PATH)
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Writes the model: as a MAT file where the name ends in .mat, else as NetCDF.
 

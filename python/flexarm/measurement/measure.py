@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import CLOCKS, FRAMES, MOTION, NAMES, SENSORS, TEXT, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import EXACT, ClockError
@@ -30,6 +31,14 @@ if TYPE_CHECKING:
     from flexarm.record import Clock, Frame, Record, Signal
 
 
+@takes(
+    simulation=MOTION,
+    sensors=SENSORS,
+    drive=NAMES,
+    clocks=CLOCKS,
+    frames=FRAMES,
+    description=TEXT,
+)
 def measure(
     simulation: Any,
     sensors: Iterable[Sensor],

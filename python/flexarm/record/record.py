@@ -7,7 +7,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import (
+    ARM,
+    CLOCKS,
+    FLAG,
+    FRAMES,
+    NAME_OR_NAMES,
+    NAMED,
+    PATH,
+    SIGNALS,
+    TEXT,
+    VALUES,
+    holds,
+    takes,
+)
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
@@ -18,6 +31,19 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 
+@holds(
+    signals=SIGNALS,
+    drive=NAME_OR_NAMES,
+    description=TEXT,
+    kind=TEXT,
+    initial=TEXT,
+    joints=VALUES,
+    payloads=NAMED,
+    controllers=NAMED,
+    links=NAMED,
+    clocks=CLOCKS,
+    frames=FRAMES,
+)
 @dataclass(frozen=True, kw_only=True)
 class Record:
     """Signals of one run, or of a set of static poses.
@@ -94,7 +120,7 @@ class Record:
     # ------------------------------------------------------------------ files
 
     @classmethod
-    @takes(path=PATH)
+    @takes(path=PATH, allow_outside=FLAG)
     def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
         """The record in a directory.
 
@@ -114,6 +140,7 @@ class Record:
 
         return load(Path(path), allow_outside)
 
+    @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, force: bool = False) -> None:
         """Writes `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
 
@@ -169,6 +196,7 @@ class Record:
         """A changed copy."""
         return replace(self, **changes)
 
+    @takes(arm=ARM)
     def check(self, arm: Arm | None = None) -> list[Problem]:
         """What looks wrong in the record by itself: units, dead channels, gaps.
 
@@ -181,6 +209,7 @@ class Record:
 
         return [*self.notes, *doubts(self, arm)]
 
+    @takes(arm=ARM)
     def check_against(self, arm: Arm) -> list[Problem]:
         """What does not fit a model.
 
@@ -207,6 +236,7 @@ class Record:
             raise self._error(problems)
         return doubts(self, arm)
 
+    @takes(arm=ARM)
     def applied_to(self, arm: Arm) -> Arm:
         """The arm as it was in this run: with its payloads, its booms drawn out, its controllers set.
 

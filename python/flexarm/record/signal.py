@@ -8,12 +8,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arguments import ARRAY, NAME_TUPLE, NUMBER, NUMBERS, TEXT, holds
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import QUANTITIES, Quantity, channel_names
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 
+@holds(
+    name=TEXT,
+    quantity=TEXT,
+    values=ARRAY,
+    time=ARRAY,
+    unit=TEXT,
+    noise_std=NUMBER,
+    jitter_std=NUMBER,
+    clock=TEXT,
+    frame=TEXT,
+    joint=TEXT,
+    point=TEXT,
+    link=TEXT,
+    payload=TEXT,
+    side=TEXT,
+    axes=NAME_TUPLE,
+    position=NUMBER,
+    fibre=NUMBERS,
+    channels=NAME_TUPLE,
+    file=TEXT,
+    time_column=TEXT,
+)
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Signal:
     """Samples of one quantity at one place.

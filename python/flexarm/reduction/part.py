@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm import _core as _typed_core
+from flexarm.arguments import COUNT, FLAG, MESH, NAMED, NUMBER, POSITIVE, TEXT, takes
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.damping import stiffness_proportional
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
@@ -30,6 +31,18 @@ Progress = Callable[[str, float], None]
 """Hears the phase that runs and the part of it that is done, 0 to 1."""
 
 
+@takes(
+    mesh=MESH,
+    interfaces=NAMED,
+    max_frequency=NUMBER,
+    unit=TEXT,
+    damping_ratio=NUMBER,
+    lumped=FLAG,
+    mass=POSITIVE,
+    recovery=FLAG,
+    name=TEXT,
+    threads=COUNT,
+)
 def reduce_mesh(
     mesh: SolidMesh | str | Path,
     interfaces: Mapping[str, InterfaceSet | str],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from flexarm.arguments import ARM, DRIVE, NAMES, NUMBER, takes
+from flexarm.arguments import ARM, DRIVE, FLAG, NAMES, NUMBER, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
@@ -16,7 +16,19 @@ from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import differentiated, solved
 
 
-@takes(arm=ARM, drive=DRIVE, step=NUMBER, alpha=NUMBER, end=NUMBER, sensitivities=NAMES)
+@takes(
+    arm=ARM,
+    drive=DRIVE,
+    step=NUMBER,
+    alpha=NUMBER,
+    end=NUMBER,
+    forces=FLAG,
+    rotations=FLAG,
+    energies=FLAG,
+    consistent_forces=FLAG,
+    sensitivities=NAMES,
+    dimension=TEXT,
+)
 def simulate(
     arm: Arm,
     drive: Drive | Record,

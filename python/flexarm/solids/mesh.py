@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexarm.arguments import ARRAY, FLAG, GROUPS, INDICES, MATERIALS, PATH, TEXT, holds, takes
 from flexarm.arm.link import Material
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from flexarm import _core
 
 
+@holds(points=ARRAY, cells=INDICES, cell_groups=GROUPS, point_sets=INDICES, materials=MATERIALS, file=TEXT)
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
     """A part as solid finite elements.
@@ -241,6 +243,7 @@ class SolidMesh:
 
         return describe(self)
 
+    @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Write points, cells, groups and sets as VTU (ParaView opens it; `read_mesh` reads it back)."""
         from flexarm.solids.saving import save

@@ -52,7 +52,7 @@ class Inputs:
         if not isinstance(inputs, Mapping):
             raise InvalidParameter(f"must be a dictionary, got {type(inputs).__name__}", where="inputs")
         if inputs.keys() != self._places.keys():
-            wrong = sorted(inputs.keys() ^ self._places.keys())
+            wrong = sorted(map(str, inputs.keys() ^ self._places.keys()))
             raise InvalidParameter(
                 f"must be given for exactly {', '.join(self._places) or 'no joint'}; "
                 f"missing or unknown: {', '.join(wrong)}",

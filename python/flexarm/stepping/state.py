@@ -120,6 +120,7 @@ class State:
             self._moment = self.stored.moment(system)
         return self._moment
 
+    @takes(path=PATH)
     def save(self, path: str | Path) -> None:
         """Writes the state as an .npz file, whatever its name.
 

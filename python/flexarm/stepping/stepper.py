@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
-from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, takes
+from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
@@ -92,6 +92,7 @@ class Stepper:
         """Time step [s]."""
         return self._step
 
+    @takes(joints=VALUES)
     def start(
         self, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
     ) -> State:
@@ -115,7 +116,8 @@ class Stepper:
             If there is no stable equilibrium.
         """
         system = assemble(self._arm, self._inputs.kinds(held=True), loaded=self._forces)
-        loads = _core.Loads(gravity=np.array(self._arm.gravity), points=self._loads(forces or {}))
+        points = self._loads({} if forces is None else forces)
+        loads = _core.Loads(gravity=np.array(self._arm.gravity), points=points)
         equilibrium = _core.static_equilibrium(system, joint_values(self._arm, joints or {}), loads)
         return State(self._key, self._core.start(_core.released(system, equilibrium, self._system)))
 
@@ -141,7 +143,7 @@ class Stepper:
         NotConverged
             With time, iteration and residual.
         """
-        points = self._loads(forces) if forces else []
+        points = self._loads(forces) if forces is not None else []
         return State(self._key, self._core.advance(self._moment(state), self._inputs.rows(inputs), points))
 
     def joint(self, state: State, name: str) -> JointReading:
@@ -182,6 +184,7 @@ class Stepper:
         return values
 
     def _loads(self, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:
+        require(VECTORS, "forces", forces)
         for name in forces:
             if name in self._points and name not in self._forces:
                 raise InvalidParameter(
@@ -217,7 +220,7 @@ class Stepper:
 
 
 def _index(places: Mapping[str, int], name: str, kind: str) -> int:
-    if name not in places:
+    if not isinstance(name, str) or name not in places:
         raise InvalidParameter(_unknown(name, kind, places))
     return places[name]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import ARRAY, FLAG, NAMES, PATH, POSITIVE, SHARE, TABLES, TEXT, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
@@ -32,6 +32,20 @@ _ARRAYS = (
 )
 
 
+@holds(
+    name=TEXT,
+    interfaces=NAMES,
+    positions=ARRAY,
+    rotations=ARRAY,
+    stiffness=ARRAY,
+    mass=ARRAY,
+    damping=ARRAY,
+    frequency_hz=ARRAY,
+    inertia_load=ARRAY,
+    quality=TABLES,
+    recovery=ARRAY,
+    provenance=TABLES,
+)
 @dataclass(frozen=True, eq=False, repr=False)
 class SuperElement:
     """A reduced part, in SI units and the part's frame.
@@ -149,6 +163,7 @@ class SuperElement:
         i = self.interfaces.index(name)
         return self.rotations[i], self.positions[i]
 
+    @takes(mass=POSITIVE, tolerance=SHARE)
     def check(self, mass: float | None = None, tolerance: float | None = None) -> list[Problem]:
         """Asks what mechanics demands of the matrices, see :mod:`flexarm.superelement.checks`.
 
@@ -262,6 +277,7 @@ class SuperElement:
 
         return to_json_dict(self)
 
+    @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, force: bool = False) -> None:
         """Writes the super-element as NetCDF; the file appears when it is whole.
 

@@ -56,6 +56,7 @@ def _child(data: Any, step: str | int) -> Any:
 def field_at(table: type[Table], location: Path) -> tuple[FieldInfo | None, list[str]]:
     """The field at a location, tags included, and the keys that are allowed beside it."""
     tables, field = [table], None
+    allowed: list[str] = []
     for step in location:
         if isinstance(step, int):
             continue
@@ -70,7 +71,7 @@ def field_at(table: type[Table], location: Path) -> tuple[FieldInfo | None, list
             ]
             field, tables = None, tagged or tables
             allowed = list(tables[0].model_fields) if tables else []
-    return field, allowed if location else []
+    return field, allowed
 
 
 def _tables_in(field: FieldInfo) -> list[type[Table]]:

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
 from flexarm.arm import Arm
 from flexarm.configuration import version
 from flexarm.diagnosis.experiments.additions import menu
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], object] | None
 
 
+@takes(arm=ARM, drives=DRIVES, clocks=CLOCKS, frames=FRAMES, jobs=JOBS, step=NUMBER, alpha=NUMBER)
 def plan(
     arm: Arm,
     drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import MATERIAL, NUMBER, PATH, TEXT, takes
 from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile
 from flexarm.reading import regular_file
@@ -27,7 +27,7 @@ FORMATS = {
 }
 
 
-@takes(path=PATH)
+@takes(path=PATH, unit=TEXT, materials=MATERIAL, merge=NUMBER)
 def read_mesh(
     path: str | Path,
     unit: str = "m",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from flexarm.arguments import INDICES, PATH, POSITIVE, SHARE, TEXT, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.superelement.checks import STATED_ORDER
@@ -24,6 +25,18 @@ from flexarm.superelement.rigid_motion import PER_INTERFACE
 from flexarm.superelement.shape import HUGE
 
 
+@takes(
+    stiffness=PATH,
+    mass_matrix=PATH,
+    grids=PATH,
+    order=PATH,
+    damping_matrix=PATH,
+    interfaces=INDICES,
+    unit=TEXT,
+    mass=POSITIVE,
+    tolerance=SHARE,
+    name=TEXT,
+)
 def accept_matrices(
     stiffness: str | Path,
     mass_matrix: str | Path | None = None,
