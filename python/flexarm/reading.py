@@ -6,8 +6,10 @@ does its work inside `reading`, which turns whatever a library meets in a damage
 
 from __future__ import annotations
 
+import mmap
 import os
 import stat
+import struct
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -176,7 +178,9 @@ def check_hdf5(path: str | Path) -> None:
     """Raises InvalidFile if an HDF5 file leads to other files, or unfolds to more than it can hold."""
     import h5py  # type: ignore[import-untyped]
 
-    with reading(regular_file(path), "NetCDF"), h5py.File(path, "r") as file:
+    if has_endless_heap(regular_file(path)):
+        raise InvalidFile(path, "file", "cannot be read as NetCDF: texts in it have no end")
+    with reading(path, "NetCDF"), h5py.File(path, "r") as file:
         total, size = 0, Path(path).stat().st_size
         for name in file:
             if not isinstance(file.get(name, getlink=True), h5py.HardLink):
@@ -189,6 +193,31 @@ def check_hdf5(path: str | Path) -> None:
             width = 64 if item.dtype.kind == "O" else item.dtype.itemsize  # a text of Python
             total += (item.size or 0) * width
             room(path, name, total, size)
+
+
+def has_endless_heap(path: Path) -> bool:
+    """Return True if texts of an HDF5 file are damaged so that the HDF5 library never ends.
+
+    A collection of texts is a row of objects, each with its size; the library follows a free one of size zero
+    for ever. Source: HDF5 File Format Specification, section III.E, "Global Heap".
+    """
+    if path.stat().st_size == 0:
+        return False
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as raw:
+        start = raw.find(_HEAP)
+        while start >= 0:
+            at, end = start + 16, min(start + int.from_bytes(raw[start + 8 : start + 16], "little"), len(raw))
+            while at + 16 <= end:
+                index, size = struct.unpack_from("<H6xQ", raw, at)
+                if index == 0 and size == 0:
+                    return True
+                at += size if index == 0 else 16 + size + -size % 8
+            start = raw.find(_HEAP, start + 1)
+    return False
+
+
+_HEAP = b"GCOL\x01\0\0\0"
+"""How a collection of texts begins."""
 
 
 def require(

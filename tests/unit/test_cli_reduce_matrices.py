@@ -93,8 +93,8 @@ def test_a_wrong_order_ends_with_exit_code_2_and_no_file(files, tmp_path, capsys
         ([*COMMAND[1:], "--interface", "a b=1"], "error: command line: --interface: 'a b': name"),
         ([*COMMAND[1:], "--interface", "1"], "error: command line: --interface: must be NAME=POINT"),
         ([*COMMAND[1:], "--unit", "inch"], "error: K.mtx: unit: 'inch' is not known for matrices"),
-        (["absent.mtx", "--grids", "part.bdf"], "error: absent.mtx: file: does not exist"),
-        ([*COMMAND[1:5], "absent.bdf", *COMMAND[6:]], "error: absent.bdf: grids: cannot be read"),
+        (["absent.mtx", "--grids", "part.bdf"], "error: absent.mtx: file: there is no such file"),
+        ([*COMMAND[1:5], "absent.bdf", *COMMAND[6:]], "error: absent.bdf: file: there is no such file"),
         (["part.inp", "--order", "1"], "error: command line: --order: is for matrices"),
     ],
 )

@@ -1,8 +1,5 @@
 """A CSV file is read block by block: where a block ends changes neither numbers nor messages."""
 
-import os
-import threading
-
 import numpy as np
 import pytest
 
@@ -71,12 +68,3 @@ def test_quoted_cells_are_numbers_too(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text('time_s,"angle"\n"0",1\n1,"2.5"\n')
     assert CsvFile(path).numbers(["angle"]).tolist() == [[1], [2.5]]
-
-
-def test_a_pipe_is_read_once(tmp_path):
-    path = tmp_path / "pipe"
-    os.mkfifo(path)
-    writer = threading.Thread(target=path.write_text, args=("time_s,angle\n0,1\n1,2\n",))
-    writer.start()
-    assert CsvFile(path).numbers(["angle"]).tolist() == [[1], [2]]
-    writer.join()

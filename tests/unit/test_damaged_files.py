@@ -118,3 +118,14 @@ def test_a_damaged_file_is_read_or_refused(sound: Path, tmp_path: Path, name: st
             assert str(tmp_path) in error.file, how
             assert str(error).isprintable(), how
     assert refused
+
+
+def test_texts_that_the_hdf5_library_reads_for_ever_are_refused(sound: Path, tmp_path: Path) -> None:
+    """A free object of size zero in the collection of texts; other collections stay as they are."""
+    content = bytearray((sound / "part.nc").read_bytes())
+    start = content.index(b"GCOL")
+    end = start + int.from_bytes(content[start + 8 : start + 16], "little")
+    content[start + 16 : end] = bytes(end - start - 16)
+    (tmp_path / "part.nc").write_bytes(content)
+    with pytest.raises(InvalidFile, match="texts in it have no end"):
+        SuperElement.load(tmp_path / "part.nc")

@@ -1,14 +1,13 @@
 #include "flexarm/simulation/consistent_forces.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "flexarm/errors.hpp"
 
 namespace flexarm::simulation {
 namespace {
 
-// Coordinates without mass get this part of the least one: they take no force, and (2) stays regular.
+// Coordinates without mass get this part of the largest one: they take next to no force, and (2) stays regular.
 constexpr double nearly_massless = 1e-12;
 
 template <int D>
@@ -37,13 +36,10 @@ ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system)
 template <int D>
 void ConsistentForcesIn<D>::find_massless(const assembly::StateIn<D>& state) {
   const VectorXd mass = system_.tangent(state, {}, {1, 0, 0}, false).diagonal();
-  double least = std::numeric_limits<double>::infinity();
-  for (const double m : mass) {
-    if (m > 0) least = std::min(least, m);
-  }
+  const double largest = mass.head(system_.n_free()).maxCoeff();
   massless_.resize(system_.n_unknowns(), system_.n_unknowns());
   for (Eigen::Index k = 0; k < mass.size(); ++k) {
-    if (mass[k] == 0) massless_.insert(k, k) = nearly_massless * least;
+    if (mass[k] == 0) massless_.insert(k, k) = nearly_massless * largest;
   }
 }
 

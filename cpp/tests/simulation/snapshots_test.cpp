@@ -16,11 +16,12 @@ System swinging() {
   return {arm, {{"hinge", DriveKind::motor_angle}}};
 }
 
+/// With the forces of the time stepping, which are those of its states, as a snapshot's are.
 Transient swing(const System& system, double step) {
   Eigen::MatrixXd cubic(4, 1);
   cubic << 3, 1, 0, half_pi;
   return simulate(system, static_equilibrium(system, {half_pi}, Loads{}), {{{0, 1}, cubic}},
-                  {.end = 0.3, .step = step});
+                  {.end = 0.3, .step = step, .consistent_forces = false});
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from flexarm.leaving import leave_when_told, stay
 
 TYPE_CHECKING = False
@@ -14,10 +16,10 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Entry point of the command line."""
+    _fill_closed_streams()
     leave_when_told()  # before all imports that take time
     import gc
     import logging
-    import os
     import sys
 
     from flexarm.cli import streams
@@ -31,3 +33,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     stay()
     gc.freeze()  # the process ends: nothing is to be found that it would not free anyway
     sys.exit(code)
+
+
+def _fill_closed_streams() -> None:
+    """Open closed standard streams on the null device: what is opened next would take their numbers."""
+    while (number := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    os.close(number)

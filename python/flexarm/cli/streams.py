@@ -48,11 +48,6 @@ class Patient(TextIOWrapper):
 def prepare() -> None:
     """Make the standard streams ones that can always be written to."""
     codecs.register_error("flexarm", _plain)
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:  # closed: a file opened later would take its number, and its text
-            _open_null(number)
     sys.stdout = _patient(sys.stdout, 1, BrokenPipeError)
     sys.stderr = _patient(sys.stderr, 2, OSError)
 
@@ -63,13 +58,6 @@ def _plain(error: UnicodeError) -> tuple[str, int]:
     signs = error.object[error.start : error.end]
     text = "".join(SIGNS.get(sign) or sign.encode("ascii", "backslashreplace").decode() for sign in signs)
     return text, error.end
-
-
-def _open_null(number: int) -> None:
-    null = os.open(os.devnull, os.O_RDWR)
-    if null != number:
-        os.dup2(null, number)
-        os.close(null)
 
 
 def _patient(stream: TextIO | None, number: int, forgiven: type[OSError]) -> Patient:

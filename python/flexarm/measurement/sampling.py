@@ -101,6 +101,7 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
     powers = (values[k], h * v_0, 3 * jump - h * (2 * v_0 + v_1), h * (v_0 + v_1) - 2 * jump)
     a, b, c, d = powers if k is i else (each[i] for each in powers)
     found = ((d * s + c) * s + b) * s + a  # eq. (1), by powers of s
+    found[inside == time[-1]] = values[-1]  # to the last digit, as at the other instants of the run
     if rates is not None:
         found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]
     late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))

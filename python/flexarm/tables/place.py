@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, get_args
@@ -86,29 +85,35 @@ def _tables_in(field: FieldInfo) -> list[type[Table]]:
 
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(r"""^\s*(?:"([^"]*)"|'([^']*)'|([\w-]+))\s*[=.]""")
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Lines of a TOML text, and the numbers of those below each header, in the order of the text."""
+    """Where headers and keys of a TOML text stand.
 
-    lines: list[str]
-    headers: list[int]
+    Attributes
+    ----------
+    below : dict of str to list of int
+        Header -> the lines after it, in the order of the text.
+    keys : dict of int to dict of str to int
+        Line where a block begins -> key -> its first line there.
+    """
+
     below: dict[str, list[int]]
-
-    def end(self, begin: int) -> int:
-        """The first header at or after `begin`, or the end of the text."""
-        at = bisect_left(self.headers, begin)
-        return self.headers[at] if at < len(self.headers) else len(self.lines)
+    keys: dict[int, dict[str, int]]
 
 
 @lru_cache(maxsize=1)  # a file with many problems asks for a line of each
 def _layout(text: str) -> _Layout:
-    layout = _Layout(text.splitlines(), [], {})
-    for number, line in enumerate(layout.lines):
+    block: dict[str, int] = {}
+    layout = _Layout({}, {0: block})
+    for number, line in enumerate(text.splitlines()):
         if header := _HEADER.match(line):
-            layout.headers.append(number)
             layout.below.setdefault(header[2].strip("\"'"), []).append(number + 1)
+            block = layout.keys[number + 1] = {}
+        elif key := _KEY.match(line):
+            block.setdefault(key[1] or key[2] or key[3] or "", number)
     return layout
 
 
@@ -119,10 +124,8 @@ def line_in(text: str, path: Path) -> int | None:
     layout = _layout(text)
     begin, rest = _nested_block(layout, path) or _block(layout, path)
     for key in rest[:1]:
-        pattern = re.compile(rf"""^\s*["']?{re.escape(str(key))}["']?\s*(=|\.)""")
-        for number in range(begin, layout.end(begin)):
-            if pattern.match(layout.lines[number]):
-                return number + 1
+        if (number := layout.keys[begin].get(str(key))) is not None:
+            return number + 1
     return begin if begin else None
 
 

@@ -95,7 +95,11 @@ PLANTED: tuple[tuple[str, Callable[[], object], bool], ...] = (
 def case(number: int, rng: random.Random, seeds: Path) -> Case:
     """A case whose step is right if the sandbox calls what was planted by its name."""
     kind, act, command = PLANTED[number % len(PLANTED)]
-    inner = Case(kind, (Step("planted", act, command=command, cpu=1),), wall=2 if act is _waits else 30)
+    inner = Case(
+        kind,
+        (Step("planted", act, command=command, cpu=1 if act is _spins else 10),),
+        wall=2 if act is _waits else 30,
+    )
 
     def named() -> None:
         found = run(inner, Path(tempfile.mkdtemp()))[-1].kind

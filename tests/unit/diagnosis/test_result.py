@@ -37,7 +37,7 @@ def test_report_has_the_keys_that_programs_rely_on(verdict):
     assert (told["format"], told["verdict"]) == ("flexarm-diagnosis/1", verdict)
     assert set(told["gap"]) == {"signal", "unit", "train", "held_out"}
     assert set(told["gap"]["train"]) == set(told["gap"]["held_out"]) == GAP
-    provenance = {"version", "git", "inputs_sha256", "seed", "seconds", "rejected"}
+    provenance = {"version", "git", "inputs_sha256", "seed", "seconds", "rejected", "step"}
     assert set(told["provenance"]) == provenance
 
 

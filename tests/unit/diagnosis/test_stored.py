@@ -77,7 +77,7 @@ def test_it_can_be_given_by_its_report_and_saved_again(pair, tmp_path):
 
 
 def test_what_is_no_diagnosis_is_refused_by_name(tmp_path):
-    with pytest.raises(InvalidFile, match=r"report\.json: file: cannot be read: No such file"):
+    with pytest.raises(InvalidFile, match=r"report\.json: file: there is no such file"):
         flexarm.Diagnosis.load(tmp_path)
     (tmp_path / "report.json").write_text("{}")
     with pytest.raises(InvalidFile, match="is no report of a diagnosis"):
@@ -90,5 +90,5 @@ def test_what_is_no_diagnosis_is_refused_by_name(tmp_path):
 def test_gaps_that_are_missing_are_refused_by_name(tmp_path):
     diagnoses.unusable().save(tmp_path / "out")
     (tmp_path / "out" / "gaps.nc").unlink()
-    with pytest.raises(InvalidFile, match=r"gaps\.nc: file: cannot be read"):
+    with pytest.raises(InvalidFile, match=r"gaps\.nc: file: there is no such file"):
         flexarm.Diagnosis.load(tmp_path / "out")
