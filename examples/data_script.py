@@ -111,18 +111,16 @@ def diagnosed(
 ) -> Diagnosis:
     """The diagnosis of records, saved as a page: as `flexarm diagnose` makes it, told from start to end."""
     import flexarm
-    from flexarm.cli.options import show_progress
-    from flexarm.cli.phases import phases
+    from flexarm.cli.progress import progress
     from flexarm.cli.records import record_names
 
     *names, held = record_names([*training, held_out])
     print(f"diagnosing {model.name} with {', '.join(names)}; held out: {held}", file=sys.stderr)
     records = {name: Record.load(folder) for name, folder in zip(names, training, strict=True)}
     began = time.process_time()
-    with phases(show_progress()) as tell:
-        progress = None if tell is None else lambda done, what: tell(what, done)
+    with progress() as tell:
         found: Diagnosis = flexarm.diagnose(
-            Arm.from_toml(model), records, hold_out=Record.load(held_out), jobs=jobs, progress=progress
+            Arm.from_toml(model), records, hold_out=Record.load(held_out), jobs=jobs, progress=tell
         )
     found.save(page)
     print(f"{found}\n\n{page.name}/report.html: {time.process_time() - began:.0f} s of CPU\n")

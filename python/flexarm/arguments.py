@@ -10,8 +10,6 @@ from importlib import import_module
 from inspect import signature
 from typing import Any, ParamSpec, TypeVar
 
-import numpy as np
-
 from flexarm.errors import InvalidParameter
 
 P = ParamSpec("P")
@@ -81,6 +79,13 @@ def require(kind: Kind, name: str, value: object) -> None:
         raise InvalidParameter(f"must be {kind.words}, got {_told(value)}", where=name)
 
 
+def _numpy() -> Any:
+    """Return NumPy, which commands that compute nothing start without."""
+    import numpy
+
+    return numpy
+
+
 def _told(value: object) -> str:
     """A value in a few characters; of a large one the type."""
     simple = value is None or isinstance(value, str | bytes | float | bool)
@@ -92,12 +97,12 @@ def _is_number(value: object) -> bool:
         float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         return False
-    return not isinstance(value, str | bytes) and np.ndim(value) == 0  # type: ignore[arg-type]
+    return not isinstance(value, str | bytes) and _numpy().ndim(value) == 0
 
 
 def _is_row(value: object) -> bool:
     try:
-        array = np.asarray(value)
+        array = _numpy().asarray(value)
     except (TypeError, ValueError, OverflowError):
         return False
     return array.dtype.kind in "fiu" and array.ndim <= 1
@@ -107,7 +112,7 @@ def _is_array(value: object) -> bool:
     if isinstance(value, str | bytes):
         return False
     try:
-        np.asarray(value, dtype=float)
+        _numpy().asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
         return False
     return True
@@ -115,14 +120,14 @@ def _is_array(value: object) -> bool:
 
 def _is_indices(value: object) -> bool:
     try:
-        array = np.asarray(value)
+        array = _numpy().asarray(value)
     except (TypeError, ValueError, OverflowError):
         return False
     return array.dtype.kind in "iu" or (array.dtype.kind == "f" and not array.size)
 
 
 def _is_count(value: Any) -> bool:
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    whole = isinstance(value, int | _numpy().integer) and not isinstance(value, bool)
     return whole and bool(abs(value) < 2**31)
 
 
@@ -134,7 +139,7 @@ def _is_names(value: Any) -> bool:
 
 
 def _is_pairs(value: object) -> bool:
-    if not isinstance(value, Mapping | Collection) or isinstance(value, str | bytes | np.ndarray):
+    if not isinstance(value, Mapping | Collection) or isinstance(value, str | bytes | _numpy().ndarray):
         return False
     pairs = value.items() if isinstance(value, Mapping) else value
     return all(
@@ -152,7 +157,7 @@ def _each(accepts: Callable[[Any], bool]) -> Callable[[Any], bool]:
         isinstance(value, Iterator)
         or (
             isinstance(value, Collection)
-            and not isinstance(value, str | bytes | np.ndarray)
+            and not isinstance(value, str | bytes | _numpy().ndarray)
             and all(map(accepts, value.values() if isinstance(value, Mapping) else value))
         )
     )
@@ -176,9 +181,9 @@ def _one_of(module: str, *names: str) -> Callable[[Any], bool]:
 _is_material = _one_of("flexarm.arm.link", "Material")
 
 ARM = Kind("an Arm", _one_of("flexarm.arm", "Arm"))
-DRIVE = Kind("a Drive or a Record", _one_of("flexarm", "Drive", "Record"))
+DRIVE = Kind("a Drive, such as Drive.from_samples gives, or a Record", _one_of("flexarm", "Drive", "Record"))
 DRIVES = Kind("a list or dictionary of Drives and Records", _each(DRIVE.accepts))
-RECORD = Kind("a Record", _one_of("flexarm.record", "Record"))
+RECORD = Kind("a Record, such as Record.load gives", _one_of("flexarm.record", "Record"))
 RECORDS = Kind("a Record, or a list or dictionary of them", _either(RECORD.accepts, _each(_any)))
 MOTION = Kind("a Simulation", lambda value: hasattr(value, "arm") and hasattr(value, "time"))
 SENSORS = Kind("a list of Sensors", _each(_one_of("flexarm.arm.sensor", "Sensor")))
@@ -189,8 +194,10 @@ MATERIALS = Kind("a dictionary of Materials by name", _by_name(_is_material))
 MATERIAL = Kind("a Material, or a dictionary of them by name", _either(_is_material, MATERIALS.accepts))
 NUMBER = Kind("a number", _is_number)
 NUMBERS = Kind("a number or a row of numbers", _is_row)
-ROW = Kind("a row of numbers", lambda value: _is_row(value) and np.ndim(value) == 1)
-POSITIVE = Kind("a positive, finite number", lambda value: _is_number(value) and 0 < float(value) < np.inf)
+ROW = Kind("a row of numbers", lambda value: _is_row(value) and _numpy().ndim(value) == 1)
+POSITIVE = Kind(
+    "a positive, finite number", lambda value: _is_number(value) and 0 < float(value) < _numpy().inf
+)
 SHARE = Kind("a number from 0 to 1", lambda value: _is_number(value) and 0 <= float(value) <= 1)
 ARRAY = Kind("an array of numbers", _is_array)
 ARRAYS = Kind("a dictionary of arrays of numbers by name", _by_name(_is_array))
@@ -198,14 +205,14 @@ INDICES = Kind("a dictionary of whole numbers by name", _by_name(_is_indices))
 GROUPS = Kind("a dictionary of dictionaries of whole numbers", _by_name(INDICES.accepts))
 COUNT = Kind("a whole number", _is_count)
 JOBS = Kind("a whole number of at least 1", lambda value: _is_count(value) and value >= 1)
-FLAG = Kind("True or False", lambda value: isinstance(value, bool | np.bool_))
+FLAG = Kind("True or False", lambda value: isinstance(value, bool | _numpy().bool_))
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 NAMES = Kind("a list of names", _is_names)
 NAME_TUPLE = Kind("a tuple of names", lambda value: isinstance(value, tuple | list) and _is_names(value))
 NAME_OR_NAMES = Kind("a name or a list of names", _either(TEXT.accepts, _is_names))
 VALUES = Kind("a dictionary of numbers by name", _by_name(_is_number))
 PAIRS = Kind("a dictionary or pairs of texts", _is_pairs)
-ITEMS = Kind("a list", lambda value: isinstance(value, Iterable) and not isinstance(value, np.ndarray))
+ITEMS = Kind("a list", lambda value: isinstance(value, Iterable) and not isinstance(value, _numpy().ndarray))
 TEXTS = Kind("a dictionary of texts by name", _by_name(TEXT.accepts))
 VECTORS = Kind("a dictionary of three numbers by name", _by_name(_is_row))
 NAMED = Kind("a dictionary by name", _by_name(_any))
