@@ -95,6 +95,7 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
+    found: Floats
     if len(time) < len(instants):  # of fewer, steps or instants
         found = PPoly.construct_fast(_powers(time, values, rates, np.arange(len(time) - 1)), time)(inside)
     else:
