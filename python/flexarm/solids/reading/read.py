@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
+
 from flexarm.arguments import MATERIAL, NUMBER, PATH, TEXT, takes
 from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile
@@ -71,7 +73,8 @@ def read_mesh(
     check_unit(unit)
     file = regular_file(path)
     given = materials if isinstance(materials, Mapping) else {}
-    mesh = part_in(_reader(file)(file), str(path), unit, given)
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers out of range are refused as such
+        mesh = part_in(_reader(file)(file), str(path), unit, given)
     if isinstance(materials, Material):
         mesh = mesh.with_materials(materials)
     return mesh.merged(merge) if merge else mesh
