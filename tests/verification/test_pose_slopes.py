@@ -9,6 +9,7 @@ from flexarm import Record, Signal
 from flexarm.arm.parameter import with_value
 from flexarm.comparison.poses import pose_numbers, solve_poses
 from flexarm.measurement import predict, predict_slopes
+from flexarm.record import Frame
 
 KEYS = (
     "links.rod.material.youngs_modulus",
@@ -80,7 +81,7 @@ def record() -> Record:
         Signal(name="torque", quantity="motor_torque", joint="hinge", values=three[:, :1], pose=rows),
         Signal(name="d", quantity="deflection", point="tip", axes=("x", "y"), values=three[:, :2], pose=rows),
     ]
-    return Record(kind="static", drive=("q",), signals=signals, frames={"tracker": {}})
+    return Record(kind="static", drive=("q",), signals=signals, frames={"tracker": Frame()})
 
 
 @pytest.fixture(scope="module")
