@@ -7,7 +7,8 @@
 namespace flexarm::simulation {
 namespace {
 
-// Coordinates without mass get this part of the largest one: they take next to no force, and (2) stays regular.
+// Coordinates without mass get this part of the largest one: they take next to no force, and (2) stays
+// regular.
 constexpr double nearly_massless = 1e-12;
 
 template <int D>

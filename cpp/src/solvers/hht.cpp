@@ -35,7 +35,8 @@ HhtCoefficients HhtCoefficients::from_spectral_radius(double rho) {
 void check_step(double h) {
   if (h >= shortest_step && std::isfinite(h)) return;
   char text[100];
-  std::snprintf(text, sizeof text, "step must be positive, at least %g s and finite, got %g s", shortest_step, h);
+  std::snprintf(text, sizeof text, "step must be positive, at least %g s and finite, got %g s", shortest_step,
+                h);
   throw InvalidParameter(text);
 }
 

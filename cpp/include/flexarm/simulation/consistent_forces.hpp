@@ -13,8 +13,8 @@
 ///     [M  Φ_qᵀ; Φ_q  0] (w − v̇, λ̃ − λ) = −(0, c)                                                     (2)
 ///
 /// Internal forces are those of the positions and stay as they are. Derivatives by a parameter follow from
-/// the difference of (2) in its two models. `TransientOptions::consistent_forces` leaves it out. Sources: [Geradin2001], [Arnold2015];
-/// docs/theory.md, section "Time stepping".
+/// the difference of (2) in its two models. `TransientOptions::consistent_forces` leaves it out.
+/// Sources: [Geradin2001], [Arnold2015]; docs/theory.md, section "Time stepping".
 #pragma once
 
 #include <Eigen/SparseCore>
