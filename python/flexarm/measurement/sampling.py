@@ -90,13 +90,13 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
         NaN after the last step; before the first one its value, for up to `EARLY` with its rate if that is
         given.
     """
+    from scipy.interpolate import PPoly
+
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
     found: Floats
     if len(time) < len(instants):  # of fewer, steps or instants
-        from scipy.interpolate import PPoly
-
         found = PPoly.construct_fast(_powers(time, values, rates, np.arange(len(time) - 1)), time)(inside)
     else:
         i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
