@@ -177,10 +177,9 @@ class _Rows:
         for signal, out in zip(self.signals, self.out, strict=True):
             # held beyond its end: no row may escape from (1) by leaving the run
             residual = self.subject.residual(signal, placement, hold=True) / self.subject.noise(signal)
-            residual[out] = 0.0
-            parts.append(residual.ravel())
-        found: Floats = np.concatenate(parts)
-        return np.nan_to_num(found, copy=False)
+            parts.append(np.where(out[:, None], 0.0, residual).ravel())
+        found: Floats = np.nan_to_num(np.concatenate(parts))
+        return found
 
     def aligned_places(self, jacobian: Floats) -> tuple[AlignedPlace, ...]:
         """How many values were aligned to how many readings, by place; the first rows are priors."""
@@ -209,7 +208,7 @@ def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:
         step = np.zeros(len(unknown))
         step[i] = each.step
         columns.append((rows(values + step) - rows(values - step)) / (2 * each.step))
-    found: Floats = np.stack(columns).T
+    found: Floats = np.stack(columns, axis=1)
     return found
 
 

@@ -75,11 +75,10 @@ class Registration:
 
     def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
         """Positions in the base's axes, shape (n, 3), as measured: eq. (1), `elapsed` [s] being s."""
-        shift = np.asarray(self.translation) - np.asarray(self.origin)
-        measured: Floats = base @ (self.error_rotation.T @ self.frame_axes)  # one pass over long motions
-        measured += shift @ self.frame_axes
+        shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
         if any(self.velocity):
-            measured += np.multiply.outer(elapsed, np.asarray(self.velocity) @ self.frame_axes)
+            shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
+        measured: Floats = shifted @ self.frame_axes
         return measured
 
     def orientations(self, base: Floats) -> Floats:

@@ -61,8 +61,7 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     if not np.any(np.abs(off) > limit):  # what most signals are spared
         return found
     size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
-    far = np.flatnonzero(np.any(size > limit, axis=1))
-    found[rows[far]] = np.any(size[far] > np.maximum(limit, NEARBY * nearby(size, far)), axis=1)
+    found[rows] = np.any(size > np.maximum(limit, NEARBY * nearby(size)), axis=1)
     return found
 
 
@@ -73,11 +72,11 @@ def beyond_all(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(np.any(np.abs(residual - middle) > 2 * RANGES * usual, axis=1))
 
 
-def nearby(size: Floats, rows: NDArray[np.intp]) -> Floats:
-    """What most rows around each of some do not exceed, shape (len(rows), channels), n above `AROUND`."""
+def nearby(size: Floats) -> Floats:
+    """What most rows around each row do not exceed, shape (n, channels), n above `AROUND`."""
     edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)
-    return np.asarray(np.quantile(np.delete(windows[rows], AROUND, axis=-1), MOST_OF_THEM, axis=-1))
+    return np.asarray(np.quantile(np.delete(windows, AROUND, axis=-1), MOST_OF_THEM, axis=-1))
 
 
 SHOWN = 5

@@ -90,33 +90,22 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
         NaN after the last step; before the first one its value, for up to `EARLY` with its rate if that is
         given.
     """
-    from scipy.interpolate import PPoly
-
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
-    found: Floats
-    if len(time) < len(instants):  # of fewer, steps or instants
-        found = PPoly.construct_fast(_powers(time, values, rates, np.arange(len(time) - 1)), time)(inside)
-    else:
-        i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
-        s = _column(inside - time[i], values)
-        d, c, b, a = _powers(time, values, rates, i)
-        found = ((d * s + c) * s + b) * s + a
-    found[inside == time[-1]] = values[-1]  # to the last digit, as at the other instants of the run
-    early = instants < time[0]
-    if rates is not None and early.any():
-        found[early] += _column(np.maximum(instants[early] - time[0], -EARLY), values) * rates[0]
-    found[instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))] = np.nan
-    return found
-
-
-def _powers(time: Floats, values: Floats, rates: Floats | None, k: NDArray[np.intp]) -> Floats:
-    """Coefficients of (1) by falling powers of t - t_0 in the steps after k, shape (4, len(k), ...)."""
+    i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
+    s = _column((inside - time[i]) / (time[i + 1] - time[i]), values)
+    k = np.arange(len(time) - 1) if len(time) < len(instants) else i  # of fewer, steps or instants
     v_0, v_1 = (_slope(time, values, at) if rates is None else rates[at] for at in (k, k + 1))
-    h = _column(time[k + 1] - time[k], values)
-    mean = (values[k + 1] - values[k]) / h
-    return np.stack([(v_0 + v_1 - 2 * mean) / h**2, (3 * mean - 2 * v_0 - v_1) / h, v_0, values[k]])
+    h, jump = _column(time[k + 1] - time[k], values), values[k + 1] - values[k]
+    powers = (values[k], h * v_0, 3 * jump - h * (2 * v_0 + v_1), h * (v_0 + v_1) - 2 * jump)
+    a, b, c, d = powers if k is i else (each[i] for each in powers)
+    found = ((d * s + c) * s + b) * s + a  # eq. (1), by powers of s
+    found[inside == time[-1]] = values[-1]  # to the last digit, as at the other instants of the run
+    if rates is not None:
+        found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]
+    late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))
+    return np.where(_column(late, values), np.nan, found)
 
 
 def _slope(time: Floats, values: Floats, i: NDArray[np.intp]) -> Floats:

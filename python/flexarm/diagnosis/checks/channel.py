@@ -139,8 +139,9 @@ def _of_signal(name: str, subject: Subject, placement: Placement, signal: Signal
     measured = _nearer_sign(signal, predicted)
     instants = subject.instants(signal, placement)
     found = []
-    for k, (columns, sizes) in enumerate(columns_of(subject, signal, placement, predicted)):
+    for k in range(measured.shape[1]):
         keep = np.isfinite(measured[:, k]) & np.isfinite(predicted[:, k])
+        columns, sizes = columns_of(subject, signal, placement, predicted, k)
         moving = float(np.std(predicted[keep, k])) if keep.any() else 0.0
         stated = float(subject.effects(signal).noise(signal.noise_std or 0.0)[k])
         noise = min(stated, _step_to_step(measured[keep, k]))

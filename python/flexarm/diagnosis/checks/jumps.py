@@ -56,12 +56,11 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
     e = channel.measured - Q @ (Q.T @ channel.measured)
     whole = float(e @ e) or 1.0
     best = (0.0, 0.0, 0.0, channel.label)
-    times = np.linspace(channel.time[0], channel.time[-1], TIMES + 2)[2:-2]
-    sums = np.cumsum(np.column_stack([rate, e, Q]) * rate[:, None], axis=0)
-    after = sums[-1] - sums[np.searchsorted(channel.time, times, side="right") - 1]
-    for at, (square, along, *rest) in zip(times, after, strict=True):
-        size = float(square - np.square(rest).sum())  # of what Q leaves of H dp/dt
+    for at in np.linspace(channel.time[0], channel.time[-1], TIMES + 2)[2:-2]:
+        late = np.where(channel.time > at, rate, 0.0)
+        late = late - Q @ (Q.T @ late)
+        size = float(late @ late)
         if size > 0:
-            step = float(along) / size  # e is orthogonal to Q
+            step = float(late @ e) / size
             best = max(best, (step**2 * size / whole, step, float(at), channel.label))
     return best

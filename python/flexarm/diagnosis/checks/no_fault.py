@@ -46,28 +46,22 @@ def values_at(subject: Subject, signal: Signal, placement: Placement, shift: flo
 
 
 def columns_of(
-    subject: Subject, signal: Signal, placement: Placement, predicted: Floats
-) -> list[tuple[Floats, Floats]]:
-    """c and S of (1) to (4) for each channel of a signal."""
-    moves = subject.record.kind == "motion"
-    axes = _axes(subject, signal, placement)
-    if moves:
-        ahead, behind = (values_at(subject, signal, placement, shift) for shift in (-SHORT, SHORT))
-        rates = (behind - ahead) / (2 * SHORT)
-    found = []
-    for k in range(predicted.shape[1]):
-        own = signal.axes[k] if signal.axes and signal.quantity != "orientation" else k
-        columns, sizes = [np.ones(len(predicted))], [_offset(subject, signal)]  # eq. (1)
-        columns += [values for axis, values in axes.items() if axis != own]
-        sizes += [TURN] * (len(columns) - 1)  # eq. (2)
-        if moves:
-            columns.append(rates[:, k])  # eq. (3)
-            sizes.append(max(LATE, 3 * _clock_sigma(subject, signal)))
-            if signal.quantity in ("motor_torque", "motor_voltage"):
-                columns += _friction(subject, signal, placement)  # eq. (4)
-                sizes += [3 * float(np.nanstd(predicted[:, k]))] * 2
-        found.append((np.column_stack(columns), np.array(sizes)))
-    return found
+    subject: Subject, signal: Signal, placement: Placement, predicted: Floats, k: int
+) -> tuple[Floats, Floats]:
+    """c and S of (1) to (4) for channel k of a signal."""
+    n = len(predicted)
+    columns, sizes = [np.ones(n)], [_offset(subject, signal)]  # eq. (1)
+    for other in _other_axes(subject, signal, placement, k):
+        columns.append(other)
+        sizes.append(TURN)  # eq. (2)
+    if subject.record.kind == "motion":
+        ahead, behind = (values_at(subject, signal, placement, shift)[:, k] for shift in (-SHORT, SHORT))
+        columns.append((behind - ahead) / (2 * SHORT))  # eq. (3)
+        sizes.append(max(LATE, 3 * _clock_sigma(subject, signal)))
+        if signal.quantity in ("motor_torque", "motor_voltage"):
+            columns += _friction(subject, signal, placement)  # eq. (4)
+            sizes += [3 * float(np.nanstd(predicted[:, k]))] * 2
+    return np.column_stack(columns), np.array(sizes)
 
 
 def _offset(subject: Subject, signal: Signal) -> float:
@@ -81,16 +75,18 @@ def _offset(subject: Subject, signal: Signal) -> float:
     return float("inf") if signal.unit == "m" else OFFSETS.get(signal.quantity, float("inf"))
 
 
-def _axes(subject: Subject, signal: Signal, placement: Placement) -> dict[str | int, Floats]:
-    """What all axes would show, of vectors; of orientations the channels by number."""
+def _other_axes(subject: Subject, signal: Signal, placement: Placement, k: int) -> list[Floats]:
+    """What the other axes would show, of vectors; of orientations the other channels."""
     if signal.quantity == "orientation":
-        return dict(enumerate(np.nan_to_num(values_at(subject, signal, placement)).T))
+        values = values_at(subject, signal, placement)
+        return [np.nan_to_num(values[:, j]) for j in range(4) if j != k]
     if signal.quantity not in ("position", "acceleration", "angular_rate"):
-        return {}
+        return []
     whole = signal.replace(axes=("x", "y", "z"), channels=(), values=np.zeros((len(signal), 3)))
     bare = subject.arm.replace(effects=(), uncertainty={})  # axes that were not measured have none
     clean = replace(subject, arm=bare)
-    return dict(zip("xyz", np.nan_to_num(values_at(clean, whole, placement)).T, strict=True))
+    values = values_at(clean, whole, placement)
+    return [np.nan_to_num(values[:, j]) for j, axis in enumerate("xyz") if axis != signal.axes[k]]
 
 
 def _clock_sigma(subject: Subject, signal: Signal) -> float:

@@ -122,16 +122,15 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
         usual = 2 * SPREAD * float(np.median(nearest))
         least = LEAST * float(np.ptp(samples[rows]))
         limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * lattice_step(samples))
-        far = np.flatnonzero(nearest > limit)
-        found[rows[far]] = nearest[far] > BENDS * _bends_beside(samples[rows], far)
+        found[rows] = nearest > np.maximum(limit, BENDS * _bends_beside(samples[rows]))
     return found
 
 
-def _bends_beside(y: Floats, at: NDArray[np.intp]) -> Floats:
-    """Median of the third differences (1) on both sides of some samples that do not hold them."""
+def _bends_beside(y: Floats) -> Floats:
+    """Median of the third differences (1) on both sides of every sample that do not hold it, shape (n,)."""
     third = np.pad(np.abs(np.diff(y, 3)), AROUND + 4, constant_values=np.nan)  # k is now k + AROUND + 4
     windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
-    before, after = windows[at + 1], windows[at + AROUND + 5]
+    before, after = windows[1 : 1 + len(y)], windows[AROUND + 5 : AROUND + 5 + len(y)]
     return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
 
 
@@ -168,15 +167,11 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     if not len(rows):
         return found
     size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
-    ends = np.ones((len(rows), 1))
-    ends[[0, 1, -2, -1]] = AT_ENDS
-    limit = np.maximum(
-        ends * np.maximum(NOISE * noise, SPREAD * usual),
-        RINGING * np.broadcast_to(ringing, residual.shape)[rows],
+    limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby(size))
+    limit[[0, 1, -2, -1]] *= AT_ENDS
+    found[rows] = np.any(
+        size > np.maximum(limit, RINGING * np.broadcast_to(ringing, residual.shape)[rows]), axis=1
     )
-    far = np.flatnonzero(np.any(size > limit, axis=1))
-    around = ends[far] * NEARBY * nearby(size, far)
-    found[rows[far]] = np.any(size[far] > np.maximum(limit[far], around), axis=1)
     return found
 
 

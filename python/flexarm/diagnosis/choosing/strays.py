@@ -46,8 +46,7 @@ def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
         if not len(rows):
             continue
         size = np.abs(off)
-        far = (size > STRAY * np.maximum(1.0, usual))[:, 0]  # eq. (1)
-        far[far] = (size[far] > AROUND * nearby(size, np.flatnonzero(far)))[:, 0]
+        far = ((size > STRAY * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (1)
         if far.any() and record.signals[each.signal].quantity not in SMOOTH:
             far &= beyond_all(values, far)
         if far.mean() < MOST:
