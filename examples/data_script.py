@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from flexarm import Arm, InvalidFile, InvalidParameter, Record
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis
 
 
 def command_line(description: str, data: str, force: bool = False) -> argparse.ArgumentParser:

@@ -24,9 +24,9 @@ import numpy as np
 
 from flexarm import Arm, Record
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.ring_down import RingDown, ring_downs
-from flexarm.diagnosis.outcome.result import Diagnosis
+from flexarm.diagnosis.result import Diagnosis
 from flexarm.output import output_directory
+from flexarm.residual_analysis.free_decay import RingDown, ring_downs
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from data_script import diagnosed, exit_code, page_command_line

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
     from flexarm.configuration import config, show_config
-    from flexarm.diagnosis.experiments.plan_result import Plan
-    from flexarm.diagnosis.experiments.planning import plan
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.design.plan_result import Plan
+    from flexarm.diagnosis.design.planning import plan
+    from flexarm.diagnosis.result import Diagnosis
     from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 _EXPORTS = {
     "Arm": "flexarm.arm",
     "Comparison": "flexarm.comparison",
-    "Diagnosis": "flexarm.diagnosis.outcome.result",
+    "Diagnosis": "flexarm.diagnosis.result",
     "Drive": "flexarm.drive",
     "InterfaceSet": "flexarm.reduction",
     "InvalidFile": "flexarm.errors",
@@ -47,7 +47,7 @@ _EXPORTS = {
     "LinearModel": "flexarm.linear",
     "Modes": "flexarm.modal",
     "NotConverged": "flexarm.errors",
-    "Plan": "flexarm.diagnosis.experiments.plan_result",
+    "Plan": "flexarm.diagnosis.design.plan_result",
     "Record": "flexarm.record",
     "Sensitivities": "flexarm.sensitivity",
     "Signal": "flexarm.record",
@@ -64,7 +64,7 @@ _EXPORTS = {
     "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
-    "plan": "flexarm.diagnosis.experiments.planning",
+    "plan": "flexarm.diagnosis.design.planning",
     "read_mesh": "flexarm.solids",
     "reduce_mesh": "flexarm.reduction",
     "show_config": "flexarm.configuration",

@@ -1,13 +1,18 @@
-"""Threads for runs side by side, beside which a process may be forked."""
+"""Threads for runs side by side, beside which a process may be forked.
+
+Several things at once, in threads: simulations let go of the interpreter.
+"""
 
 from __future__ import annotations
 
 import os
 import threading
 import time
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib import _bootstrap
+from typing import TypeVar
 
 PATIENCE = 10.0
 """How long a fork waits for modules to be imported [s]."""
@@ -40,3 +45,16 @@ def _others_import() -> bool:
     locks = [reference() for reference in list(getattr(_bootstrap, "_module_locks", {}).values())]
     owners = {getattr(lock, "owner", None) for lock in locks}
     return bool(owners - {None, threading.get_ident()})
+
+
+Given = TypeVar("Given")
+Found = TypeVar("Found")
+
+
+def at_once(do: Callable[[Given], Found], things: Iterable[Given], jobs: int) -> list[Found]:
+    """What is done to each, in their order, `jobs` at once."""
+    given = list(things)
+    if jobs == 1 or len(given) < 2:
+        return list(map(do, given))
+    with thread_pool(min(jobs, len(given))) as pool:
+        return list(pool.map(do, given))

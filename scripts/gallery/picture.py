@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
 
-from flexarm.report.figures import MEASURED, MODEL, RIGID, SINE, STYLE
+from flexarm.reproduction.figures import MEASURED, MODEL, RIGID, SINE, STYLE
 from gallery.confusion import ALIKE, Confusion
 from gallery.experiments import FAST, Floats
 from gallery.gaps import at_tip, bench, by_direction, slow_part, states

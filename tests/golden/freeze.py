@@ -1,11 +1,11 @@
 """Freeze the answers of diagnoses as JSON, and compare later answers with them.
 
-    python tests/golden/freeze.py [--seed 25] [--cases ../shared/cases] [--jobs 2] [--only NAME,NAME] [--work DIR]
+    python tests/golden/freeze.py [--seed 25] [--cases ../shared/cases] [--jobs 2] [--only NAME,NAME]
     python tests/golden/freeze.py --check ...
 
-A case of the blind benchmark is drawn from the seed (`benchmarks/blind_plan.py`), a shared case is read from its
-directory. Each case is diagnosed in a process of its own; answers are kept under --work, so a run that was
-stopped goes on. Without --check they are written beside this file: `seed_25.json` and `shared_cases.json`.
+Cases of the blind benchmark are drawn from the seed (`benchmarks/blind_plan.py`); shared cases are read
+from a directory. Each case is diagnosed in a process of its own; answers are kept under --work, so a run
+that was stopped goes on. Without --check they are written beside this file.
 With it, each difference beyond rounding is printed and the exit code is 1.
 """
 
@@ -113,10 +113,10 @@ def _write(kept: Path, compute: Any, *arguments: Any) -> None:
     kept.write_text(json.dumps(compute(*arguments)) + "\n")
 
 
-def _kept(kept: Path, compute: Any, *arguments: Any) -> dict[str, Any]:
+def _kept(kept: Path, task: tuple[Any, ...]) -> dict[str, Any]:
     """Return an answer from the disk, or from a process of its own if it is not there."""
     if not kept.exists():
-        process = get_context("spawn").Process(target=_write, args=(kept, compute, *arguments))
+        process = get_context("spawn").Process(target=_write, args=(kept, *task))
         process.start()
         process.join()
         if process.exitcode:
@@ -133,7 +133,9 @@ def main() -> int:
     parser.add_argument("--cases", type=Path, help="directory of the shared cases")
     parser.add_argument("--only", help="names of cases, separated by commas")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--work", type=Path, default=ROOT / "results" / "golden", help="where answers are kept")
+    parser.add_argument(
+        "--work", type=Path, default=ROOT / "results" / "golden", help="where answers are kept"
+    )
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
     given = parser.parse_args()
     if given.seed is None and given.cases is None:
@@ -153,14 +155,11 @@ def main() -> int:
         old = json.loads(frozen.read_text()) if frozen.exists() else {}
         chosen = given.only.split(",") if given.only else list(old if given.check else cases)
         chosen = [name for name in chosen if name in cases]
+        work = [given.work / f"{name}.json" for name in chosen]
+        work = [given.work / f"{name}.json" for name in chosen]
         with ThreadPoolExecutor(given.jobs) as pool:
-            found = dict(
-                zip(
-                    chosen,
-                    pool.map(lambda name: _kept(given.work / f"{name}.json", *cases[name]), chosen),
-                    strict=True,
-                )
-            )
+            answers = pool.map(_kept, work, [cases[name] for name in chosen])
+            found = dict(zip(chosen, answers, strict=True))
         if given.check:
             lines = [line for name in chosen for line in differences(old[name], found[name], name)]
             print("\n".join([*lines, f"{file}: {len(chosen)} cases, {len(lines)} differences"]))

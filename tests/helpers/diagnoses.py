@@ -14,12 +14,12 @@ from planted import two_joints
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.locate import Located, locate
-from flexarm.diagnosis.named import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
-from flexarm.diagnosis.outcome.result import Diagnosis
+from flexarm.diagnosis.result import Diagnosis
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.measurement import ClockError, Registration
+from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.record import Clock, Frame, Signal
+from flexarm.residual_analysis.localisation import Located, locate
 
 STIFFNESS, TRACKER = 1.4e5, 5e-5
 

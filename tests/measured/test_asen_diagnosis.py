@@ -12,14 +12,14 @@ import flexarm
 from flexarm import Arm, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.left_out import missed
-from flexarm.diagnosis.choosing.promising import larger_fits
-from flexarm.diagnosis.choosing.ranking import best_of
-from flexarm.diagnosis.choosing.screen import probe
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.cross_validation import missed
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.moves.proposals import larger_fits
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.ranking import best_of
+from flexarm.diagnosis.screening import probe
 from flexarm.effects.motor_limits import stall_torque
 
 SCRIPT = load_script("asen_flexible_arm", "make_records")

@@ -13,7 +13,7 @@ from flexarm import Arm, InvalidFile, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.ring_down import describe_ring_downs, ring_downs
+from flexarm.residual_analysis.free_decay import describe_ring_downs, ring_downs
 
 FOLDER = EXAMPLES / "giraf_boom"
 HEADER = "Boom Extension (mm),Applied Force (N),Endpoint Height (mm),Deflection (mm)\n"

@@ -12,7 +12,7 @@ import pytest
 from pytest import approx
 
 from flexarm import Arm, InvalidFile, Record, SuperElement, compare, static
-from flexarm.report import reproduce
+from flexarm.reproduction import reproduce
 
 FIGURES = ("04", "06", "07", "08", "09", "10")
 Columns = dict[str, np.ndarray]
@@ -211,7 +211,7 @@ def test_interruption_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyP
     def stop(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("flexarm.report.study.Models.build", stop)
+    monkeypatch.setattr("flexarm.reproduction.study.Models.build", stop)
     with pytest.raises(KeyboardInterrupt):
         reproduce(tmp_path / "results")
     assert list(tmp_path.iterdir()) == []

@@ -24,7 +24,7 @@ from flexarm.arm import (
     StateFeedback,
     Tube,
 )
-from flexarm.diagnosis.outcome import report_file
+from flexarm.diagnosis import report_file
 from flexarm.quantities import QUANTITIES
 from flexarm.record import CarriedPayload, Clock, Frame, Record
 from flexarm.record.file_table import RecordTable, SignalTable

@@ -8,7 +8,6 @@ import flexarm
 from flexarm.arm.joint_units import parameters_in, priors_in
 from flexarm.arm.parameter import parameters
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.gap.joint_states import States
 from flexarm.effects import (
     Backlash,
     CableTorque,
@@ -20,6 +19,7 @@ from flexarm.effects import (
     TransmissionError,
     ViscousFriction,
 )
+from flexarm.residual_analysis.motion_states import States
 
 UNITS = [
     (JointCompliance, {"stiffness": 2e5, "damping": 10.0}, "stiffness", "N m/rad", "N/m"),

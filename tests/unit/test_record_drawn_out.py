@@ -8,8 +8,8 @@ import flexarm
 from flexarm import InvalidFile, InvalidParameter, Record, Signal
 from flexarm.comparison.poses import solve_poses
 from flexarm.comparison.subject import Placement
-from flexarm.diagnosis.checks.runs import run
 from flexarm.record import DrawnLink
+from flexarm.validation.initial_alignment import run
 
 MODULUS, SECOND_MOMENT = 70e9, 1.5e-9
 

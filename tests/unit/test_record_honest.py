@@ -9,10 +9,10 @@ from arms import arm as arm_of
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.checks.doubted import doubted
 from flexarm.record import Clock, Frame, Signal
 from flexarm.record.table import CarriedPayload
+from flexarm.validation.record_remarks import doubted
+from flexarm.validation.sensor_check import check
 
 RATIO = 120.0
 RNG = np.random.default_rng(5)

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 import pytest
 
-from flexarm.report import rendered as module
-from flexarm.report.rendered import rendered
+from flexarm.reproduction import rendered as module
+from flexarm.reproduction.rendered import rendered
 
 SQUARE = (np.array([[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1.0]]), ((0, 1, 2, 3),), np.array([0, 0, 1, 1.0]))
 

@@ -9,8 +9,8 @@ from pytest import approx
 
 import flexarm
 from flexarm.mockup import build_hinge
-from flexarm.report.scene import Surface, scene
-from flexarm.report.variants import Models
+from flexarm.reproduction.scene import Surface, scene
+from flexarm.reproduction.variants import Models
 
 ANGLE = 1.1
 

@@ -6,7 +6,7 @@ from pytest import approx
 from scipy.interpolate import PPoly
 
 from flexarm.mockup import Experiment
-from flexarm.report.study import _scalar
+from flexarm.reproduction.study import _scalar
 
 
 @pytest.mark.parametrize("nu", [0, 1, 2, 3])

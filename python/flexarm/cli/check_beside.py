@@ -10,7 +10,7 @@ from flexarm.cli.records import blame_one_of, load_record, record_names
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.checks.checked import Checked, Fault
+    from flexarm.validation.finding import Checked, Fault
 
 
 Faults = list[tuple[Path, Problem]]
@@ -27,7 +27,7 @@ def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[s
     arm = load_arm(model)
     files = record_names(paths)
     records = {name: load_record(path, arm) for name, path in files.items()}
-    from flexarm.diagnosis.checks.check import check
+    from flexarm.validation.sensor_check import check
 
     with blame_one_of(model, files, records, arm):
         found = check(arm, records)

@@ -14,7 +14,7 @@ from flexarm.cli.records import blame_one_of, load_record, record_names
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis
     from flexarm.record import Record
 
 Records = Annotated[

@@ -13,7 +13,7 @@ from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.diagnosis.experiments.plan_result import Plan
+    from flexarm.diagnosis.design.plan_result import Plan
     from flexarm.drive import Drive as Motion
     from flexarm.record import Record
 

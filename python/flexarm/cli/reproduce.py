@@ -17,7 +17,7 @@ def reproduce(out: Out = Path("results"), force: Force = False) -> None:
 
         flexarm reproduce --out results
     """
-    from flexarm.report import reproduce as make
+    from flexarm.reproduction import reproduce as make
 
     with progress() as tell:
         make(out=out, force=force, progress=tell)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.poses import is_input
-from flexarm.diagnosis.wording import with_unit
+from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm

@@ -17,42 +17,39 @@ import numpy as np
 from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.configuration import version
-from flexarm.diagnosis.borrowed_noise import with_noise_of
-from flexarm.diagnosis.candidates.candidate_probes import SOFTER
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.candidates.coarse_encoders import CoarseEncoder, with_coarse_encoders
-from flexarm.diagnosis.checks.check import check, cleaned, named_records
-from flexarm.diagnosis.checks.checked import Checked
-from flexarm.diagnosis.choosing.acceptance import LEFT_SHARE, NEARLY_ALL, leaves_anything, leaves_gap
-from flexarm.diagnosis.choosing.choose import Choice, choose
-from flexarm.diagnosis.choosing.constancy import constancy
-from flexarm.diagnosis.choosing.screen import probe
-from flexarm.diagnosis.choosing.strays import hidden_strays, left_out, strays, strays_told
-from flexarm.diagnosis.experiments.further import next_experiment
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.gap.rhythm import rhythms
+from flexarm.diagnosis.acceptance import LEFT_SHARE, NEARLY_ALL, leaves_anything, leaves_gap
+from flexarm.diagnosis.candidates import candidates, rhythms
+from flexarm.diagnosis.design.next_experiment import next_experiment
+from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
-from flexarm.diagnosis.named import NamedEffect
-from flexarm.diagnosis.outcome.ends import ends_sentence, far_out
-from flexarm.diagnosis.outcome.estimates import Estimates, estimates
-from flexarm.diagnosis.outcome.foretold import adequate_if_foretold, no_gap_of
-from flexarm.diagnosis.outcome.left_open import left_open
-from flexarm.diagnosis.outcome.naming import named_effects, rejected
-from flexarm.diagnosis.outcome.repair import moved, repaired, worth_keeping
-from flexarm.diagnosis.outcome.result import Diagnosis, Verdict
-from flexarm.diagnosis.outcome.swings import swings
-from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed, weighed_loads
-from flexarm.diagnosis.outcome.verified import Bench, verified
-from flexarm.diagnosis.residuals.drive_noise import (
+from flexarm.diagnosis.homogeneity import constancy
+from flexarm.diagnosis.identifiability import ends_sentence, far_out, left_open
+from flexarm.diagnosis.masked_outliers import hidden_strays, left_out, strays, strays_told
+from flexarm.diagnosis.naming import named_effects, rejected
+from flexarm.diagnosis.noise_model import (
     allow_for_drives,
     shaken_signals,
     shaken_told,
+    unsteady_told,
     weighed_by_drives,
+    with_noise_of,
 )
-from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.step_errors import unsteady_told
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.perturbations import SOFTER
+from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
+from flexarm.diagnosis.remarks import swings, unfitted, unweighed, weighed_loads
+from flexarm.diagnosis.repair import moved, repaired, worth_keeping
+from flexarm.diagnosis.result import Diagnosis, Verdict
+from flexarm.diagnosis.screening import probe
+from flexarm.diagnosis.selection import Choice, choose
+from flexarm.diagnosis.uncertainty import Estimates, estimates
+from flexarm.diagnosis.verification import Bench, verified
 from flexarm.errors import InvalidParameter
+from flexarm.named_effects import NamedEffect
+from flexarm.validation.finding import Checked
+from flexarm.validation.sensor_check import check, cleaned, named_records
 
 if TYPE_CHECKING:
     from flexarm.record import Record

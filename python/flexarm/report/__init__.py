@@ -1,5 +1,1 @@
-"""The paper's figures and claims, made again: arrays in, pages out."""
-
-from flexarm.report.reproduction import reproduce
-
-__all__ = ["reproduce"]
+"""Pages, figures, tables and sentences of results."""

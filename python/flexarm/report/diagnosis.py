@@ -1,19 +1,31 @@
-"""The directory of a diagnosis: report.json for programs, report.html for a person, the repaired model."""
+"""The directory of a diagnosis: report.json for programs, report.html for a person, the repaired model.
+
+Which figures a diagnosis gets, and what stands below each; drawn once for its file and the page.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.outcome.stored import GAPS, MODEL, REPORT, gap_contents
+from flexarm.diagnosis.storage import GAPS, MODEL, REPORT, gap_contents
 from flexarm.netcdf import save
-from flexarm.report.diagnosis_drawings import drawings
+from flexarm.output import stems
 from flexarm.report.diagnosis_page import page
-from flexarm.report.files import write_files
+from flexarm.report.evidence_figures import candidates, constancy, of_effect
+from flexarm.report.gap_curves import sides
+from flexarm.report.gap_figures import by_band, gap_along, waterfall
+from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.updated_model import write_updated
+from flexarm.reproduction.files import Drawing, drawn, write_files
+from flexarm.wording import listed
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from matplotlib.figure import Figure
+
+    from flexarm.diagnosis.result import Diagnosis
+
 
 PAGE = "report.html"
 """The page, beside the files that `Diagnosis.load` reads and the figures."""
@@ -34,3 +46,82 @@ def write(diagnosis: Diagnosis, directory: Path) -> None:
     write_files(directory, drawn, (PAGE, page(diagnosis, drawn, report)), (REPORT, report))
     write_updated(diagnosis, directory / MODEL)
     save(gap_contents(diagnosis), directory / GAPS)
+
+
+def drawings(d: Diagnosis) -> list[Drawing]:
+    """All figures of a diagnosis, in the order of the page."""
+    return drawn(_figures(d))
+
+
+def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
+    if d.has_gap:
+        yield from _of_gap(d)
+    yield (
+        "candidates",
+        "candidates",
+        "What was tried. The evidence that a candidate lacks against what was chosen (blue, 0); light blue: "
+        "the data cannot tell it apart; grey: out of reach, right of the dashed line.",
+        candidates(d),
+    )
+    yield (
+        "constancy",
+        "constancy",
+        "Each parameter fitted to one record alone (bars: 90 %), beside the value of all records together "
+        "(line; band: 90 %). A right name's parameter stays where it is.",
+        constancy(d, d.constancy),
+    )
+    for effect in d.effects:
+        for file in d.figures_of(effect):
+            yield file.removesuffix(".png"), "effects", "", of_effect(d, effect)
+
+
+def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
+    records = [*d.training[:2], *d.held_out[:1]]
+    yield (
+        "states",
+        "where",
+        _of_states(d),
+        against_states(d),
+    )
+    yield (
+        "rotations",
+        "where",
+        "The gap of all positions as small rotations of the joints, of the nominal model, each against its "
+        "own states: the joint where the cause sits, if it sits in one.",
+        rotations(d),
+    )
+    yield (
+        "bands",
+        "where",
+        f"The gap of {d.main_signal} by band of frequencies: quasi-static, around the first mode, above.",
+        by_band(d, records),
+    )
+    yield (
+        "stages",
+        "shrinks",
+        f"From the nominal to the updated model: rms gap of {d.main_signal}, all directions, at each step.",
+        waterfall(d),
+    )
+    shown = [name for name in (*d.held_out, *d.training) if sides(d, name)]
+    for record, stem in zip(shown, stems(shown), strict=True):
+        role = "held out, never used to fit" if record in d.held_out else "training"
+        yield (
+            f"gap-{stem}",
+            "shrinks",
+            f"Record {record} ({role}): gap of {d.main_signal} before and after, and the noise.",
+            gap_along(d, record),
+        )
+
+
+def _of_states(d: Diagnosis) -> str:
+    """What stands below the gap against the states of the joints."""
+    shown = shown_joints(d)
+    joints, states = [each.joint for each in shown], listed(states_drawn(shown))
+    if not joints:
+        return ""
+    whose = f"of {joints[0]}" if len(joints) == 1 else f"of {listed(joints)}, a row each"
+    return (
+        f"The gap of {d.main_signal}, {main_direction(d)} (where it is greatest), in all of the training, "
+        f"against {states} {whose}. A curve over the torque is a spring, two branches by sense "
+        "of motion are friction, a wave over the angle is a gear or an encoder."
+    )

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
-from flexarm.diagnosis.gap.joint_rotations import NAMED
-from flexarm.diagnosis.gap.where import FOLLOWS
-from flexarm.diagnosis.outcome.foretold import foretold_sentence, remarks_beside
-from flexarm.diagnosis.outcome.gap_tables import gap_tables
-from flexarm.diagnosis.outcome.refinement import refinements
-from flexarm.diagnosis.outcome.sentences import (
+from flexarm.diagnosis.identifiability import refinements
+from flexarm.diagnosis.prediction import foretold_sentence, remarks_beside
+from flexarm.report.gap_tables import gap_tables
+from flexarm.report.sentences import (
     FITS_TOO,
     headline,
     hold_out_sentence,
@@ -24,14 +22,16 @@ from flexarm.diagnosis.outcome.sentences import (
     stated_sentence,
     verdict_sentence,
 )
-from flexarm.diagnosis.wording import interval, number, place_words, probability, scale, signed, with_unit
 from flexarm.report.template import filled
+from flexarm.residual_analysis.cells import FOLLOWS
+from flexarm.residual_analysis.joint_rotations import NAMED
 from flexarm.tables import toml_text
+from flexarm.wording import interval, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.named import Alternative, Estimate, NamedEffect
-    from flexarm.diagnosis.outcome.result import Diagnosis
-    from flexarm.report.files import Drawing
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import Alternative, Estimate, NamedEffect
+    from flexarm.reproduction.files import Drawing
 
 Row = dict[str, Any]
 MOST_REJECTED = 12

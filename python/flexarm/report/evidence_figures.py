@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.diagnosis.outcome.gap_curves import AFTER, along, draw, label, sides, worst
-from flexarm.diagnosis.wording import place_words, scale
+from flexarm.report.gap_curves import AFTER, along, draw, label, sides, worst
 from flexarm.report.sheets import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.state_figures import draw_of_effect
+from flexarm.wording import place_words, scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.named import NamedEffect
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import NamedEffect
 
 RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
 REACH = log(20.0)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.diagnosis.gap.pooled_gap import pooled
-from flexarm.diagnosis.outcome.gap_curves import LOOKS, along, directions, draw, noise_of, sides
-from flexarm.diagnosis.wording import number, scale
+from flexarm.report.gap_curves import LOOKS, along, directions, draw, noise_of, sides
 from flexarm.report.sheets import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
+from flexarm.residual_analysis.pooled_gap import pooled
+from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from flexarm.comparison.gap import SignalGap
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis
 
 TRAINING, HELD_OUT = "#CC79A7", "#009E73"
 

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.diagnosis.outcome.gap_curves import LOOKS, NOISE
-from flexarm.diagnosis.wording import scale
+from flexarm.report.gap_curves import LOOKS, NOISE
 from flexarm.report.sheets import BOTTOM, legend_below, sheet
+from flexarm.wording import scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.gap.gap_rows import GapRows
-    from flexarm.diagnosis.gap.joint_rotations import JointRotation
-    from flexarm.diagnosis.gap.joint_states import States
-    from flexarm.diagnosis.gap.locate import Located
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.residual_analysis.joint_rotations import JointRotation
+    from flexarm.residual_analysis.localisation import Located
+    from flexarm.residual_analysis.motion_states import States
+    from flexarm.residual_analysis.residual_parts import GapRows
 
 KINDS = ("angle", "rate", "torque")
 MOST_JOINTS = 3

@@ -1,129 +1,126 @@
-"""`summary.json`: parameters, figures, claims, and the gaps of all models."""
+"""A diagnosis as text in a terminal: verdict, effects with intervals, rivals, gap, what to measure next."""
 
 from __future__ import annotations
 
-from typing import Any
+import textwrap
+from typing import TYPE_CHECKING
 
-import numpy as np
+from flexarm.diagnosis.identifiability import refinements
+from flexarm.diagnosis.prediction import foretold_sentence, remarks_beside
+from flexarm.report.gap_tables import gap_tables
+from flexarm.report.sentences import headline, hold_out_sentence, stated_sentence, verdict_sentence
+from flexarm.wording import interval, place_words, probability, signed, with_unit
 
-from flexarm.arm import Arm
-from flexarm.mockup import PARAMETER_SETS, mock_up, model
-from flexarm.report.claims import Claim
-from flexarm.report.oscillation import length_rms
-from flexarm.report.study import Study
-from flexarm.report.tables import Table
-from flexarm.report.variants import RUNS, tube_of
-
-MODELS = {
-    "rigid": "rigid arm at the encoder's angle",
-    "equation 2": "equation (2), linear modal",
-    "equation 1": "equation (1), nonlinear modal",
-    "fe": RUNS["fe"],
-    "friction": RUNS["friction"],
-    "printed": RUNS["printed"],
-}
-"""Models whose gap to the measured tip is told."""
+if TYPE_CHECKING:
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import Estimate, NamedEffect
 
 
-def summary(study: Study, tables: dict[str, Table], found: list[Claim], seed: int) -> dict[str, Any]:
-    """The content of `summary.json`; nothing in it depends on the machine's speed."""
-    return {
-        "parameters": parameters(study, seed),
-        "figures": {
-            number: {
-                "csv": f"figure-{number}.csv",
-                "columns": {name: column.text for name, column in table.items()},
-            }
-            for number, table in tables.items()
-        },
-        "claims": [claim.to_dict() for claim in found],
-        "models": gaps(study),
-        "misprint": misprint(study),
-    }
+WIDTH = 100
 
 
-def parameters(study: Study, seed: int) -> dict[str, Any]:
-    """What the runs were made with, SI units."""
-    asked, bench = study.experiment, mock_up()
-    hinge = study.models.hinge
-    tracker = study.record.signals["tip"]
-    ratio = study.model.gears[0].ratio
-    encoder = next(sensor for sensor in bench.sensors if sensor.name == "encoder")
-    controller: Any = bench.controllers[0]
-    return {
-        "parameter_set": "consistent",
-        "parameter_sets": {name: _tube(model(name)) for name in PARAMETER_SETS},
-        "load_mass_kg": next(load.mass for load in study.model.payloads if load.name == "load"),
-        "gear_ratio": ratio,
-        "amplitude_rad": asked.amplitude,
-        "period_s": asked.period,
-        "duration_s": asked.duration,
-        "rest_after_s": asked.rest,
-        "posture": "hanging" if asked.hanging else "upright",
-        "command_sample_time_s": asked.sample_time,
-        "hinge_stiffness_Nm_per_rad": hinge.stiffness,
-        "bench_hinge_stiffness_Nm_per_rad": study.models.bench_hinge.stiffness,
-        "hinge_damping_Nms_per_rad": hinge.stiffness * hinge.design.damping_time.reducer,
-        "hinge_parts": {
-            name: {
-                "points": study.models.hinge.meshes[name].n_points,
-                "interfaces": list(part.interfaces),
-                "modes": part.n_modes,
-                "mass_kg": part.mass_total,
-            }
-            for name, part in hinge.parts.items()
-        },
-        "first_mode_hz": study.frequency_hz["fe"],
-        "first_mode_damping_ratio": study.damping_ratio["fe"],
-        "encoder_steps_a_motor_turn": round(2 * np.pi / (encoder.step * ratio)),
-        "controller": controller.to_plain(),
-        "tracker_noise_std_m": tracker.noise_std,
-        "tracker_rate_hz": round(tracker.rate_hz, 6),
-        "measured": "virtual: simulated on the virtual mock-up, the authors' data are not public",
-        "seed": seed,
-    }
+def summary(diagnosis: Diagnosis) -> str:
+    """All that matters on one screen."""
+    parts = [
+        [
+            f"{headline(diagnosis)}  [{diagnosis.verdict}]",
+            *_wrapped(verdict_sentence(diagnosis)),
+            *_wrapped(foretold_sentence(diagnosis)),
+        ],
+        _effects(diagnosis),
+        _refined(diagnosis),
+        _nuisances(diagnosis),
+        _gaps(diagnosis),
+        _remarks(diagnosis),
+    ]
+    return "\n\n".join("\n".join(part) for part in parts if part)
 
 
-def gaps(study: Study) -> dict[str, dict[str, float | str]]:
-    """Distance of the measured tip from that of every model [m]."""
-    found: dict[str, dict[str, float | str]] = {}
-    for name, text in MODELS.items():
-        tip = study.rigid(study.stamps) if name == "rigid" else study.tip(name, study.stamps)
-        off = study.measured - tip
-        found[name] = {"text": text, "rms_m": length_rms(off), "max_m": float(np.hypot(*off.T).max())}
-    return found
+def _wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=indent,
+        subsequent_indent=indent if then is None else then,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
-def misprint(study: Study) -> dict[str, float]:
-    """What Table 1's printed area would change."""
-    error = {
-        name: float(np.abs(study.tangential(run, study.stamps)).max())
-        for name, run in (("consistent", "fe"), ("printed", "printed"))
-    }
-    return {
-        "consistent_area_m2": tube_of(study.model).section.area,
-        "printed_area_m2": tube_of(model("printed")).section.area,
-        "consistent_rod_kg": _mass(model()),
-        "printed_rod_kg": _mass(model("printed")),
-        "consistent_tip_error_max_m": error["consistent"],
-        "printed_tip_error_max_m": error["printed"],
-        "consistent_first_mode_hz": study.frequency_hz["fe"],
-        "printed_first_mode_hz": study.frequency_hz["printed"],
-    }
+def _effects(diagnosis: Diagnosis) -> list[str]:
+    lines: list[str] = []
+    for effect in diagnosis.effects:
+        lines += _effect(diagnosis, effect)
+    return lines
 
 
-def _tube(arm: Arm) -> dict[str, float]:
-    tube = tube_of(arm)
-    return {
-        "length_m": tube.length,
-        "area_m2": tube.section.area,
-        "second_moment_m4": tube.section.second_moments[0],
-        "youngs_modulus_Pa": tube.material.youngs_modulus,
-        "density_kg_per_m3": tube.material.density,
-        "rod_mass_kg": _mass(arm),
-    }
+def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:
+    title = f"{place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
+    lines = [title, *(_row(each) for each in effect.parameters)]
+    if diagnosis.verdict != "unusable":
+        lines += _wrapped(stated_sentence(diagnosis, effect), "  ")
+    lines += _wrapped(effect.evidence, "  ")
+    for other in effect.alternatives:
+        words = place_words(other.name, other.at)
+        lines.append(f"  or {words}, probability {probability(other.probability)}")
+    return lines
 
 
-def _mass(arm: Arm) -> float:
-    tube = tube_of(arm)
-    return tube.length * tube.section.area * tube.material.density
+def _row(estimate: Estimate) -> str:
+    value, low, high, unit = interval(estimate)
+    return f"  {estimate.name:<18}{value:>12} {unit:<12} 90 % interval {low} to {high}"
+
+
+def _refined(diagnosis: Diagnosis) -> list[str]:
+    found = list(refinements(diagnosis))
+    lines = ["nominal values refined: from, by +- 1 sigma, of what is stated"] if found else []
+    for each in found:
+        if each.determined or each.changed:
+            moved, std, unit = each.texts
+            nominal = with_unit(each.refined.nominal, each.refined.unit, 4)
+            pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
+            lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
+    left = [each.refined.parameter for each in found if not (each.determined or each.changed)]
+    return lines + (
+        _wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else []
+    )
+
+
+def _nuisances(diagnosis: Diagnosis) -> list[str]:
+    lines = ["clocks and frames, fitted along within what the records state"] if diagnosis.nuisances else []
+    for nuisance in diagnosis.nuisances:
+        lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
+        lines += [f"  {_row(each)}" for each in nuisance.parameters]
+    return lines
+
+
+def _gaps(diagnosis: Diagnosis) -> list[str]:
+    """A table by record for each signal, and what the records are to one another."""
+    tables = gap_tables(diagnosis)
+    columns = ("rms before", "rms after", "noise", "max before", "max after")
+    lines = []
+    for table in tables:
+        head = f"gap of {table.signal} [{table.unit}]"
+        labels = [_labelled(diagnosis, name) for name, _ in table.rows]
+        wide = max(26, *(len(text) + 2 for text in (head, *labels)))
+        lines.append(f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns))
+        for label, (_, cells) in zip(labels, table.rows, strict=True):
+            lines.append(f"{label:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
+    return [*lines, *_wrapped(hold_out_sentence(diagnosis))] if tables else []
+
+
+def _labelled(diagnosis: Diagnosis, name: str) -> str:
+    """A record, and that it was held out where its name does not say so."""
+    says = "held" in name
+    return f"  {name} (held out)" if name in diagnosis.held_out and not says else f"  {name}"
+
+
+def _remarks(diagnosis: Diagnosis) -> list[str]:
+    lines: list[str] = []
+    if diagnosis.remainder and diagnosis.verdict != "unexplained":
+        lines += _wrapped(f"remains: {diagnosis.remainder}", "", "  ")
+    for remark in remarks_beside(diagnosis):
+        lines += _wrapped(f"note: {remark}", "", "  ")
+    if diagnosis.next_experiment:
+        lines += _wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
+    return lines

@@ -12,15 +12,15 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.outcome.refinement import refinements
-from flexarm.diagnosis.outcome.report_file import provenance_of
-from flexarm.diagnosis.outcome.sentences import rivals_sentence
-from flexarm.diagnosis.wording import listed, place_words, probability
+from flexarm.diagnosis.identifiability import refinements
+from flexarm.diagnosis.report_file import provenance_of
 from flexarm.output import write_file
+from flexarm.report.sentences import rivals_sentence
+from flexarm.wording import listed, place_words, probability
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.named import Estimate, NamedEffect
-    from flexarm.diagnosis.outcome.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import Estimate, NamedEffect
 
 WIDTH = 118
 """Of a line of the comment."""

@@ -9,8 +9,8 @@ from arms import TUBE, arm, beam, hinge, point
 
 import flexarm
 from flexarm.cli.run import run
-from flexarm.diagnosis.experiments.plan_curves import near_effects
-from flexarm.diagnosis.experiments.plan_result import Plan, PlannedEffect
+from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect
+from flexarm.report.plan import near_effects
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexarm.diagnosis.choosing import acceptance
-from flexarm.diagnosis.choosing.rivals import probabilities
-from flexarm.diagnosis.fitting.unknowns import Unknown
+from flexarm.diagnosis import acceptance
+from flexarm.diagnosis.alternatives import probabilities
+from flexarm.diagnosis.nuisance import Unknown
 from flexarm.effects import TimeDelay
 
 

@@ -3,10 +3,10 @@
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.at_once import at_once
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.problem import Observed
 from flexarm.effects import JointCompliance, PayloadMass
 from flexarm.errors import NotConverged
+from flexarm.threads import at_once
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])

@@ -6,7 +6,7 @@ from planted import two_joints
 from posed import NOISE, changed, posed, poses
 
 import flexarm
-from flexarm.diagnosis.borrowed_noise import with_noise_of
+from flexarm.diagnosis.noise_model import with_noise_of
 from flexarm.effects import JointCompliance
 
 

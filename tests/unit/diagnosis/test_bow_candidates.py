@@ -5,8 +5,8 @@ import pytest
 from arms import arm, beam, general, hinge, point
 
 from flexarm import Record, Signal
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.problem import Observed
 
 TIME = np.arange(0.0, 1.0, 0.05)
 

@@ -18,9 +18,9 @@ from swings import Swing
 from virtual_lab import Lab, Nuisances, record
 
 import flexarm
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.checks.plateaus import _cut
 from flexarm.effects import SignError
+from flexarm.validation.saturation import _cut
+from flexarm.validation.sensor_check import check
 
 LAB = Lab()
 SWING = Swing(0.6, 5.0, 3.0, middle=0.1)

@@ -10,10 +10,10 @@ from lab_arms import HINGED, PLANAR
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.checks import runs
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.checks.drive_hypotheses import wild_drives
 from flexarm.record import Clock, Frame
+from flexarm.validation import initial_alignment as runs
+from flexarm.validation.drive_hypotheses import wild_drives
+from flexarm.validation.sensor_check import check
 
 END = 14.0
 ARMS = {"one joint": HINGED.model(points=["tip"]), "two joints": PLANAR.model(points=["tip", "elbow_target"])}

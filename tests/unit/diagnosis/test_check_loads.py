@@ -8,8 +8,8 @@ from arms import crane, smooth_step
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.checks.check import check
 from flexarm.record import Clock
+from flexarm.validation.sensor_check import check
 
 RATIO, STATED, CARRIED = 120, 1.0, 60.0
 SENSORS = [

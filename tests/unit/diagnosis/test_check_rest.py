@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.checks.plateaus import frozen
+from flexarm.validation.saturation import frozen
 
 TIME = np.arange(0.0, 10.0, 0.01)
 

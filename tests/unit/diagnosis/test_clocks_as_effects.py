@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from diagnoses import record, with_spring
 
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.screen import Linear, probe
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.screening import Linear, probe
 from flexarm.effects import FrameRegistration
 
 

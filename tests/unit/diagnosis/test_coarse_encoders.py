@@ -6,10 +6,10 @@ from planted import run_of
 
 import flexarm
 from flexarm import Record, Signal
-from flexarm.diagnosis.candidates.coarse_encoders import coarse_encoders, with_coarse_encoders
-from flexarm.diagnosis.checks.spikes import clean_drives
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.quantisation import coarse_encoders, with_coarse_encoders
 from flexarm.measurement.lattice import lattice_step
+from flexarm.validation.outliers import clean_drives
 
 STEP, ENCODER_NOISE = 8e-4, 2e-6
 

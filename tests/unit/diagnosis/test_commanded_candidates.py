@@ -5,8 +5,8 @@ import pytest
 from arms import hinge, point, rigid
 
 from flexarm import Arm, Record, Signal
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.problem import Observed
 from flexarm.record import Clock
 
 TIME = np.arange(0.0, 1.0, 0.01)

@@ -25,7 +25,7 @@ def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, consta
     null, fit = (SimpleNamespace(rest=rest, members=(), has_corners=False) for rest in (GAP, left))
     choice = SimpleNamespace(best=fit, null=null, value={})
     monkeypatch.setattr(
-        "flexarm.diagnosis.choosing.acceptance.above_noise", lambda rest, observed, corners: {"tip": rest}
+        "flexarm.diagnosis.acceptance.above_noise", lambda rest, observed, corners: {"tip": rest}
     )
     for name, said in {
         "estimates": None,

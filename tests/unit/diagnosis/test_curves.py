@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.gap.curves import curve_share, followed, group_share, intervals
+from flexarm.residual_analysis.covariates import curve_share, followed, group_share, intervals
 
 RNG = np.random.default_rng(6)
 

@@ -6,14 +6,9 @@ from arms import crane, hinge, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.choosing.evidence import above_noise
-from flexarm.diagnosis.residuals.drive_noise import (
-    allow_for_drives,
-    shaken_signals,
-    shaken_told,
-    weighed_by_drives,
-)
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.evidence import above_noise
+from flexarm.diagnosis.noise_model import allow_for_drives, shaken_signals, shaken_told, weighed_by_drives
+from flexarm.diagnosis.problem import Observed
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Frame
 

@@ -8,13 +8,13 @@ from diagnoses import lean
 import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.checks.check import check, cleaned
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.outcome.sentences import hold_out_sentence
-from flexarm.diagnosis.outcome.swings import swings
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.remarks import swings
 from flexarm.errors import InvalidParameter
+from flexarm.report.sentences import hold_out_sentence
+from flexarm.validation.sensor_check import check, cleaned
 
 NOISE = 5e-5
 

@@ -10,9 +10,9 @@ from posed import posed, poses
 
 import flexarm
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.fitting.coordinate import Coordinate
-from flexarm.diagnosis.fitting.fit import Fit
-from flexarm.diagnosis.outcome.ends import at_ends, ends_sentence, far_out
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.identifiability import at_ends, ends_sentence, far_out
+from flexarm.diagnosis.parameters import Coordinate
 from flexarm.effects import PayloadMass
 
 SCALE = Coordinate(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))

@@ -8,11 +8,10 @@ import pytest
 from scipy.stats import t as student
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.choosing.left_out import blocks
-from flexarm.diagnosis.fitting.coordinate import Coordinate
-from flexarm.diagnosis.fitting.fit import Fit
-from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.diagnosis.outcome.estimates import draws, estimates, surrogates, whole_turns
+from flexarm.diagnosis.cross_validation import blocks
+from flexarm.diagnosis.fit import Fit, Projection
+from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.uncertainty import draws, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
 
 RNG = np.random.default_rng(11)

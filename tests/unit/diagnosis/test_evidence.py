@@ -7,9 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.choosing.evidence import above_noise, autocovariance, occam, worth
-from flexarm.diagnosis.fitting.coordinate import Coordinate
-from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.evidence import above_noise, autocovariance, occam, worth
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.parameters import Coordinate
 
 RNG = np.random.default_rng(5)
 KEY = ("run", "tip", 0)

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.diagnosis.fitting.unknowns import Unknown
-from flexarm.diagnosis.outcome import evidence_sentence, naming
-from flexarm.diagnosis.outcome.evidence_sentence import _behind, _strained
+from flexarm.diagnosis import naming
+from flexarm.diagnosis import naming as evidence_sentence
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.naming import _behind, _strained
+from flexarm.diagnosis.nuisance import Unknown
 
 
 def null_of(delay: float, modulus: float = 0.0):

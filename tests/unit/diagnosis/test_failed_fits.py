@@ -9,10 +9,16 @@ import pytest
 from numpy.linalg import LinAlgError
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.choosing import choose, polish, promising, ranking, rivals, screen, takeover
-from flexarm.diagnosis.fitting.coordinate import Coordinate
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import Unknown, Unknowns
+from flexarm.diagnosis import alternatives as rivals
+from flexarm.diagnosis import ranking
+from flexarm.diagnosis import refinement as polish
+from flexarm.diagnosis import screening as screen
+from flexarm.diagnosis import selection as choose
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.moves import confounding as takeover
+from flexarm.diagnosis.moves import proposals as promising
+from flexarm.diagnosis.nuisance import Unknown, Unknowns
+from flexarm.diagnosis.parameters import Coordinate
 from flexarm.errors import InvalidParameter, NotConverged
 
 FAILURES = [

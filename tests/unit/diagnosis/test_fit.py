@@ -5,13 +5,13 @@ import pytest
 from planted import run_of
 
 import flexarm
-import flexarm.diagnosis.fitting.least_squares as problem
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis import least_squares as problem
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
 from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance, PayloadMass
 from flexarm.measurement import predict
 

@@ -8,10 +8,10 @@ from tests.helpers.arms import beam, fixed, general, point
 import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.floor import floor, refined
-from flexarm.diagnosis.residuals.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import DrawnLink
+from flexarm.residual_analysis.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
+from flexarm.residual_analysis.noise_floor import floor, refined
 
 
 def test_noise_is_seen_beside_a_slow_gap_and_a_vibration():
@@ -129,7 +129,7 @@ def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch
         raise NotConverged("stuck")
 
     pair = run_of("one joint").showing({}, 1)
-    monkeypatch.setattr("flexarm.diagnosis.gap.floor.beside", fails)
+    monkeypatch.setattr("flexarm.residual_analysis.noise_floor.beside", fails)
     found = floor(pair)
     assert not found.is_below_noise
     assert any("tip of record: cannot be simulated with another step" in note for note in found.notes)

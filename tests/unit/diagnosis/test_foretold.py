@@ -9,7 +9,7 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.outcome.foretold import TIMES, _Left, adequate_if_foretold, foretold_sentence
+from flexarm.diagnosis.prediction import TIMES, _Left, adequate_if_foretold, foretold_sentence
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
 

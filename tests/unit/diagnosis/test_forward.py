@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing import choose as module
-from flexarm.diagnosis.choosing import promising
-from flexarm.diagnosis.choosing.screen import Probed
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis import selection as module
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.moves import proposals as promising
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.screening import Probed
 from flexarm.effects import LinkDamping
 from flexarm.errors import NotConverged
 

@@ -5,16 +5,16 @@ from functools import cache
 import pytest
 from arms import crane, there_and_back, tracker
 
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.acceptance import REACH
-from flexarm.diagnosis.choosing.choose import Choice
-from flexarm.diagnosis.choosing.evidence import log_bayes_factor, log_likelihood_ratio, worth
-from flexarm.diagnosis.choosing.rivals import Rival
-from flexarm.diagnosis.experiments.experiment_from import from_drive
-from flexarm.diagnosis.experiments.further import ENOUGH, next_experiment
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.acceptance import REACH
+from flexarm.diagnosis.alternatives import Rival
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.design.experiment import from_drive
+from flexarm.diagnosis.design.next_experiment import ENOUGH, next_experiment
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.selection import Choice
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Clock, Frame
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexarm.comparison.bands import alias, band_parts, band_split
-from flexarm.diagnosis.gap.gap_bands import named_bands
+from flexarm.residual_analysis.spectrum import named_bands
 
 
 def names(bands, frequency):

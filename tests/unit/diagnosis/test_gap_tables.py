@@ -8,8 +8,8 @@ from planted import two_joints
 from posed import changed, posed, poses
 
 import flexarm
-from flexarm.diagnosis.outcome.gap_tables import changed_signals, gap_tables
 from flexarm.report.diagnosis_page import page
+from flexarm.report.gap_tables import changed_signals, gap_tables
 
 NOISE = 0.5
 

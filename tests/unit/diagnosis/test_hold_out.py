@@ -10,13 +10,13 @@ from planted import two_joints
 
 import flexarm
 from flexarm import Record, Signal
-from flexarm.diagnosis.checks.check import cleaned
-from flexarm.diagnosis.checks.checked import Checked
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.workflow import _held_out, _parted
 from flexarm.effects import PayloadMass
 from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload, Clock, DrawnLink
+from flexarm.validation.finding import Checked
+from flexarm.validation.sensor_check import cleaned
 
 TIME = np.arange(0.0, 20.0, 0.02)
 ARM = crane()

@@ -6,10 +6,10 @@ from arms import arm, hinge, point, rigid
 from planted import run_of
 
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.joint_rotations import joint_rotations
-from flexarm.diagnosis.gap.locate import locate
 from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.record import Record, Signal
+from flexarm.residual_analysis.joint_rotations import joint_rotations
+from flexarm.residual_analysis.localisation import locate
 
 
 def turned(run, rotations):

@@ -5,8 +5,8 @@ import pytest
 
 import flexarm
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.named import Refined
-from flexarm.diagnosis.outcome.left_open import left_open
+from flexarm.diagnosis.identifiability import left_open
+from flexarm.named_effects import Refined
 
 ACROSS = Refined("points.tip.position.y", 2e-4, 4.9e-4, 0.0, "m")
 """Across the plane of the swing, where nothing is measured; 0.98 of its stated sigma of 0.5 mm is left."""

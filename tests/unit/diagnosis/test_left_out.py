@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.choosing.left_out import foretells_better, groups, left_out, missed
-from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.cross_validation import foretells_better, groups, left_out, missed
+from flexarm.diagnosis.fit import Projection
 
 RNG = np.random.default_rng(23)
 EACH = 6

@@ -6,8 +6,8 @@ from arms import LENGTH
 from planted import RATIO, run_of
 
 import flexarm
-from flexarm.diagnosis.gap.locate import locate
 from flexarm.errors import InvalidParameter
+from flexarm.residual_analysis.localisation import locate
 
 SIZE = 8e-4  # m, twenty times the noise of the tip
 

@@ -10,7 +10,7 @@ from motion import Arm
 from swings import Swing
 
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.locate import locate
+from flexarm.residual_analysis.localisation import locate
 
 LINK, RATIO = Link(LENGTH, EI, RHO_A, mass=PAYLOAD, damping_ratio=0.02), 120.0
 SPRING = 1e5

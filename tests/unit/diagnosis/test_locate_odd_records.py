@@ -7,12 +7,12 @@ from planted import Run, run_of, swing
 
 import flexarm
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.floor import floor
-from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.gap.remainder import describe_remainder
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal
+from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.noise_floor import floor
+from flexarm.residual_analysis.unexplained import describe_remainder
 
 
 def all_steps(pairs):

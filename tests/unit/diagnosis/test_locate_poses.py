@@ -6,10 +6,10 @@ from planted import two_joints
 
 import flexarm
 from flexarm.comparison.beside import beside
-from flexarm.diagnosis.gap.floor import floor
-from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.gap.remainder import describe_remainder
 from flexarm.record import Record, Signal
+from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.noise_floor import floor
+from flexarm.residual_analysis.unexplained import describe_remainder
 
 SPRING = 1e5  # N m/rad
 

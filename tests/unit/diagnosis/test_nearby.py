@@ -7,13 +7,13 @@ import pytest
 from planted import run_of
 
 import flexarm
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing import nearby as module
-from flexarm.diagnosis.choosing.nearby import SMALL, nearby
-from flexarm.diagnosis.choosing.screen import LONGER, probe, screen
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.moves import rescreening as module
+from flexarm.diagnosis.moves.rescreening import SMALL, nearby
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.screening import LONGER, probe, screen
 from flexarm.effects import LinkMass, PayloadInertia
 from flexarm.errors import NotConverged
 from flexarm.measurement import predict

@@ -9,15 +9,15 @@ from scipy.optimize import minimize
 
 import flexarm
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.polish import settled
-from flexarm.diagnosis.fitting.coordinate import ACROSS, STEP, Coordinate
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.newton import evaluated, foretold, objective, stepped
-from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.outcome.estimates import estimates
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.minimisers import evaluated, foretold, objective, stepped
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.parameters import ACROSS, STEP, Coordinate
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.refinement import settled
+from flexarm.diagnosis.uncertainty import estimates
 from flexarm.effects import LinkStiffness
 from flexarm.measurement import predict
 

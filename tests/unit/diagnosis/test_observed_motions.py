@@ -13,12 +13,12 @@ import flexarm
 from flexarm.arm.parameter import with_value
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison.subject import Subject
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.screen import probe
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.runs import Runs
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.screening import probe
+from flexarm.diagnosis.simulation_cache import Runs
 from flexarm.effects import Backlash, SensorOffset
 from flexarm.measurement.slopes import predict_slopes
 from flexarm.record import Clock, Frame

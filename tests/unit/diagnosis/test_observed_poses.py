@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.arms import TUBE, beam, hinge, point
 
 from flexarm import Arm, Record, Signal
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.problem import Observed
 from flexarm.errors import InvalidParameter
 from flexarm.record import Frame
 

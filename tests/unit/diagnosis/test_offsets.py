@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.candidates.candidate_probes import OF_READING
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.perturbations import OF_READING
+from flexarm.diagnosis.problem import Observed
 
 
 def test_the_zero_of_a_sensor_may_be_off_by_a_part_of_what_it_reads():

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.checks.spikes import clean_drives, drive_spikes
 from flexarm.drive import Drive
 from flexarm.example.motion import joined
 from flexarm.record import Record, Signal
+from flexarm.validation.outliers import clean_drives, drive_spikes
 
 
 def resampled(time, angle, rate):

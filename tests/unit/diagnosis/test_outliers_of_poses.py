@@ -10,9 +10,9 @@ from tests.helpers.example_scripts import EXAMPLES
 import flexarm
 from flexarm.comparison.beside import beside
 from flexarm.comparison.pose_outliers import LEAST_POSES, pose_outliers
-from flexarm.diagnosis.checks.check import check, cleaned
 from flexarm.effects import Backlash, BaseTilt, JointCompliance, LinkBow, LinkStiffness
 from flexarm.record import Frame
+from flexarm.validation.sensor_check import check, cleaned
 
 SOFT = two_joints().with_effect(JointCompliance(at="elbow", stiffness=1e5))
 

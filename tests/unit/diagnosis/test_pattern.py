@@ -7,9 +7,9 @@ import pytest
 from arms import compliance, crane
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.fitting.coordinate import Coordinate
-from flexarm.diagnosis.fitting.pattern import STEPS, stepped_over
-from flexarm.diagnosis.fitting.unknowns import Unknown, Unknowns
+from flexarm.diagnosis.minimisers import STEPS, stepped_over
+from flexarm.diagnosis.nuisance import Unknown, Unknowns
+from flexarm.diagnosis.parameters import Coordinate
 from flexarm.effects import Backlash
 
 PRIOR = Prior(1e-4, 2e-3, 5e-4, "log", "rad", "made up")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lombscargle
 
-from flexarm.diagnosis.gap.periodogram import periodogram
+from flexarm.residual_analysis.spectrum import periodogram
 
 
 def signal(time):

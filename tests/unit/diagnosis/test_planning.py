@@ -11,8 +11,8 @@ from pytest import approx
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.choosing.acceptance import REACH, STRONG
-from flexarm.diagnosis.experiments.experiment_from import NOISE, from_drive, from_record
+from flexarm.diagnosis.acceptance import REACH, STRONG
+from flexarm.diagnosis.design.experiment import NOISE, from_drive, from_record
 from flexarm.record import Clock, Frame
 
 JOINT, LINK, LOAD = ("joint_compliance", "hinge"), ("link_stiffness", "rod"), ("payload_mass", "load")

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexarm.diagnosis.choosing import polish
+from flexarm.diagnosis import refinement as polish
 from flexarm.errors import NotConverged
 
 ABOUT = SimpleNamespace(observed=None, with_effects=lambda members: members)

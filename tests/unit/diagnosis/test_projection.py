@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.fit import Projection
 
 RNG = np.random.default_rng(3)
 

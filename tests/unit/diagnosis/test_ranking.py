@@ -6,8 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.choosing import left_out, ranking, rivals
-from flexarm.diagnosis.choosing.acceptance import implausibility
+from flexarm.diagnosis import alternatives as rivals
+from flexarm.diagnosis import cross_validation as left_out
+from flexarm.diagnosis import ranking
+from flexarm.diagnosis.acceptance import implausibility
 
 
 @dataclass(eq=False)

@@ -5,8 +5,8 @@ import pytest
 from arms import crane
 from pytest import approx
 
-from flexarm.diagnosis.named import Refined
-from flexarm.diagnosis.outcome.refinement import Refinement, refinements, stated_sigma
+from flexarm.diagnosis.identifiability import Refinement, refinements, stated_sigma
+from flexarm.named_effects import Refined
 
 
 @pytest.mark.parametrize(

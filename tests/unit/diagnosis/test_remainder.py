@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.gap.remainder import describe_remainder
-from flexarm.diagnosis.outcome.gap_figure import gap_figure
 from flexarm.errors import InvalidParameter
+from flexarm.report.gap_figure import gap_figure
+from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.unexplained import describe_remainder
 
 SIZE = 8e-4
 

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import diagnoses
 
 import flexarm
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.named import Estimate, Refined
-from flexarm.diagnosis.outcome import repair
-from flexarm.diagnosis.outcome.estimates import Estimates
-from flexarm.diagnosis.outcome.repair import repaired
+from flexarm.diagnosis import repair
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.repair import repaired
+from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.effects.link_damping import LinkDamping
+from flexarm.named_effects import Estimate, Refined
 
 
 def repaired_with(ratio: float, std: float, *refined: Refined) -> flexarm.Arm:

@@ -9,8 +9,8 @@ import pytest
 from pytest import approx
 
 import flexarm
-from flexarm.diagnosis.named import Estimate, NamedEffect, Rejected
-from flexarm.diagnosis.outcome.report_file import ReportFile
+from flexarm.diagnosis.report_file import ReportFile
+from flexarm.named_effects import Estimate, NamedEffect, Rejected
 
 VERDICTS = sorted(diagnoses.ALL)
 GAP = {"before_rms", "after_rms", "noise_rms", "before_max", "after_max"}

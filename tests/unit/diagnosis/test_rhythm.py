@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.gap.rhythm import rhythms
+from flexarm.diagnosis.candidates import rhythms
 
 RNG = np.random.default_rng(8)
 

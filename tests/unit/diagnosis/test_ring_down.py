@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
-from flexarm.diagnosis.gap.ring_down import (
+from flexarm.residual_analysis.free_decay import (
     PERIODS,
     Piece,
     decay,

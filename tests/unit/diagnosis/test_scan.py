@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.choosing import promising
-from flexarm.diagnosis.fitting.scan import scanned
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.minimisers import scanned
+from flexarm.diagnosis.moves import proposals as promising
 from flexarm.effects import Backlash, CoulombFriction
 from flexarm.errors import NotConverged
 

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.choosing.screen import RIDGE, Linear, Probed, screen, together
-from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.screening import RIDGE, Linear, Probed, screen, together
 from flexarm.effects import EncoderOffset
 
 ROWS = 60

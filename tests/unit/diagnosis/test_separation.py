@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.choosing.evidence import DISCREPANCY
-from flexarm.diagnosis.choosing.screen import RIDGE, Probed
-from flexarm.diagnosis.experiments.separation import (
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.design.separation import (
     Bench,
     Shown,
     against_none,
@@ -16,7 +14,9 @@ from flexarm.diagnosis.experiments.separation import (
     left,
     matrix,
 )
-from flexarm.diagnosis.fitting.unknowns import Unknown, Unknowns
+from flexarm.diagnosis.evidence import DISCREPANCY
+from flexarm.diagnosis.nuisance import Unknown, Unknowns
+from flexarm.diagnosis.screening import RIDGE, Probed
 from flexarm.effects.backlash import Backlash
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.effects.time_delay import TimeDelay

@@ -6,10 +6,10 @@ from arms import crane, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.choosing.left_out import BLOCKS, groups
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.cross_validation import BLOCKS, groups
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
 from flexarm.effects import JointCompliance
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import ClockError, Registration

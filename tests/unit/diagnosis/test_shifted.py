@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.checks.check import check
 from flexarm.effects import LinkLength
 from flexarm.record import Record
+from flexarm.validation.sensor_check import check
 
 UP = np.array([0.0, 0.06])
 """Of what a tracker stands above the base [m], and does not say."""

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.choosing.screen import Probed, screen, together
-from flexarm.diagnosis.choosing.slow import slow_part
-from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.moves.proposals import slow_part
+from flexarm.diagnosis.screening import Probed, screen, together
 from flexarm.effects import EncoderOffset
 
 TIME = np.arange(0, 40, 0.1)

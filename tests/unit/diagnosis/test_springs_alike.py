@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.candidates.candidate import Candidate
-from flexarm.diagnosis.choosing.rivals import _soft_elsewhere
-from flexarm.diagnosis.choosing.screen import Probed
+from flexarm.diagnosis.alternatives import _soft_elsewhere
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.screening import Probed
 from flexarm.effects import BaseCompliance, JointCompliance, JointHysteresis
 
 

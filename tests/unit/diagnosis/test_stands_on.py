@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from diagnoses import nominal, record, with_spring
 
-from flexarm.diagnosis.candidates.candidate import carries
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing import choose
-from flexarm.diagnosis.choosing.awake import THROUGH_SPRINGS, awakened, new_springs
-from flexarm.diagnosis.choosing.rivals import rivals_of
-from flexarm.diagnosis.choosing.screen import probe, screen, together
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis import selection as choose
+from flexarm.diagnosis.alternatives import rivals_of
+from flexarm.diagnosis.candidate import carries
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.moves.rescreening import THROUGH_SPRINGS, awakened, new_springs
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.screening import probe, screen, together
 
 SPRING = ("joint_compliance", "hinge")
 LAWS = ("backlash", "joint_hysteresis", "joint_stiffening")

@@ -3,11 +3,11 @@
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.candidates.candidate import value_of
-from flexarm.diagnosis.candidates.candidate_probes import GROWTH, SOFTER
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.fitting.unknowns import Unknown, unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidate import value_of
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.nuisance import Unknown, unknowns
+from flexarm.diagnosis.perturbations import GROWTH, SOFTER
+from flexarm.diagnosis.problem import Observed
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,9 @@ from planted import run_of
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.candidates.candidate_probes import OF_STATED, SOFTER, STEP, spring_priors
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.perturbations import OF_STATED, SOFTER, STEP, spring_priors
+from flexarm.diagnosis.problem import Observed
 from flexarm.effects import JointCompliance
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_joints.toml"

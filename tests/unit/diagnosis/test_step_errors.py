@@ -6,10 +6,10 @@ from arms import LENGTH, PAYLOAD, TUBE, beam, crane, hinge, point, smooth_step, 
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.choosing.evidence import DISCREPANCY, above_noise, discrepancies
-from flexarm.diagnosis.residuals.corners import has_corners
-from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.step_errors import allow_for_steps, unsteady_told
+from flexarm.diagnosis.evidence import DISCREPANCY, above_noise, discrepancies
+from flexarm.diagnosis.noise_model import allow_for_steps, unsteady_told
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.residual_rows import has_corners
 from flexarm.effects import Backlash, JointCompliance
 
 TRACKER = 1e-4

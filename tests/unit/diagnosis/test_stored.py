@@ -9,7 +9,7 @@ import pytest
 
 import flexarm
 from flexarm.errors import InvalidFile
-from flexarm.report.diagnosis_drawings import drawings
+from flexarm.report.diagnosis import drawings
 
 mpl.use("Agg")
 MADE = {**diagnoses.ALL, "poses": diagnoses.of_poses}

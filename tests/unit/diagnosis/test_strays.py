@@ -9,9 +9,9 @@ import pytest
 from posed import changed
 
 import flexarm
-from flexarm.diagnosis.choosing.acceptance import leaves_gap
-from flexarm.diagnosis.choosing.strays import hidden_strays, strays, strays_told
-from flexarm.diagnosis.residuals.observed_rows import Rows, rows_left
+from flexarm.diagnosis.acceptance import leaves_gap
+from flexarm.diagnosis.masked_outliers import hidden_strays, strays, strays_told
+from flexarm.diagnosis.residual_rows import Rows, rows_left
 
 N = 400
 RNG = np.random.default_rng(3)

@@ -6,16 +6,16 @@ from arms import crane, smooth_step, tracker
 from diagnoses import SENSORS
 
 import flexarm
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.experiments.experiment_from import from_record
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.outcome.estimates import estimates
-from flexarm.diagnosis.outcome.swings import swings
-from flexarm.diagnosis.residuals.observed import Observed
-from flexarm.diagnosis.residuals.starts import FINER, HEIGHT, start_slopes
+from flexarm.diagnosis.design.experiment import from_record
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.initial_conditions import FINER, HEIGHT, start_slopes
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.remarks import swings
+from flexarm.diagnosis.uncertainty import estimates
 from flexarm.drive.lead_in import LEAD
 from flexarm.record import Clock, Frame
+from flexarm.validation.sensor_check import check
 
 CUT = 8.0
 """When the record begins [s]; the motor jerks a second before."""

@@ -5,14 +5,14 @@ import pytest
 from planted import run_of
 
 import flexarm
-from flexarm.diagnosis.candidates.candidates import candidates
-from flexarm.diagnosis.choosing.acceptance import spares, strain
-from flexarm.diagnosis.choosing.polish import without_effects
-from flexarm.diagnosis.choosing.screen import probe
-from flexarm.diagnosis.choosing.takeover import _matched, taken_over, takeovers
-from flexarm.diagnosis.fitting.fitter import Fitter
-from flexarm.diagnosis.fitting.unknowns import unknowns
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.acceptance import spares, strain
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.moves.confounding import _matched, taken_over, takeovers
+from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.refinement import without_effects
+from flexarm.diagnosis.screening import probe
 from flexarm.effects import LinkLength, LinkStiffness, PayloadMass, TimeDelay
 from flexarm.measurement import predict
 from flexarm.record import Clock

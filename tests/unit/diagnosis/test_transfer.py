@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.choosing.transfer import carried
-from flexarm.diagnosis.fitting.projection import Projection
+from flexarm.diagnosis.cross_validation import carried
+from flexarm.diagnosis.fit import Projection
 
 N = 100
 TIMES = np.linspace(0, 10, N)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.fitting.unknowns import UNKNOWN_DELAY, UNKNOWN_POSE, known_loads, nominal, unknowns
+from flexarm.diagnosis.nuisance import UNKNOWN_DELAY, UNKNOWN_POSE, known_loads, nominal, unknowns
 from flexarm.record import Record, Signal
 from flexarm.record.table import CarriedPayload, Clock, Frame
 

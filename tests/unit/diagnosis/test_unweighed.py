@@ -6,10 +6,10 @@ import pytest
 
 from flexarm import Record, Signal
 from flexarm.comparison import compare
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.outcome.unweighed import unfitted, unweighed, weighed_loads
-from flexarm.diagnosis.residuals.observed import Observed
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.remarks import unfitted, unweighed, weighed_loads
 from flexarm.record import CarriedPayload
+from flexarm.validation.sensor_check import check
 
 
 def changed(record: Record, name: str, **changes: object) -> Record:

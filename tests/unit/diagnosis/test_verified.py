@@ -2,9 +2,9 @@
 
 from diagnoses import nominal, record
 
-from flexarm.diagnosis.checks import runs
-from flexarm.diagnosis.checks.check import check
-from flexarm.diagnosis.outcome.verified import Bench
+from flexarm.diagnosis.verification import Bench
+from flexarm.validation import initial_alignment as runs
+from flexarm.validation.sensor_check import check
 
 
 def test_a_bench_simulates_with_the_damping_that_it_is_given():

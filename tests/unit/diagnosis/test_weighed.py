@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.fitting.coordinate import Coordinate, prior_rows
-from flexarm.diagnosis.fitting.projection import Projection
-from flexarm.diagnosis.fitting.weighed import tempered, weighed
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.generalised_least_squares import tempered, weighed
+from flexarm.diagnosis.parameters import Coordinate, prior_rows
 
 SIGMA = np.array([0.5, 2.0])
 

@@ -5,10 +5,10 @@ from math import inf
 
 import pytest
 
+from flexarm import wording
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
-from flexarm.diagnosis import wording
-from flexarm.diagnosis.named import Estimate
-from flexarm.diagnosis.wording import interval, number, place_words, scale, with_unit
+from flexarm.named_effects import Estimate
+from flexarm.wording import interval, number, place_words, scale, with_unit
 
 
 def test_examples_hold():

@@ -11,14 +11,13 @@ import pytest
 from planted import run_of
 
 import flexarm
-from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.named import NamedEffect
+from flexarm.named_effects import NamedEffect
 from flexarm.output import stems
-from flexarm.report.diagnosis import write
-from flexarm.report.diagnosis_drawings import _figures
+from flexarm.report.diagnosis import _figures, write
 from flexarm.report.diagnosis_page import page
-from flexarm.report.figures import style
-from flexarm.report.files import Drawing
+from flexarm.reproduction.figures import style
+from flexarm.reproduction.files import Drawing
+from flexarm.residual_analysis.localisation import locate
 
 VERDICTS = sorted(diagnoses.ALL)
 VOID = {"meta", "img", "br", "wbr", "link", "input", "hr"}

@@ -8,10 +8,8 @@ import pytest
 from planted import run_of
 from pytest import approx
 
-from flexarm.diagnosis.gap.locate import locate
-from flexarm.diagnosis.named import NamedEffect
-from flexarm.report.diagnosis_drawings import _figures
-from flexarm.report.figures import style
+from flexarm.named_effects import NamedEffect
+from flexarm.report.diagnosis import _figures
 from flexarm.report.state_figures import (
     against_states,
     located_sides,
@@ -20,6 +18,8 @@ from flexarm.report.state_figures import (
     shown_joints,
     state_of,
 )
+from flexarm.reproduction.figures import style
+from flexarm.residual_analysis.localisation import locate
 
 
 @pytest.fixture(scope="module")

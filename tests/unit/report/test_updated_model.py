@@ -4,7 +4,7 @@ import diagnoses
 import pytest
 
 import flexarm
-from flexarm.diagnosis.named import Refined
+from flexarm.named_effects import Refined
 from flexarm.report.updated_model import write_updated
 
 

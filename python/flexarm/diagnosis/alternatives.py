@@ -1,0 +1,260 @@
+"""Rivals: what could stand in the place of a chosen effect, with the rest of the model refitted.
+
+A rival lies ln B_j behind the chosen model in evidence, the model without that effect ln B_n, which says that
+there is nothing in its place but unlikely nominal values. Beside the chosen effect, ln B_0 = 0, its
+probability is
+
+    P_j = exp(-ln B_j) / (exp(-ln B_n) + sum_i exp(-ln B_i)).                                          (1)
+
+Those within `REACH` of the chosen one are within reach of the data, and so is what fits as well and is only
+implausible: it may still be true. Beside a gap that the chosen model leaves open no name is certain, and
+rivals are judged by what they foretell of data left out: those that foretell clearly less are out of reach,
+and none is ahead that does not foretell clearly better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+
+from flexarm.diagnosis.acceptance import REACH, leaves_gap, limit_beside
+from flexarm.diagnosis.candidate import SPRINGS, Candidate, carries
+from flexarm.diagnosis.cross_validation import foretells_better
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
+from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.minimisers import foretold
+from flexarm.diagnosis.moves.proposals import FAINT, PAIRS, TRIED, one_variant
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.ranking import CLOSE
+from flexarm.diagnosis.refinement import ROUNDS, further
+from flexarm.diagnosis.screening import Probed, screen, sharpened
+
+WITHIN_SIGHT = 8.0
+"""How far behind in ln Z a rival is in sight of the chosen model, and taken further."""
+HELPED = 0.5
+"""Part of what the chosen effect explains that a spring must, for the machine's other ones to be tried."""
+NOT_NEAR = 0.3
+"""Part of what the chosen effect explains by which a rival that stays behind is not finished."""
+NEARER = 0.3
+"""Least gain of ln Z in a step of a rival that comes nearer, made or foretold: a tenth of what decides."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An effect in the place of another one, with the rest refitted.
+
+    Attributes
+    ----------
+    candidate, fit : Candidate and Fit
+        The effect, and the model with it.
+    behind : float
+        ln Z less than the chosen model's.
+    fits_behind : float
+        The same of the fit alone, whatever is plausible.
+    foretells : bool
+        Whether it says as much of data that are left out, where a gap is left.
+    """
+
+    candidate: Candidate
+    fit: Fit
+    behind: float
+    fits_behind: float
+    foretells: bool = True
+
+    @property
+    def within_reach(self) -> bool:
+        """Whether the data cannot tell it from the chosen effect; what is implausible may still be true."""
+        close = self.behind < REACH or (self.fits_behind < REACH and self.behind < 2 * REACH)
+        return close and self.foretells
+
+
+def rivals_of(
+    k: int,
+    best: Fit,
+    null: Fit,
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    tried: Sequence[Fit],
+    value: Mapping[Channel, float],
+) -> list[Rival]:
+    """What could stand in the place of effect k of the chosen model, the best first.
+
+    Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and fitted once.
+    Beside a model that explains everything none is fitted that promises far less than the first. A spring
+    that another effect stands on has none.
+    """
+    observed = fitter.observed
+    open_gap = leaves_gap(best, null, observed)
+    chosen = best.members[k]
+    others = tuple(m for i, m in enumerate(best.members) if i != k)
+    if carries(others, chosen):
+        return []
+    fewer = without(others, fitter, (null, *tried))
+    if fewer is None:
+        return []
+    known = _known(best, {m.place for m in others}, tried)
+    wanted = _promising(chosen, fewer, fitter, probed, open_gap)
+    if not open_gap:
+        wanted += _near(known, wanted, best, observed, value)
+        wanted += _sticking(chosen, wanted, probed)
+        before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
+        wanted += _soft_elsewhere(known, wanted, best, before, probed)
+    limit = limit_beside([best], fewer, NOT_NEAR)
+    peer = _peer(best, tried)
+    found = []
+    for candidate in wanted:
+        try:
+            fit = known.get(candidate.place) or fitter.trial((candidate, *others), best, limit)
+            if (alike := _alike(candidate, chosen)) is not None:
+                fit = min(fit, fitter.trial((alike, *others), best, limit), key=lambda f: f.cost)
+            fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
+        except FAILED:
+            continue
+        found.append(_rival(candidate, fit, best, behind, observed, value, open_gap))
+    return sorted(found, key=lambda rival: rival.behind)
+
+
+def _promising(
+    chosen: Candidate, fewer: Fit, fitter: Fitter, probed: Sequence[Probed], open_gap: bool
+) -> list[Candidate]:
+    """Effects that promise most of what the chosen one explains; beside a gap however little that is."""
+    shares = [s for s in screen(fitter, probed, fewer) if s.members[0].place != chosen.place]
+    most = PAIRS if open_gap else TRIED
+    sharp = sharpened(fitter, one_variant(shares, 2 * most), fewer)[:most]
+    return [s.members[0] for s in sharp if open_gap or s.share >= FAINT * sharp[0].share]
+
+
+def _rival(
+    candidate: Candidate,
+    fit: Fit,
+    best: Fit,
+    behind: float,
+    observed: Observed,
+    value: Mapping[Channel, float],
+    open_gap: bool,
+) -> Rival:
+    """What is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
+    member = next(m for m in fit.members if m.place == candidate.place)
+    told = not open_gap or not foretells_better(best, fit, observed)
+    if open_gap and not foretells_better(fit, best, observed):
+        behind = max(behind, 0.0)
+    return Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told)
+
+
+def without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:
+    """The model without the chosen effect; one that was tried, if any, where it cannot be fitted."""
+    try:
+        return fitter.fit(others)
+    except FAILED:
+        places = {member.place for member in others}
+        return next((f for f in reversed(tried) if set(f.places) == places), None)
+
+
+def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dict[tuple[str, str], Fit]:
+    """Models that were tried and differ from the chosen one by one effect, by its place."""
+    return {
+        next(iter(set(f.places) - others)): f
+        for f in tried
+        if others < set(f.places) and len(f.members) == len(best.members)
+    }
+
+
+def _peer(best: Fit, tried: Sequence[Fit]) -> Fit:
+    """The chosen model as it was when it was tried beside its rivals, before it was taken further."""
+    return next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
+
+
+def _near(
+    known: Mapping[tuple[str, str], Fit],
+    wanted: Sequence[Candidate],
+    best: Fit,
+    observed: Observed,
+    value: Mapping[Channel, float],
+) -> list[Candidate]:
+    """Effects that came close when they were tried, though screening, to first order, sees little in them."""
+    there = {candidate.place for candidate in wanted} | {member.place for member in best.members}
+    return [
+        next(m for m in fit.members if m.place == place)
+        for place, fit in known.items()
+        if place not in there and log_bayes_factor(best, fit, observed, value) < CLOSE
+    ]
+
+
+def _soft_elsewhere(
+    known: Mapping[tuple[str, str], Fit],
+    wanted: Sequence[Candidate],
+    best: Fit,
+    before: float,
+    probed: Sequence[Probed],
+) -> list[Candidate]:
+    """The machine's other springs, as soft as one that explained half of what the chosen effect does.
+
+    What is soft has moved far from where it was screened: a joint took half of what a base did that gives
+    way, beside a strained modulus, and a vibration all of it. `before` is what was left without them.
+    """
+    half = before - HELPED * (before - best.cost)
+    found = [(fit.cost, fit, at) for at, fit in known.items() if at[0] in SPRINGS and fit.cost < half]
+    if not found or np.isinf(before):
+        return []
+    _, fit, at = min(found, key=lambda one: one[0])
+    spring = next(member for member in fit.members if member.place == at)
+    there = {candidate.place for candidate in wanted} | {member.place for member in best.members} | {at}
+    others = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
+    return [each.as_soft_as(spring) for place, each in others.items() if place not in there]
+
+
+def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
+    """Hysteresis in the place of a joint's spring, of which it is one while it sticks: no small step."""
+    place = ("joint_hysteresis", spring.at)
+    if spring.name != "joint_compliance" or place in (candidate.place for candidate in wanted):
+        return []
+    there = [p.candidate for p in probed if p.candidate.place == place]
+    return [each for each in there[:1] if _alike(each, spring) is not None]
+
+
+def _alike(candidate: Candidate, chosen: Candidate) -> Candidate | None:
+    """A rival that starts as stiff as the chosen spring makes the machine; None where it is no such law."""
+    if candidate.name in SPRINGS and chosen.name in SPRINGS:
+        return candidate.as_soft_as(chosen)
+    if candidate.name == "joint_hysteresis" and chosen.place == ("joint_compliance", candidate.at):
+        return candidate.as_stiff_as(chosen)
+    return None
+
+
+def _caught_up(
+    fit: Fit, best: Fit, peer: Fit, fitter: Fitter, value: Mapping[Channel, float], open_gap: bool
+) -> tuple[Fit, float]:
+    """A rival's model after as many steps as could bring it near the chosen one, and its ln Z behind that.
+
+    A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
+    """
+    observed = fitter.observed
+    behind = log_bayes_factor(best, fit, observed, value)
+    if behind >= CLOSE and log_bayes_factor(peer, fit, observed, value) >= CLOSE:
+        return fit, behind
+    about = fitter.about(fit)
+    fit = about.fit(fit.members, nearby=fit) if open_gap else about.evaluated(fit.members)
+    behind = log_bayes_factor(best, fit, observed, value)
+    for _ in range(0 if open_gap else ROUNDS):
+        if foretold(fit) / 2 < max(NEARER, behind - WITHIN_SIGHT):  # no step would bring it near
+            break
+        try:
+            fit, about = further(fit, about, anew=False)
+        except FAILED:
+            break
+        before, behind = behind, log_bayes_factor(best, fit, observed, value)
+        if before - behind < max(NEARER, behind - WITHIN_SIGHT):  # nor another one like this
+            break
+    return fit, behind
+
+
+def probabilities(rivals: Sequence[Rival], gain: float) -> list[float]:
+    """Eq. (1) of the chosen effect and its rivals; `gain` is ln B_n."""
+    behind = [0.0, *(rival.behind for rival in rivals)]
+    odds = [exp(-min(max(each, -50.0), 700.0)) for each in behind]
+    nothing = exp(-min(max(gain, 0.0), 700.0))
+    return [each / (nothing + sum(odds)) for each in odds]

@@ -1,0 +1,148 @@
+"""Joints that are one thing of the machine though the model has two: the axes of a cardan joint.
+
+A guide, a mount or a bearing gives way about two axes at one place. A tree of joints with one axis each says
+so with two joints whose axes meet in a point, a link without mass between them, and nothing that drives
+either. If such a place is soft it is soft about both axes, each with its own stiffness: a law at the first
+without the same law at the second is no likelier a cause than both, so both are tried as one.
+
+Where an effect can sit: where it acts on these records, and what it does there is seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from flexarm.arm import Arm
+from flexarm.arm.link import Beam, RigidLink
+from flexarm.arm.vocabulary import KNOWN_EFFECTS
+from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.problem import Observed
+from flexarm.record import Record
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.candidate import Candidate
+
+
+def cardan_joints(arm: Arm, driven: Iterable[str]) -> dict[str, str]:
+    """Second joint of each cardan joint, by the first.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    driven : iterable of str
+        Joints that something turns.
+    """
+    idle = {joint.name for joint in arm.joints if joint.type == "revolute"} - set(driven)
+    found = {}
+    for first in arm.joints:
+        for second in arm.joints:
+            if (
+                {first.name, second.name} <= idle
+                and second.parent == first.child
+                and not any(second.origin.xyz)
+                and _weightless(arm, first.child)
+            ):
+                found[first.name] = second.name
+    return found
+
+
+def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
+    """Joints that a drive turns in some record, or that a gear couples to one of them."""
+    found = {record.signals[name].joint for record in records for name in record.drive}
+    for _ in arm.gears:  # trains of gears
+        for gear in arm.gears:
+            if found & {gear.input, gear.output}:
+                found |= {gear.input, gear.output}
+    return {name for name in found if name is not None}
+
+
+def causes(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
+    """Number of effects, the same one at both axes of a cardan joint counted once."""
+    places = {member.place for member in members}
+    return len(members) - sum((m.name, pairs.get(m.at, "")) in places for m in members)
+
+
+def _weightless(arm: Arm, name: str) -> bool:
+    link = arm.link(name)
+    return isinstance(link, RigidLink) and link.mass == 0
+
+
+REDUCER = ("transmission_error", "gear_ratio")
+"""Errors of a reducer; at a joint that nothing turns they are constant angles, and no errors."""
+
+
+def places_of(name: str, observed: Observed, arm: Arm) -> list[str]:
+    """Where an effect can act and be seen."""
+    place = KNOWN_EFFECTS[name]
+    records = observed.records.values()
+    evidence = dict.fromkeys((row.record, row.signal) for row in observed.rows)
+    signals = [observed.records[record].signals[signal] for record, signal in evidence]
+    if place == "joint":
+        joints = [joint.name for joint in arm.joints if joint.moves]
+        if name == "motor_friction":
+            shown = {s.joint for s in signals if s.quantity == "motor_torque"} | commanded(records)
+            return [joint for joint in joints if joint in shown]
+        turned = driven_joints(arm, records)
+        return [joint for joint in joints if name not in REDUCER or joint in turned]
+    if place == "payload":
+        known = {
+            load.name
+            for load in arm.payloads
+            if name == "payload_mass" and all(weighed(record, load.name) for record in records)
+        }
+        return [load.name for load in arm.payloads if load.name not in known]
+    if place == "link":
+        return [link.name for link in arm.links if isinstance(link, Beam)]
+    if place == "base":
+        return ["base"]
+    if place == "point":
+        return list(dict.fromkeys(s.point for s in signals if s.point is not None))
+    if place == "frame":
+        seen = [s.frame for s in signals if s.quantity in ("position", "orientation")]
+        return [frame for frame in dict.fromkeys(seen) if frame != "base"]
+    if place == "signal or clock":
+        return _late(name, observed)
+    if name == "sensor_offset":
+        return list(dict.fromkeys(s.name for s in signals if s.quantity not in ("position", "orientation")))
+    drives = {d: r.signals[d] for r in records for d in r.drive}
+    return [d for d, s in drives.items() if s.quantity == "joint_angle"]
+
+
+def commanded(records: Iterable[Record]) -> set[str | None]:
+    """Joints that follow commands: there a motor's friction moves the arm, it does not only cost torque."""
+    drives = (record.signals[name] for record in records for name in record.drive)
+    return {signal.joint for signal in drives if signal.quantity == "joint_command"}
+
+
+def late_commands(observed: Observed) -> list[str]:
+    """Commands that may act late: of records with evidence on the same clock, which moves along otherwise."""
+    found: dict[str, None] = {}
+    for row in observed.rows:
+        record = observed.records[row.record]
+        clock = record.signals[row.signal].clock
+        drives = [record.signals[name] for name in record.drive]
+        found |= {s.name: None for s in drives if s.quantity == "joint_command" and s.clock == clock}
+    return list(found)
+
+
+def _late(name: str, observed: Observed) -> list[str]:
+    """Clocks but the drives', signals of a clock that has several, and commands."""
+    clocks: dict[str, set[str]] = {}
+    for row in observed.rows:
+        record = observed.records[row.record]
+        if record.kind == "motion":
+            clocks.setdefault(record.signals[row.signal].clock, set()).add(row.signal)
+    own = {drive_clock(record) for record in observed.records.values()}
+    found = [clock for clock in clocks if clock not in own]
+    for clock, names in clocks.items():
+        if clock in own or len(names) > 1:
+            found += [signal for signal in sorted(names) if signal not in found]
+    return found + (late_commands(observed) if name == "time_delay" else [])
+
+
+def weighed(record: Record, payload: str) -> bool:
+    """Whether a record says what a payload weighs: its mass in the model has no effect there."""
+    carried = record.payloads.get(payload)
+    return carried is not None and carried.mass is not None

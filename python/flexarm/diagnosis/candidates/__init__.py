@@ -1,1 +1,0 @@
-"""Effects at the places where they can sit, and how each is probed."""

@@ -1,1 +1,0 @@
-"""Which effects the data speak for: screened, fitted, weighed against rivals, tested on what was left out."""

@@ -1,0 +1,318 @@
+"""An experiment that has not been run: motion, sensors, what is carried, and how clocks and frames are known.
+
+Its virtual record is what the sensors would write of a model.
+
+Experiments from a drive or from a record that is made again, and what is assumed where nobody says.
+
+A sensor that states no noise has that of `NOISE`, and a tracker a clock and a registration of its own, known
+to `CLOCK` and `FRAME`; `Experiment.assumed` says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arm.sensor import Sensor
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.measure import measure
+from flexarm.record import Clock, Frame, Record, Signal
+from flexarm.simulation import Simulation, simulate
+from flexarm.wording import scale
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record.table import CarriedPayload, DrawnLink
+
+
+DRIVE_HZ = 250.0
+"""Samples of the drive a second."""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A run that may be made.
+
+    Attributes
+    ----------
+    name : str
+        For people.
+    drive : Drive
+        The motion.
+    drivers : dict of str to str
+        Joints that move and the signals that show it.
+    sensors : tuple of Sensor
+        What is measured beside the drive.
+    clocks : dict of str to Clock
+        The first is that of the drive.
+    frames : dict of str to Frame
+        Of trackers.
+    payloads, links
+        What the run carries and how far links are drawn out, as in a record.
+    assumed : tuple of str
+        Sentences about what nobody stated.
+    """
+
+    name: str
+    drive: Drive
+    drivers: Mapping[str, str]
+    sensors: tuple[Sensor, ...]
+    clocks: Mapping[str, Clock]
+    frames: Mapping[str, Frame]
+    payloads: Mapping[str, CarriedPayload] = field(default_factory=dict)
+    links: Mapping[str, DrawnLink] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+
+    def run(self, arm: Arm, step: float, alpha: float) -> Simulation:
+        """The motion of a model."""
+        tables = Record(signals={}, payloads=self.payloads, links=self.links)
+        forces = any(sensor.quantity == "strain" for sensor in self.sensors)
+        return simulate(
+            tables.applied_to(arm), self.drive, step=step, alpha=alpha, rotations=True, forces=forces
+        )
+
+    def record(self, arm: Arm, step: float, alpha: float) -> Record:
+        """What the sensors would write of a model; with their noise, which no difference of models sees."""
+        run = self.run(arm, step, alpha)
+        seen = measure(
+            run,
+            self.sensors,
+            np.random.default_rng(0),
+            clocks=self.clocks,
+            frames=self.frames,
+            payloads=self.payloads,
+            links=self.links,
+            joints=dict(self.drive.rest),
+        )
+        drives = [self._shown(joint, name, arm) for joint, name in self.drivers.items()]
+        signals = {**{signal.name: signal for signal in drives}, **seen.signals}
+        initial = "moving" if self.drive.lead else "equilibrium"
+        drivers = tuple(self.drivers.values())
+        return seen.replace(signals=signals, drive=drivers, initial=initial, description=self.name)
+
+    def _shown(self, joint: str, name: str, arm: Arm) -> Signal:
+        """The signal of a drive, exact."""
+        moved = self.drive.joints[joint]
+        count = max(round((self.drive.end - self.drive.start) * DRIVE_HZ), 8)
+        time = np.linspace(self.drive.start, self.drive.end, count + 1)
+        command = moved.side == "command"
+        return Signal(
+            name=name,
+            quantity="joint_command" if command else "joint_angle",
+            values=moved(time),
+            time=time,
+            unit="m" if arm.joint(joint).type == "prismatic" else "rad",
+            noise_std=0.0,
+            clock=next(iter(self.clocks)),
+            joint=joint,
+            side=None if command else "output" if moved.side == "output" else "motor",
+        )
+
+    # ------------------------------------------------------------------ variants
+
+    def faster(self, times: float) -> Experiment:
+        """The same path in another time."""
+        drive = self.drive
+        joints = {
+            name: replace(
+                each,
+                breaks=drive.start + (each.breaks - drive.start) / times,
+                coefficients=each.coefficients * times ** np.arange(len(each.coefficients))[::-1, None],
+            )
+            for name, each in drive.joints.items()
+        }
+        end = drive.start + (drive.end - drive.start) / times
+        return replace(self, drive=replace(drive, joints=joints, end=end, lead=drive.lead / times))
+
+    def turned(self, joint: str, angle: float) -> Experiment:
+        """The same motion with a joint elsewhere [rad, m]."""
+        drive = self.drive
+        if joint not in drive.joints:
+            rest = {**drive.rest, joint: drive.rest.get(joint, 0.0) + angle}
+            return replace(self, drive=replace(drive, rest=rest))
+        moved = drive.joints[joint]
+        coefficients = moved.coefficients.copy()
+        coefficients[-1] += angle
+        joints = {**drive.joints, joint: replace(moved, coefficients=coefficients)}
+        return replace(self, drive=replace(drive, joints=joints))
+
+
+RATE_HZ = 10.0
+"""Of a tracker that is assumed [Hz]."""
+NOISE = {
+    "position": 5e-5,
+    "deflection": 5e-5,
+    "orientation": 1e-4,
+    "inclination": 1e-4,
+    "joint_angle": 5e-6,
+    "joint_rate": 1e-4,
+    "angular_rate": 1e-3,
+    "acceleration": 0.02,
+    "strain": 1e-6,
+    "force": 1.0,
+    "motor_torque": 2.0,
+}
+"""1 sigma of sensors that state none [SI]: a laser tracker, an encoder, MEMS, a strain gauge, a load cell."""
+CONTROLLER, TRACKER = "controller", "tracker"
+CLOCK = Clock(sigma=2e-3)
+FRAME = Frame(translation=1e-3, rotation=5e-4)
+"""1 sigma of a tracker's clock [s] and registration [m], [rad]."""
+
+
+def from_drive(
+    name: str,
+    drive: Drive,
+    arm: Arm,
+    clocks: Mapping[str, Clock] | None = None,
+    frames: Mapping[str, Frame] | None = None,
+) -> Experiment:
+    """A motion beside the model's sensors, or, where it has none, a tracker at its last point."""
+    encoders = {
+        joint: next((s.name for s in arm.sensors if _shows(s, joint)), joint) for joint in drive.joints
+    }
+    own = next((s.clock for s in arm.sensors if s.name in encoders.values() and s.clock), CONTROLLER)
+    said: list[str] = []
+    sensors = [sensor for sensor in arm.sensors if sensor.name not in encoders.values()]
+    if not sensors:
+        sensors = [_tracker(arm, drive)]
+        said.append(
+            f"a tracker of '{sensors[0].point}', the last of the model's points, with "
+            f"{_size(NOISE['position'], 'm')} of noise at {RATE_HZ:g} Hz and nothing else, since the model "
+            "has no sensors: state those you have as [[sensors]]"
+        )
+    placed = [_placed(sensor, said) for sensor in sensors]
+    known_clocks, known_frames = dict(clocks or {}), dict(frames or {})
+    late = {s.clock for s in placed if s.clock not in (None, own)} - set(known_clocks)
+    where = {s.frame for s in placed if s.frame != "base"} - set(known_frames)
+    if late:
+        said.append(f"clocks are known to {_size(CLOCK.sigma, 's')}: {', '.join(sorted(map(str, late)))}")
+    if where:
+        said.append(
+            f"registrations are known to {_size(FRAME.translation, 'm')} and {_size(FRAME.rotation, 'rad')}: "
+            f"{', '.join(sorted(where))}"
+        )
+    return Experiment(
+        name,
+        drive,
+        encoders,
+        tuple(placed),
+        {own: Clock(), **{str(clock): CLOCK for clock in sorted(map(str, late))}, **known_clocks},
+        {**{frame: FRAME for frame in sorted(where)}, **known_frames},
+        assumed=tuple(said),
+    )
+
+
+def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] | None = None) -> Experiment:
+    """A record made once more: its motion, signals, rates, clocks, frames and payloads.
+
+    Parameters
+    ----------
+    name : str
+        For people.
+    record : Record
+        A motion.
+    arm : Arm
+        The model.
+    noise : dict of str to float, optional
+        1 sigma of signals that state none [SI].
+    """
+    drive = _ended(Drive.from_record(record, arm))
+    drivers = {str(record.signals[d].joint): d for d in record.drive}
+    own = next((record.signals[d].clock for d in record.drive), record.reference_clock)
+    said: list[str] = []
+    sensors = [
+        _as_sensor(signal, drive.start, noise or {}, said)
+        for signal in record.signals.values()
+        if signal.name not in record.drive and _measured(signal)
+    ]
+    if not sensors:
+        alone = from_drive(name, drive, arm, record.clocks, record.frames)
+        return replace(alone, drivers=drivers, payloads=record.payloads, links=record.links)
+    clocks = {own: record.clocks[own], **record.clocks}
+    return Experiment(
+        name,
+        drive,
+        drivers,
+        tuple(sensors),
+        clocks,
+        record.frames,
+        record.payloads,
+        record.links,
+        tuple(said),
+    )
+
+
+def _ended(drive: Drive) -> Drive:
+    """The same until the motion ends: held after it, its rate would jump, as that of no motor does."""
+    last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
+    return replace(drive, end=min(drive.end, last))
+
+
+def _shows(sensor: Sensor, joint: str) -> bool:
+    """Whether a sensor of the model shows a motor's angle."""
+    return sensor.quantity == "joint_angle" and sensor.joint == joint and sensor.side != "output"
+
+
+def _measured(signal: Signal) -> bool:
+    """Whether a simulation predicts a signal."""
+    return signal.quantity in NOISE and len(signal.time) > 1
+
+
+def _tracker(arm: Arm, drive: Drive) -> Sensor:
+    """What is assumed where a model has no sensors."""
+    if not arm.points:
+        raise InvalidParameter(
+            "has neither sensors nor points, so there is nothing to look at; add [[points]] or [[sensors]]",
+            where="sensors",
+        )
+    name = arm.points[-1].name
+    free = name if name not in drive.joints else f"{name}_tracker"
+    noise = NOISE["position"]
+    return Sensor(name=free, quantity="position", point=name, rate_hz=RATE_HZ, noise_std=noise)
+
+
+def _placed(sensor: Sensor, said: list[str]) -> Sensor:
+    """A sensor with noise, and, of a tracker that names neither clock nor frame, these."""
+    changes: dict[str, Any] = {}
+    if not sensor.noise_std and not sensor.step:
+        changes["noise_std"] = NOISE.get(sensor.quantity, 1.0) / sensor.si[1]
+        said.append(_noise_told("sensor", sensor.name, NOISE.get(sensor.quantity, 1.0), sensor.si[0]))
+    if sensor.quantity in ("position", "orientation") and sensor.clock is None and sensor.frame == "base":
+        changes |= {"clock": TRACKER, "frame": TRACKER}
+    return sensor.replace(**changes) if changes else sensor
+
+
+def _noise_told(kind: str, name: str, sigma: float, unit: str) -> str:
+    return f"noise of {kind} '{name}' is {_size(sigma, unit)} (1 sigma), as it states none"
+
+
+def _size(value: float, unit: str) -> str:
+    """A round value with its unit."""
+    factor, shown = scale([value], unit)
+    return f"{factor * value:g} {shown}".rstrip()
+
+
+def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
+    """A sensor that would give a signal again."""
+    span = float(signal.time[-1] - signal.time[0])
+    sigma = signal.noise_std or noise.get(signal.name)
+    if not sigma:
+        sigma = NOISE[signal.quantity]
+        said.append(_noise_told("signal", signal.name, sigma, signal.unit))
+    shared = ("joint", "point", "link", "payload", "side", "position", "fibre", "clock", "frame")
+    given: dict[str, Any] = {key: value for key in shared if (value := getattr(signal, key)) is not None}
+    if signal.axes:
+        given["axes"] = signal.axes
+    return Sensor(
+        name=signal.name,
+        quantity=signal.quantity,
+        unit=signal.unit or None,
+        noise_std=float(sigma),
+        rate_hz=(len(signal.time) - 1) / span,
+        start=max(0.0, float(signal.time[0]) - start),
+        **given,
+    )

@@ -1,0 +1,254 @@
+"""What a planned experiment could tell apart: the result of `flexarm.plan`, which prints and plots itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf, isfinite, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.diagnosis.acceptance import REACH, STRONG
+from flexarm.output import SavedAsDirectory
+from flexarm.wording import with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.arm import Arm
+
+
+Place = tuple[str, str]
+SMALL = 0.05
+"""Change of a nominal value that is told as such."""
+FAR = 10.0
+"""Sizes beyond so many times the plausible one are not stated: the law need not be linear so far."""
+
+
+@dataclass(frozen=True)
+class PlannedEffect:
+    """An effect at a place, at a plausible size.
+
+    Attributes
+    ----------
+    name, at : str
+        Effect and place.
+    parameter, unit : str
+        What says how large it is.
+    value, null : float
+        Of that parameter: the plausible one, and the one without effect (infinite for a spring).
+    least : float
+        Where it begins to be detected, on the way from `null` to `value` and beyond.
+    log_bayes_factor : float
+        Expected, of the effect at `value` over no effect.
+    hidden : str
+        Why it is not seen at any plausible size; empty where it is.
+    """
+
+    name: str
+    at: str
+    parameter: str
+    unit: str
+    value: float
+    null: float
+    least: float
+    log_bayes_factor: float
+    hidden: str = ""
+
+    @property
+    def place(self) -> Place:
+        """Name and place."""
+        return self.name, self.at
+
+    @property
+    def seen(self) -> bool:
+        """Whether the experiment would show it at the plausible size."""
+        return self.log_bayes_factor >= STRONG
+
+    @property
+    def times(self) -> float:
+        """The least size over the plausible one."""
+        return sqrt(STRONG / self.log_bayes_factor) if self.log_bayes_factor > 0 else inf
+
+    @property
+    def least_words(self) -> str:
+        """The smallest detectable size, for a person: a value, or a change of the nominal one."""
+        if self.times > FAR:
+            return "not seen"
+        if self.null == inf:
+            return f"softer than {with_unit(self.least, self.unit)}"
+        size = with_unit(abs(self.least - self.null), self.unit)
+        return f"± {size}" if self.null else size
+
+    @property
+    def value_words(self) -> str:
+        """The plausible size, for a person; of a small change the change."""
+        change = self.value - self.null
+        if isfinite(self.null) and 0 < abs(change) < SMALL * abs(self.null):
+            sign = "+" if change > 0 else "-"
+            return f"{self.parameter} = {self.null:g} {sign} {with_unit(abs(change), self.unit)}"
+        return f"{self.parameter} = {with_unit(self.value, self.unit)}"
+
+
+@dataclass(frozen=True)
+class Parting:
+    """What an addition does for a tied pair.
+
+    Attributes
+    ----------
+    addition : str
+        What is added.
+    minutes : float
+        Its cost, roughly.
+    log_bayes_factor : float
+        Expected with it.
+    """
+
+    addition: str
+    minutes: float
+    log_bayes_factor: float
+
+    @property
+    def parts(self) -> bool:
+        """Whether the pair is tied no more."""
+        return self.log_bayes_factor >= REACH
+
+
+@dataclass(frozen=True)
+class Tie:
+    """Two effects that the experiment cannot part.
+
+    Attributes
+    ----------
+    one, other : (str, str)
+        Names and places.
+    log_bayes_factor : float
+        Expected, of the right over the wrong name.
+    partings : tuple of Parting
+        Additions: first those that part the pair, the cheapest first.
+    """
+
+    one: Place
+    other: Place
+    log_bayes_factor: float
+    partings: tuple[Parting, ...]
+
+    @property
+    def cheapest(self) -> Parting | None:
+        """The cheapest addition that parts the pair."""
+        return next((each for each in self.partings if each.parts), None)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(SavedAsDirectory):
+    """What an experiment could tell apart.
+
+    Attributes
+    ----------
+    arm : Arm
+        The nominal model.
+    runs : tuple of str
+        Names of the motions.
+    effects : tuple of PlannedEffect
+        Every effect at every place.
+    log_bayes_factor : ndarray, shape (effects, effects)
+        Expected logarithm of the evidence for effect i, which is there, over that for effect j.
+    groups : tuple of tuple of int
+        Effects of which no two can be told apart, by number.
+    ties : tuple of Tie
+        Pairs, and what would part them.
+    assumed : tuple of str
+        What nobody stated of sensors, clocks and frames.
+    provenance : dict
+        version, seconds.
+    """
+
+    arm: Arm
+    runs: tuple[str, ...]
+    effects: tuple[PlannedEffect, ...]
+    log_bayes_factor: NDArray[np.float64]
+    groups: tuple[tuple[int, ...], ...]
+    ties: tuple[Tie, ...]
+    assumed: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def effect(self, name: str, at: str) -> PlannedEffect:
+        """An effect by name and place.
+
+        Raises
+        ------
+        KeyError
+            If it was not planned for.
+        """
+        for each in self.effects:
+            if each.place == (name, at):
+                return each
+        raise KeyError(f"{name} at {at} was not planned for")
+
+    def tie(self, one: Place, other: Place) -> Tie | None:
+        """The tie of two effects; None if the experiment parts them."""
+        return next((t for t in self.ties if {t.one, t.other} == {one, other}), None)
+
+    def alone(self) -> tuple[PlannedEffect, ...]:
+        """Effects that are seen and could be taken for no other one."""
+        tied = {i for group in self.groups for i in group}
+        return tuple(e for i, e in enumerate(self.effects) if e.seen and i not in tied)
+
+    def additions(self) -> list[tuple[str, float, int]]:
+        """What may be added, its cost in minutes, and how many of the tied pairs it parts; the best first."""
+        found: dict[str, tuple[float, int]] = {}
+        for tie in self.ties:
+            for each in tie.partings:
+                _, count = found.get(each.addition, (0.0, 0))
+                found[each.addition] = (each.minutes, count + each.parts)
+        rows = [(words, minutes, count) for words, (minutes, count) in found.items()]
+        return sorted(rows, key=lambda row: (-row[2], row[1]))
+
+    def rivals(self, i: int) -> list[int]:
+        """Effects that would do in the place of one, by number."""
+        row = self.log_bayes_factor[i]
+        return [int(j) for j in np.argsort(row, kind="stable") if j != i and row[j] < REACH]
+
+    # ------------------------------------------------------------------- output
+
+    def headline(self) -> str:
+        """The plan in a sentence."""
+        from flexarm.report.plan import headline
+
+        return headline(self)
+
+    def summary(self) -> str:
+        """Sizes that are seen, groups that cannot be parted, and what would part them, as text."""
+        from flexarm.report.plan import summary
+
+        return summary(self)
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `plan.json`; what is infinite becomes null."""
+        from flexarm.report.plan import plan_dict
+
+        return plan_dict(self)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """The matrix of expected log Bayes factors.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        """
+        from flexarm.report.plan import draw_matrix
+
+        return draw_matrix(self, ax)
+
+    def write(self, directory: Path) -> None:
+        """Writes plan.json, plan.html and the figures into a directory that is there."""
+        from flexarm.report.plan import write  # draws this; so it is imported when it is asked for
+
+        write(self, directory)

@@ -1,0 +1,206 @@
+"""An effect at a place, as a plan tells it: its size, the smallest one that is seen, or why none is.
+
+Planning: which effects an experiment could tell apart, before it is run.
+
+    motions, sensors -> virtual records of the nominal model -> what every effect at every place would do to
+    them -> expected log Bayes factors of all pairs -> what would part those that are tied
+
+The same candidates, probes and unknowns as in a diagnosis, without data; see `design.separation`
+for the numbers.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from math import inf, sqrt
+from typing import TYPE_CHECKING
+
+from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
+from flexarm.arm import Arm
+from flexarm.arm.joint_units import parameters_in
+from flexarm.configuration import version
+from flexarm.diagnosis.acceptance import STRONG
+from flexarm.diagnosis.candidate import SPRINGS, value_of
+from flexarm.diagnosis.design.candidate_measurements import menu
+from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
+from flexarm.diagnosis.design.plan_result import FAR, Plan, PlannedEffect, Tie
+from flexarm.diagnosis.design.separation import against_none, cliques, gaps_of, matrix, shown_by
+from flexarm.diagnosis.design.virtual_experiment import Laboratory, lesser_factor, pairs, ties
+from flexarm.drive import Drive
+from flexarm.errors import InvalidParameter
+from flexarm.record import Record
+
+if TYPE_CHECKING:
+    from flexarm.arm.effect import Effect
+    from flexarm.diagnosis.candidate import Candidate
+    from flexarm.diagnosis.design.separation import Shown
+    from flexarm.record import Clock, Frame
+
+
+NOTHING = 1e-3
+"""Expected ln Bayes factor below which an effect leaves no trace in the signals."""
+TORQUES = ("coulomb_friction", "viscous_friction", "lugre_friction", "motor_friction", "cable_torque")
+"""Laws that are a torque at a joint."""
+
+
+def planned_effect(
+    candidate: Candidate, shown: Shown, seen: float, arm: Arm, signals: Mapping[str, str]
+) -> PlannedEffect:
+    """An effect as it is shown, and the smallest one that is seen.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The effect.
+    shown : Shown
+        At which size it is shown.
+    seen : float
+        Expected ln Bayes factor over no effect at that size; eq. (2) of `separation`.
+    arm : Arm
+        The nominal model.
+    signals : dict of str to str
+        Units of signals, for effects that have that of their signal.
+    """
+    size = candidate.probes[shown.probe]
+    own = signals.get(candidate.at, "")
+    units = {name: own if unit == "SI" else unit for name, _, unit in parameters_in(size, arm)}
+    name = _parameter(candidate, size)
+    value, null = value_of(size, name), candidate.null.get(name, 0.0)
+    times = sqrt(STRONG / seen) if seen > 0 else inf
+    if candidate.name in SPRINGS:
+        there = value_of(candidate.without, "stiffness") if candidate.without is not None else inf
+        change = 1.0 / value - 1.0 / there
+        least = 1.0 / (1.0 / there + times * change)
+    else:
+        there, least = null, null + times * (value - null)
+    why = hidden(arm, *candidate.place, seen)
+    return PlannedEffect(*candidate.place, name, units[name], value, there, least, seen, why)
+
+
+def hidden(arm: Arm, name: str, at: str, seen: float) -> str:
+    """Why an effect is not seen at any plausible size; empty where it is.
+
+    A torque on a joint that cannot give way is taken by the drive.
+    """
+    if name in TORQUES and seen < NOTHING and arm.effect("joint_compliance", at) is None:
+        return f"{at} is rigid in the model: its drive takes the torque, which no sensor shows"
+    if not seen > 0:
+        return "it moves nothing that is measured"
+    return f"not seen at {FAR:g} times that size either" if FAR**2 * seen < STRONG else ""
+
+
+def _parameter(candidate: Candidate, size: Effect) -> str:
+    """The parameter that says how large an effect is: the one that differs most from none."""
+    moved = {
+        name: abs(value_of(size, name) - candidate.null.get(name, 0.0))
+        for name in candidate.free
+        if name not in ("phase", "frequency", "width", "damping", "time_constant", "multiple")
+    }
+    names = [name for name, move in moved.items() if move > 0]
+    return names[0] if names else candidate.free[0]
+
+
+Progress = Callable[[float, str], object] | None
+
+
+@takes(arm=ARM, drives=DRIVES, clocks=CLOCKS, frames=FRAMES, jobs=JOBS, step=NUMBER, alpha=NUMBER)
+def plan(
+    arm: Arm,
+    drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],
+    *,
+    clocks: Mapping[str, Clock] | None = None,
+    frames: Mapping[str, Frame] | None = None,
+    jobs: int | None = None,
+    step: float = 4e-3,
+    alpha: float = -0.05,
+    progress: Progress = None,
+) -> Plan:
+    """Which effects at which places an experiment could tell apart, and the cheapest addition for the rest.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model, with `[[sensors]]`; without them a tracker of its last point is assumed, and said.
+    drives : dict of str to Drive or Record, or sequence of them
+        The motions. A record is made again: its signals, rates, noise, clocks, frames and payloads.
+    clocks, frames : dict, optional
+        How well clocks and frames of the model's sensors are known, as a record would state it.
+    jobs : int, optional
+        Number of simulations at once; default one a core.
+    step, alpha : float
+        Of all simulations [s], [-].
+    progress : callable, optional
+        Gets the share done and what is being done.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no motion, or nothing that a sensor could see.
+    NotConverged
+        If the nominal model cannot be simulated.
+
+    Examples
+    --------
+    >>> found = flexarm.plan(arm, {"swing": flexarm.Drive.from_csv("swing.csv", arm)})  # doctest: +SKIP
+    >>> print(found)  # doctest: +SKIP
+    """
+    begun = time.monotonic()
+    tell = progress or (lambda done, what: None)
+    runs = [_experiment(name, drive, arm, clocks, frames) for name, drive in _by_name(drives).items()]
+    if not runs:
+        raise InvalidParameter("needs at least one motion", where="drives")
+    tell(0.02, "simulating")
+    additions = menu(arm, runs, runs[0].run(arm, step, alpha))
+    lab = Laboratory(arm, additions, step, alpha, jobs or os.cpu_count() or 1)
+    bench, rows = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
+    base = bench.only(rows.all())
+    shown = shown_by(base)
+    seen = against_none(base, gaps_of(base, shown))
+    factors = matrix(base, shown)
+    tied = ties(factors, seen)
+    tell(0.6, "looking for additions")
+    partings = lab.partings(bench, rows, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions"))
+    said = tuple(dict.fromkeys(sentence for run in runs for sentence in run.assumed))
+    places = [each[0].candidate.place for each in base.effects]
+    return Plan(
+        arm,
+        tuple(run.name for run in runs),
+        tuple(
+            planned_effect(variants[s.variant].candidate, s, float(e), arm, lab.units)
+            for variants, s, e in zip(base.effects, shown, seen, strict=True)
+        ),
+        factors,
+        tuple(cliques(tied)),
+        tuple(
+            Tie(places[i], places[j], lesser_factor(factors, seen, i, j), tuple(partings.get((i, j), ())))
+            for i, j in pairs(tied)
+        ),
+        said,
+        {"version": version(), "seconds": time.monotonic() - begun},
+    )
+
+
+def _experiment(
+    name: str,
+    drive: Drive | Record,
+    arm: Arm,
+    clocks: Mapping[str, Clock] | None,
+    frames: Mapping[str, Frame] | None,
+) -> Experiment:
+    if isinstance(drive, Record):
+        return from_record(name, drive, arm)
+    return from_drive(name, drive, arm, clocks, frames)
+
+
+def _by_name(
+    drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],
+) -> dict[str, Drive | Record]:
+    if isinstance(drives, Mapping):
+        return dict(drives)
+    return {f"run_{k + 1}": drive for k, drive in enumerate(drives)}

@@ -1,0 +1,175 @@
+r"""How well an experiment tells one effect from another: linear algebra on the gaps they would leave.
+
+If effect i is there with gap g_i (over the noise) and another one, j, is named, with probes D_j free in size
+and clocks, frames and nominal values u free within their priors, what is left is
+
+.. math:: v = g_i - [J \; D_j] x, \quad x = \arg\min |v|^2 + |u/\sigma|^2 + |\alpha/10|^2               (1)
+
+The right name leaves nothing but noise, so that the expected log Bayes factor of the right over the wrong
+name is half the squared length of v [Chaloner1995], less what no simulation is good for (eq. (4) of
+`diagnosis.evidence`),
+
+.. math:: E \ln B_{ij} = \frac{|v|^2/2}{1 + \delta^2 N_v}                                            (2)
+
+It grows with the square of the size of g_i: the size at which E ln B against no effect at all reaches a
+threshold is the smallest that is detected. What the parameters of the models cost is left out of (2); it is
+alike for rivals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.evidence import DISCREPANCY
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.nuisance import Unknowns
+from flexarm.diagnosis.screening import RIDGE, Probed
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What unknowns and effects do to the rows of experiments, everything over the noise.
+
+    Attributes
+    ----------
+    unknowns : Unknowns
+        Clocks, frames, nominal values.
+    slopes : ndarray, shape (n, m)
+        Derivatives of the rows by them.
+    probed : tuple of Probed
+        Candidates and what their probes do to the rows; variants of an effect one after the other.
+    """
+
+    unknowns: Unknowns
+    slopes: Floats
+    probed: tuple[Probed, ...]
+
+    @property
+    def effects(self) -> list[tuple[Probed, ...]]:
+        """Variants by effect and place."""
+        return [tuple(each) for _, each in groupby(self.probed, key=lambda p: p.candidate.place)]
+
+    def only(self, rows: NDArray[np.bool_]) -> Bench:
+        """With some of the rows."""
+        probed = tuple(Probed(p.candidate, p.moves[rows]) for p in self.probed)
+        return Bench(self.unknowns, self.slopes[rows], probed)
+
+    def of(self, places: Sequence[tuple[str, str]]) -> Bench:
+        """With some of the effects, in the order of the bench."""
+        wanted = set(places)
+        return Bench(self.unknowns, self.slopes, tuple(p for p in self.probed if p.candidate.place in wanted))
+
+    def beside(self, other: Bench) -> Bench:
+        """With the rows of another bench below; effects of which all variants are in both."""
+        below = {_key(p.candidate): p.moves for p in other.probed}
+        lost = {p.candidate.place for p in self.probed if _key(p.candidate) not in below}
+        probed = tuple(
+            Probed(p.candidate, np.vstack([p.moves, below[_key(p.candidate)]]))
+            for p in self.probed
+            if p.candidate.place not in lost
+        )
+        return Bench(self.unknowns, np.vstack([self.slopes, other.slopes]), probed)
+
+
+def _key(candidate: Candidate) -> str:
+    return repr(candidate.effect) + repr(candidate.probes)
+
+
+def left(bench: Bench, gaps: Floats, rival: Probed | None) -> Floats:
+    """v of (1) for gaps (n, k): rows, then what is asked of unknowns and of the rival, in sigmas."""
+    taken = set() if rival is None else taken_by(rival.candidate, bench.unknowns)
+    keep = [k for k, u in enumerate(bench.unknowns.each) if u.key not in taken]
+    slopes, sigma = bench.slopes[:, keep], bench.unknowns.sigma[keep]
+    if rival is not None:
+        slopes = np.column_stack([slopes, rival.moves])
+        sigma = np.concatenate([sigma, np.full(rival.moves.shape[1], 1.0 / RIDGE)])
+    if not len(sigma):
+        return gaps
+    return Projection(slopes, sigma).rest(gaps)  # eq. (1)
+
+
+def taken_by(candidate: Candidate, unknowns: Unknowns) -> set[str]:
+    """Unknowns that are a candidate themselves: a clock's delay as an effect has no prior of a clock."""
+    return {u.key for u in unknowns.each if u.key.startswith("effects.") and u.place == candidate.place}
+
+
+def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:
+    """Eq. (2) for each column of v, of which `rows` are data; what is asked of priors counts as one row."""
+    asked = np.linalg.norm(v[rows:], axis=0, keepdims=True)
+    all_rows = np.vstack([v[:rows], asked])
+    square = np.sum(all_rows**2, axis=0)
+    spread = square**2 / np.maximum(np.sum(all_rows**4, axis=0), 1e-300)
+    found: Floats = square / 2 / (1 + DISCREPANCY**2 * spread)  # eq. (2)
+    return found
+
+
+@dataclass(frozen=True)
+class Shown:
+    """By which of its probes an effect is shown: the one that is seen best."""
+
+    variant: int
+    probe: int
+
+
+def shown_by(bench: Bench) -> list[Shown]:
+    """Of every effect."""
+    found = []
+    for variants in bench.effects:
+        values = [
+            (float(value), Shown(k, i))
+            for k, each in enumerate(variants)
+            for i, value in enumerate(against_none(bench, each.moves))
+        ]
+        found.append(max(values, key=lambda pair: pair[0])[1])
+    return found
+
+
+def gaps_of(bench: Bench, shown: Sequence[Shown]) -> Floats:
+    """g of (1) for every effect, shape (n, effects)."""
+    columns = [
+        variants[s.variant].moves[:, s.probe] for variants, s in zip(bench.effects, shown, strict=True)
+    ]
+    return np.stack(columns, axis=1) if columns else np.empty((len(bench.slopes), 0))
+
+
+def against_none(bench: Bench, gaps: Floats) -> Floats:
+    """E ln B of every gap against no effect at all."""
+    return expected_log_bayes_factor(left(bench, gaps, None), len(gaps))
+
+
+def matrix(bench: Bench, shown: Sequence[Shown]) -> Floats:
+    """E ln B_ij of (2), shape (effects, effects); a rival has the best of its variants. The diagonal is 0."""
+    gaps = gaps_of(bench, shown)
+    columns = []
+    for variants in bench.effects:
+        each = [expected_log_bayes_factor(left(bench, gaps, rival), len(gaps)) for rival in variants]
+        columns.append(np.min(each, axis=0))
+    found = np.stack(columns, axis=1) if columns else np.empty((0, 0))
+    np.fill_diagonal(found, 0.0)
+    return found
+
+
+def cliques(tied: NDArray[np.bool_]) -> list[tuple[int, ...]]:
+    """Largest groups of which all pairs are tied, largest first [Bron1973]."""
+    neighbours = [set(np.flatnonzero(row).tolist()) - {i} for i, row in enumerate(tied)]
+    found: list[tuple[int, ...]] = []
+
+    def grow(group: set[int], open_: set[int], done: set[int]) -> None:
+        if not open_ and not done:
+            if len(group) > 1:
+                found.append(tuple(sorted(group)))
+            return
+        pivot = max(open_ | done, key=lambda i: len(open_ & neighbours[i]))
+        for i in sorted(open_ - neighbours[pivot]):
+            grow(group | {i}, open_ & neighbours[i], done & neighbours[i])
+            open_, done = open_ - {i}, done | {i}
+
+    grow(set(), set(range(len(tied))), set())
+    return sorted(found, key=lambda group: (-len(group), group))

@@ -1,1 +1,0 @@
-"""What to measure: before a campaign (`flexarm.plan`), and next, after a diagnosis."""

@@ -1,0 +1,135 @@
+r"""Least squares in which linear unknowns with priors are eliminated.
+
+    C(r) = min over x of |r + J x|^2 + |x/sigma|^2                                                    (1)
+
+r are residuals over their noise, J their derivatives by unknowns x that are counted from the centres of their
+priors. With A = [J sigma; 1] = Q R and b = [r; 0],
+
+    C(r) = |b - Q Q^T b|^2,     x = -sigma R^-1 Q^T b                                                 (2)
+
+so that one factorisation serves every r. `rest` of two candidates are compared, fitted and projected as plain
+vectors then. Source: variable projection, [Golub2003].
+
+A model with effects that were fitted, and what was eliminated along.
+
+    residual = r(z),    rest = what clocks, frames and nominal values leave of it,    C = |rest|^2     (1)
+
+`diagnosis.estimator` makes fits, `projection` says what is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.linalg import LinAlgError
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.nuisance import Unknowns
+from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.residual_rows import CORNERS, has_corners
+from flexarm.errors import InvalidParameter, NotConverged
+
+
+class Projection:
+    """Residuals without what unknowns explain.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (n, k)
+        J of (1).
+    sigma : ndarray, shape (k,)
+        Of the priors; infinite: none.
+    """
+
+    def __init__(self, slopes: Floats, sigma: Floats) -> None:
+        count = slopes.shape[1]
+        known = np.isfinite(sigma)
+        norm = np.linalg.norm(slopes, axis=0)
+        self.scale = np.where(known, sigma, 1.0 / np.where(norm > 0, norm, 1.0))
+        rows = np.vstack([slopes * self.scale, np.diag(known.astype(float))])
+        self.q, self.r = np.linalg.qr(rows)
+        self.slopes, self.sigma = slopes, sigma
+        self.added = count
+
+    def rest(self, residual: Floats) -> Floats:
+        """b - Q Q^T b of (2), shape (n + k, ...): its square is C of (1)."""
+        b = np.concatenate([residual, np.zeros((self.added, *residual.shape[1:]))])
+        found: Floats = b - self.q @ (self.q.T @ b)
+        return found
+
+    def best(self, residual: Floats) -> Floats:
+        """x of (2), shape (k,)."""
+        b = np.concatenate([residual, np.zeros(self.added)])
+        found: Floats = -self.scale * np.linalg.lstsq(self.r, self.q.T @ b, rcond=None)[0]
+        return found
+
+    def best_within(self, residual: Floats, reach: Floats) -> Floats:
+        """x of (1) with |x| <= reach, shape (k,); infinite reach is no bound."""
+        from scipy.optimize import lsq_linear
+
+        b = np.concatenate([residual, np.zeros(self.added)])
+        bound = reach / self.scale
+        return np.asarray(self.scale * lsq_linear(self.r, -self.q.T @ b, (-bound, bound)).x)
+
+    def covariance(self) -> Floats:
+        """Of x, shape (k, k), if the residuals are white noise of size one."""
+        inverse = np.linalg.pinv(self.r)
+        scaled = self.scale[:, None] * inverse
+        found: Floats = scaled @ scaled.T
+        return found
+
+
+FAILED = (InvalidParameter, NotConverged, LinAlgError)
+"""Where there is no fit: of models that cannot be simulated, and of least squares without a solution."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model with a set of effects, fitted.
+
+    Attributes
+    ----------
+    members : tuple of Candidate
+        The effects, each at its optimum.
+    coordinates, z : tuple of Coordinate and ndarray, shape (k,)
+        What was fitted, in sigmas of the priors.
+    residual : ndarray, shape (n,)
+        Of that model, eq. (1) of `observed`.
+    rest : ndarray, shape (n + m,)
+        Of which clocks, frames and nominal values explain nothing more.
+    slopes : ndarray, shape (n, k)
+        Derivatives of `residual` by z.
+    unknowns, projection
+        What was eliminated.
+    """
+
+    members: tuple[Candidate, ...]
+    coordinates: tuple[Coordinate, ...]
+    z: Floats
+    residual: Floats
+    rest: Floats
+    slopes: Floats
+    unknowns: Unknowns
+    projection: Projection
+
+    @property
+    def cost(self) -> float:
+        """C of (1)."""
+        return float(self.rest @ self.rest)
+
+    @property
+    def has_corners(self) -> bool:
+        """Whether some law of the model has corners."""
+        return has_corners(self.unknowns.arm) or any(member.name in CORNERS for member in self.members)
+
+    @property
+    def places(self) -> tuple[tuple[str, str], ...]:
+        """Name and place of each effect."""
+        return tuple(member.place for member in self.members)
+
+    def key(self, k: int) -> tuple[str, str, str]:
+        """Name and place of the effect of coordinate k, and its parameter."""
+        coordinate = self.coordinates[k]
+        return (*self.members[coordinate.candidate].place, coordinate.name)

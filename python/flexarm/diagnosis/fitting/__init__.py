@@ -1,1 +1,0 @@
-"""Effects, clocks, frames and uncertain values fitted through the full simulation."""

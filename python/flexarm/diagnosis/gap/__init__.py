@@ -1,1 +1,0 @@
-"""Where a gap is and what it follows, and how small it could be: the pictures before any name."""

@@ -1,0 +1,122 @@
+r"""Normal equations of a fit, in which effects, clocks, frames and nominal values move together.
+
+    H = J^T W J + Lambda,     x = -H^-1 g                                                            (1)
+
+J are derivatives of residuals, W the rows' weights, Lambda those of priors. Parameters differ by powers of
+ten, so that H is kept with a diagonal of ones, S H S, and what is unknown is told from what is small by its
+eigenvalues there: directions of which neither data nor priors say anything have no inverse.
+
+A fit with the rows weighed by what they are worth, to first order.
+
+Fits weigh rows by their stated noise. Where a gap stays, that is far more than they are worth, and nominal
+values and effects run many sigmas from their priors after a remainder that is none of theirs. The evidence,
+which weighs rows by W, is greatest elsewhere: where
+
+.. math:: (r + J_z \Delta z + J_x x)^T W (r + J_z \Delta z + J_x x) + |x/\sigma|^2
+          + |\rho + \rho' \Delta z|^2                                                                (1)
+
+is least; x are clocks, frames and nominal values from the centres of their priors, z the effects' parameters,
+rho the rows of their priors (`diagnosis.parameters`). The step taken is that of (1) less the one of (1) with
+W = 1, so that a fit that leaves only noise stays where it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.parameters import prior_rows
+
+HELD = 1.0 / 9.0
+"""Weight of an effect's prior, as in `least_squares`."""
+UNKNOWN = 1e-15
+"""Part of the greatest eigenvalue below which a direction is unknown: nothing but rounding."""
+ROUNDED = 1e-10
+"""The same where rows were taken away: their rounding stays."""
+
+
+@dataclass(frozen=True)
+class Normal:
+    """H of (1): `hessian` is S H S, `scale` the diagonal of S, `unknown` as `UNKNOWN`."""
+
+    hessian: Floats
+    scale: Floats
+    unknown: float = UNKNOWN
+
+    @classmethod
+    def of(
+        cls, slopes: Floats, prior: Floats, weight: Floats | None = None, unknown: float = UNKNOWN
+    ) -> Normal:
+        """From J of shape (n, m), the diagonals of Lambda and of W, all ones if not given."""
+        weighed = slopes if weight is None else weight[:, None] * slopes
+        scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes * weighed, axis=0) + prior, 1e-300))
+        hessian = (slopes * scale).T @ (weighed * scale) + np.diag(prior * scale**2)
+        return cls(hessian, scale, unknown)
+
+    def without(self, slopes: Floats) -> Normal:
+        """The same less rows of which these are J."""
+        own = slopes * self.scale
+        return Normal(self.hessian - own.T @ own, self.scale, ROUNDED)
+
+    def solved(self, gradient: Floats) -> Floats:
+        """H^-1 times vectors of shape (m, ...)."""
+        root = self.root()
+        found: Floats = root @ (root.T @ gradient)
+        return found
+
+    def inverse(self) -> Floats:
+        """H^-1."""
+        root = self.root()
+        found: Floats = root @ root.T
+        return found
+
+    def root(self) -> Floats:
+        """R of H^-1 = R R^T."""
+        values, vectors = np.linalg.eigh(self.hessian)
+        known: NDArray[np.bool_] = values > self.unknown * values.max(initial=0.0)
+        found: Floats = self.scale[:, None] * vectors[:, known] / np.sqrt(values[known])
+        return found
+
+
+def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
+    """J, the residuals that unknowns leave, and the diagonal of Lambda, at the optimum of a fit."""
+    x = fit.projection.best(fit.residual)
+    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
+    residual = fit.residual + fit.projection.slopes @ x
+    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.coordinates]
+    return slopes, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
+
+
+NO_WEIGHT = 1e-12
+"""Of `Normal`: what rows of little weight and no prior hardly know stays where it is."""
+
+
+def weighed(fit: Fit, weight: Floats) -> tuple[Floats, Floats]:
+    """What a fit leaves, as `rest` of `diagnosis.fit`, and its z, where rows have weights of shape (n,)."""
+    if (weight == 1.0).all():
+        return fit.rest, fit.z
+    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
+    step = _least(fit, slopes, weight) - _least(fit, slopes, np.ones_like(weight))
+    k = len(fit.z)
+    in_sigmas = step[k:] / fit.projection.sigma
+    return fit.rest + np.concatenate([slopes @ step, in_sigmas]), fit.z + step[:k]
+
+
+def tempered(fit: Fit) -> Floats:
+    """x of a fit, shape (m,), where rows are worth what it leaves of them in the mean."""
+    each = np.full(len(fit.residual), 1.0 / max(1.0, fit.cost / len(fit.residual)))
+    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
+    step = _least(fit, slopes, each) - _least(fit, slopes, np.ones_like(each))
+    return fit.projection.best(fit.residual) + step[len(fit.z) :]
+
+
+def _least(fit: Fit, slopes: Floats, weight: Floats) -> Floats:
+    """Where (1) is least: dz and x."""
+    rows, bends = prior_rows(fit.coordinates, fit.z)
+    held = np.concatenate([bends**2, 1.0 / fit.projection.sigma**2])
+    pull = np.concatenate([bends * rows, np.zeros_like(fit.projection.sigma)])
+    return -Normal.of(slopes, held, weight, NO_WEIGHT).solved(slopes.T @ (weight * fit.residual) + pull)

@@ -1,0 +1,111 @@
+r"""Whether a parameter is the same in every record: a right name's stays, a wrong one's drifts.
+
+Each record alone determines the fitted parameters, to first order about the fit of all,
+
+.. math:: p_r = p - (J_r^T J_r + \Lambda)^{-1} (J_r^T r_r + \Lambda (p - c))                           (1)
+
+with the priors c, Lambda of clocks, frames and nominal values. If they estimate one number with variances
+s_r^2, Cochran's Q = sum (p_r - mean)^2/s_r^2 is chi-squared with one degree of freedom less than there are
+records [Cochran1954]. The variance of a sample is that of the remainder, correlation included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from flexarm.diagnosis.evidence import Channel
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.generalised_least_squares import Normal, joint_slopes
+from flexarm.diagnosis.problem import Observed
+
+UNLIKELY = 1e-3
+"""p of Q below which a parameter is said to move."""
+MOVES = 0.1
+"""Least part of itself by which it then moves."""
+
+
+def constancy(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> list[dict[str, Any]]:
+    """Each effect's parameters by record; keys as `Diagnosis.constancy` says. Empty for one record."""
+    names = list(observed.records)
+    if len(names) < 2 or not len(fit.z):
+        return []
+    from scipy.stats import chi2
+
+    alone = {name: _alone(fit, observed, value, name) for name in names}
+    found = []
+    for j, coordinate in enumerate(fit.coordinates):
+        prior = coordinate.prior
+        if prior.scale == "uniform":
+            continue
+        steps = {name: (moved[j], std[j]) for name, (moved, std) in alone.items()}
+        known = {name: pair for name, pair in steps.items() if pair[1] < 1.0 and abs(pair[0]) < 20.0}
+        if len(known) < 2:
+            continue
+        weights = np.array([1 / std**2 for _, std in known.values()])
+        moved = np.array([each for each, _ in known.values()])
+        mean = float(weights @ moved / weights.sum())
+        q = float(weights @ (moved - mean) ** 2)
+        z = float(fit.z[j])
+        values = {
+            name: (coordinate.value(z + a), abs(coordinate.slope(z + a)) * s)
+            for name, (a, s) in known.items()
+        }
+        spread = max(v for v, _ in values.values()) - min(v for v, _ in values.values())
+        p = float(chi2.sf(q, len(known) - 1))
+        size = abs(coordinate.value(z))
+        member = fit.members[coordinate.candidate]
+        constant = p > UNLIKELY or spread < MOVES * size
+        found.append(
+            {
+                "effect": member.name,
+                "at": member.at,
+                "parameter": coordinate.name,
+                "unit": prior.unit,
+                "values": values,
+                "q": q,
+                "p_value": p,
+                "constant": constant,
+                "moves_with": "" if constant else moves_with(observed, values),
+            }
+        )
+    return found
+
+
+def _alone(
+    fit: Fit, observed: Observed, value: Mapping[Channel, float], name: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Steps and standard deviations of the parameters from one record, eq. (1)."""
+    slopes, residual, prior = joint_slopes(fit)
+    best = np.concatenate([np.zeros(len(fit.z)), fit.projection.best(fit.residual)])
+    weight = np.zeros(len(residual))
+    for each, where in observed.channels():
+        if each.record == name:
+            weight[where] = 1.0 / value[each.record, each.signal, each.channel]
+    prior = prior.copy()
+    prior[: len(fit.z)] = 1e-4  # the record alone shall say it
+    inverse = Normal.of(slopes, prior, weight).inverse()
+    gradient = slopes.T @ (weight * residual) + prior * best
+    return -inverse @ gradient, np.sqrt(np.diag(inverse))
+
+
+def moves_with(observed: Observed, values: Mapping[str, tuple[float, float]]) -> str:
+    """What differs between the records among which a parameter moves."""
+    records = [observed.records[name] for name in values]
+    loads = {tuple((k, v.mass) for k, v in record.payloads.items()) for record in records}
+    if len(loads) > 1:
+        return "payload"
+    if len({tuple((k, v.length) for k, v in record.links.items()) for record in records}) > 1:
+        return "length"
+    rates, middles = [], []
+    for record in records:
+        signals = [record.signals[name] for name in record.drive if record.signals[name].pose is None]
+        if signals:
+            angle = [s.values[np.isfinite(s.values[:, 0]), 0] for s in signals]
+            rates.append(max(float(np.ptp(a)) / max(len(a), 1) for a in angle))
+            middles.append([float(a.mean()) for a in angle])
+    if rates and max(rates) > 1.3 * min(rates):
+        return "speed"
+    return "pose" if middles and np.ptp(np.array(middles), axis=0).max() > 0.1 else "record"

@@ -1,0 +1,207 @@
+"""Nominal values that moved: by how much, in their own unit and in the sigmas that the model states.
+
+    moved = value - nominal,    pull = moved/sigma                                                   (1)
+
+A value is determined by the data if they leave less than `KEPT` of its stated sigma.
+
+Nominal values that the data leave open go back to where the model had them.
+
+A fit within stated uncertainties moves everything a little: what the data do not determine moves along with
+what they do. The repaired model shall not claim that. So such values are put back, all together, unless the
+gap on the training would grow by it: five lengths of which only the sum shows are each left open, and yet
+must not all go back.
+
+Effects of a size that nothing has, above all where it rests where fits end and the data ask for more.
+
+A fit lets a parameter go far beyond what machines have (`diagnosis.parameters`), so that a mass that was
+written down wrong is found. What is still at the end of that is no size: the limit of the law, a rigid link
+or none at all, fits best, and it stands in for something that no name covers. Only a load may be none at all:
+a gripper that let go of it carries nothing, which is told as a thirtieth of the mass that was written down.
+
+A size beyond `FAR` sigmas that is not at an end is believed where it explains nearly all, as the true one
+does. The larger part of a gap that others may leave is for nominal values that are a little off
+(`diagnosis.acceptance`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import floor, isfinite, log10
+from typing import TYPE_CHECKING
+
+from flexarm.arm.parameter import parameters, path_of, with_value
+from flexarm.comparison.align import KEPT
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.parameters import Coordinate
+from flexarm.wording import listed, place_words, scale, signed, with_unit
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.comparison.comparison import Comparison
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import Refined
+
+
+STILL = 1e-3
+"""Of its 1 sigma a value may move and still count as where it was."""
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A refined value beside what was stated of it.
+
+    Attributes
+    ----------
+    refined : Refined
+        The value.
+    sigma : float or None
+        1 sigma that the model states; None if it states none.
+    """
+
+    refined: Refined
+    sigma: float | None
+
+    @property
+    def moved(self) -> float:
+        """From the nominal value, eq. (1)."""
+        return self.refined.value - self.refined.nominal
+
+    @property
+    def pull(self) -> float | None:
+        """In stated sigmas, eq. (1)."""
+        return self.moved / self.sigma if self.sigma else None
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data say more than was known."""
+        return self.sigma is None or self.refined.std < KEPT * self.sigma
+
+    @property
+    def changed(self) -> bool:
+        """Whether the repaired model has another value; those that are left open mostly have not."""
+        return abs(self.moved) > STILL * self.refined.std
+
+    @property
+    def texts(self) -> tuple[str, str, str]:
+        """Moved and 1 sigma with the digits that this leaves, and the unit of both."""
+        std = self.refined.std
+        factor, unit = scale([self.moved, std], self.refined.unit)
+        if not isfinite(std) or std <= 0:
+            return signed(factor * self.moved, 2), "–", unit
+        places = max(0, min(9, 1 - floor(log10(factor * std))))
+        return signed(factor * self.moved, places), f"{factor * std:.{places}f}", unit
+
+
+def refinements(diagnosis: Diagnosis) -> Iterator[Refinement]:
+    """All refined values of a diagnosis."""
+    for each in diagnosis.refined:
+        yield Refinement(each, stated_sigma(diagnosis.arm, each.parameter))
+
+
+def stated_sigma(arm: Arm, key: str) -> float | None:
+    """1 sigma that `[uncertainty]` gives a parameter: of the value itself or of the vector it is part of.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model.
+    key : str
+        The parameter, such as "points.tip.position.x"; the model's own key may end in a unit.
+    """
+    for given in arm.uncertainty:
+        if key in {parameter.key for parameter in parameters(arm, given)}:
+            _, sigma = arm.sigma(given)
+            component = path_of(arm, key).component or 0
+            return float(sigma[component] if isinstance(sigma, tuple) else sigma) or None
+    return None
+
+
+GROWTH = 0.01
+"""Growth of the rms gap of a signal, over the larger of gap and noise, that counts as none."""
+
+
+def left_open(
+    arm: Arm,
+    updated: Arm,
+    refined: tuple[Refined, ...],
+    gaps: Callable[[Arm], Mapping[str, Comparison]],
+) -> tuple[Arm, tuple[Refined, ...]]:
+    """The repaired model and its refined values, with those that the data leave open as they were.
+
+    Parameters
+    ----------
+    arm, updated : Arm
+        The nominal and the repaired model.
+    refined : tuple of Refined
+        What moved.
+    gaps : callable
+        The gap of a model by record of the training.
+    """
+    open_ones = [
+        each for each in refined if not Refinement(each, stated_sigma(arm, each.parameter)).determined
+    ]
+    if updated is arm or not open_ones:
+        return updated, refined
+    back = updated
+    for each in open_ones:
+        back = with_value(back, each.parameter, each.nominal)
+    if _grows(gaps(updated), gaps(back)):
+        return updated, refined
+    return back, tuple(replace(each, value=each.nominal) if each in open_ones else each for each in refined)
+
+
+def _grows(before: Mapping[str, Comparison], after: Mapping[str, Comparison]) -> bool:
+    """Whether any signal of any record is missed by more."""
+    for name, comparison in before.items():
+        for signal, gap in comparison.evidence.items():
+            other = after[name].evidence.get(signal)
+            old, new = gap.rms["total"], None if other is None else other.rms["total"]
+            if old is not None and (new is None or new - old > GROWTH * max(old, gap.noise_rms or 0.0)):
+                return True
+    return False
+
+
+NEAR = 0.98
+"""Part of its bound at which a parameter rests there."""
+FAR = 4.0
+"""Sigmas of a logarithmic prior beyond which a size is one of some ten thousand."""
+MAY_VANISH = ("payload_mass",)
+"""Effects of which the lower end is something that machines have."""
+
+
+def sizes(fit: Fit) -> Iterator[tuple[int, Coordinate, float]]:
+    """Number, coordinate and z of what sizes each effect, unless it is an angle or a load that is none."""
+    for k, (coordinate, z) in enumerate(zip(fit.coordinates, fit.z, strict=True)):
+        effect, _, name = fit.key(k)
+        is_size = name == fit.members[coordinate.candidate].free[0] and coordinate.prior.scale != "uniform"
+        if is_size and not (z < 0 and effect in MAY_VANISH):
+            yield k, coordinate, float(z)
+
+
+def far_out(fit: Fit) -> bool:
+    """Whether the size of an effect is beyond `FAR` sigmas of a logarithmic prior."""
+    return any(each.prior.scale == "log" and abs(z) > FAR for _, each, z in sizes(fit))
+
+
+def at_ends(fit: Fit) -> list[str]:
+    """Words on each effect of which the size is where fits end."""
+    found = []
+    for k, coordinate, z in sizes(fit):
+        if abs(z) > NEAR * coordinate.bound:
+            *place, name = fit.key(k)
+            prior = coordinate.prior
+            value, low, high = (
+                with_unit(each, prior.unit) for each in (coordinate.value(z), prior.low, prior.high)
+            )
+            found.append(
+                f"{name} of {place_words(*place)} rests where fits end, at {value} (95 % of machines have "
+                f"{low} to {high})"
+            )
+    return found
+
+
+def ends_sentence(fit: Fit) -> str:
+    """The same as a sentence of what remains; empty where no effect is at an end."""
+    found = at_ends(fit)
+    return f"What fits best has a value that no machine has: {listed(found)}." if found else ""

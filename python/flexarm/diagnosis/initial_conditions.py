@@ -1,0 +1,122 @@
+"""What an arm swings with when its record begins, as unknowns.
+
+A record that begins in motion does not tell what the arm did before. Whatever it was, free vibrations are
+left of it, and those are the same that jerks of the drives before the first sample leave (eq. (2) of
+`drive.lead_in`). A jerk half a period long excites a mode; one that ends with the lead-in and one that ends a
+quarter of a period earlier excite it in both phases. So the residual changes by
+
+    r = r_0 + sum_k (r(jerk_k) - r_0)/h x_k                                                           (1)
+
+in proportion to how strong each jerk was, x_k, which nobody knows. Of the jerks of all drives for the lowest
+modes those are taken that leave something of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.drive import Drive
+from flexarm.drive.lead_in import LEAD
+from flexarm.errors import InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.problem import Observed
+
+
+MODES = 3
+"""Lowest modes that may swing."""
+SIGMA = 0.01
+"""1 sigma of a jerk [rad, m for a prismatic joint]: decimetres at the tip of a long arm."""
+HEIGHT = 1e-4
+"""h of (1), in the same unit."""
+FINER = 3
+"""Steps of fits over those of (1): what rings on must not fall out of step, (omega h)^2/12 of a turn each."""
+SEEN, OWN = 3.0, 0.03
+"""What a jerk of one sigma leaves beside the others: least length over the noise, and over the greatest."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """A jerk of a joint's drive before a record.
+
+    Attributes
+    ----------
+    record, joint : str
+        Whose.
+    before, width : float
+        How long before the first sample it ends, and how long it lasts [s].
+    unit : str
+        Of its height.
+    """
+
+    record: str
+    joint: str
+    before: float
+    width: float
+    unit: str
+
+    @property
+    def key(self) -> str:
+        """Among the parameters of a model, which it is none of."""
+        return f"records.{self.record}.start.{self.joint} {self.width:.3g} s {self.before:.3g} s"
+
+
+def starts_of(observed: Observed, arm: Arm) -> tuple[Start, ...]:
+    """Those of the records that begin in motion, for the modes of a model."""
+    found: list[Start] = []
+    for name, record in observed.records.items():
+        if record.initial != "moving" or record.kind == "static":
+            continue
+        drive = observed.runs.drive(name, record.applied_to(arm))
+        if drive.lead > 0:
+            found += _independent(observed, arm, _possible(name, record.applied_to(arm), drive))
+    return tuple(found)
+
+
+def start_slopes(observed: Observed, arm: Arm, starts: Sequence[Start]) -> Floats:
+    """Columns of (1), shape (n, len(starts)); zero for records that are not observed."""
+    found = np.zeros((len(observed), len(starts)))
+    mine = [k for k, start in enumerate(starts) if start.record in observed.records]
+    finer = observed.with_step(observed.step / FINER)
+    before = finer.residual(arm) if mine else np.zeros(0)
+    for k in mine:
+        after = before.copy()
+        finer.put(after, starts[k].record, finer.runs.jerked(starts[k], arm, HEIGHT))
+        found[:, k] = (after - before) / HEIGHT  # eq. (1)
+    return found
+
+
+def _possible(name: str, arm: Arm, drive: Drive) -> list[Start]:
+    """Jerks of every drive for every mode about the pose in which the record begins."""
+    from flexarm.modal import modes
+
+    pose = {joint: float(motion(drive.start)) for joint, motion in drive.joints.items()}
+    try:
+        frequencies = modes(arm, joints={**drive.rest, **pose}, count=MODES).frequency_hz
+    except (InvalidParameter, NotConverged):
+        return []
+    return [
+        Start(name, joint, before, width, "m" if arm.joint(joint).type == "prismatic" else "rad")
+        for width in np.minimum(0.5 / frequencies, LEAD / 2).tolist()
+        for joint in drive.joints
+        for before in (0.0, width / 2)
+    ]
+
+
+def _independent(observed: Observed, arm: Arm, starts: Sequence[Start]) -> list[Start]:
+    """Those that leave something of their own, by elimination with column pivoting."""
+    from scipy.linalg import qr
+
+    if not starts:
+        return []
+    columns = SIGMA * start_slopes(observed, arm, starts)
+    _, R, order = qr(columns, mode="economic", pivoting=True)
+    own = np.abs(np.diag(R))
+    kept = order[: int(np.sum((own > SEEN) & (own > OWN * own[0])))]
+    return [starts[k] for k in sorted(kept)]

@@ -1,0 +1,131 @@
+"""Derivatives of the residuals of records by parameters of the model, in the cheapest way that is exact.
+
+Of poses they follow from the derivatives of equilibria, one run for all parameters. A point of which only
+positions are measured moves in its link with the link's section,
+
+    dp/do = R,                                                                                         (1)
+
+without another run. All else is differences of runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import neighbours, parameters
+from flexarm.arrays import Floats
+from flexarm.comparison.poses import pose_numbers, solve_poses
+from flexarm.diagnosis.residual_rows import put_over_noise
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.slopes import predict_slopes
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.problem import Observed
+
+
+PART = 3e-4
+"""Of a parameter, for differences of runs.
+
+Newton's iterations stop a ten-millionth of a metre apart: for an arm that swings on for 30 s, 3e-5 of its
+modulus left up to 7 % of the derivative, ten times that a tenth of it.
+"""
+SHIFT = 1e-4
+"""Of a point, for a difference that is exact to rounding [m]."""
+
+
+def differences(
+    observed: Observed, arm: Arm, keys: Sequence[str], steps: Mapping[str, float] = MappingProxyType({})
+) -> Floats:
+    """From runs with each parameter a little larger and smaller, of points from (1); shape (n, len(keys)).
+
+    `steps` are those of some parameters, if not small.
+    """
+    found = np.zeros((len(observed), len(keys)))
+    wanted = parameters(arm, list(keys))
+    seen = {p.key for p in wanted if _only_seen(observed, p.key)}
+    pairs = {p.key: neighbours(arm, p, steps.get(p.key), PART) for p in wanted if p.key not in seen}
+    observed.prepare(model for pair in pairs.values() for model, _ in pair)
+    for k, key in enumerate(p.key for p in wanted):
+        if key in seen:
+            found[:, k] = _point_slope(observed, arm, key)
+        else:
+            (above, up), (below, down) = pairs[key]
+            found[:, k] = (observed.residual(above) - observed.residual(below)) / (up - down)
+    return found
+
+
+def pose_slopes(observed: Observed, arm: Arm, keys: Sequence[str]) -> Floats | None:
+    """From the derivatives of equilibria, shape (n, len(keys)).
+
+    None where records are motions, orientations are measured, or a law has no derivative.
+    """
+    records = observed.records
+    signals = {(each.record, each.signal) for each in observed.rows}
+    if any(
+        records[record].kind != "static" or records[record].signals[signal].quantity == "orientation"
+        for record, signal in signals
+    ):
+        return None
+    found = np.empty((len(observed), len(keys)))
+    try:
+        for name in records:
+            _put_pose_slopes(found, observed, arm, name, list(keys))
+    except InvalidParameter:
+        return None
+    return found
+
+
+def _put_pose_slopes(found: Floats, observed: Observed, arm: Arm, name: str, keys: list[str]) -> None:
+    record, placement = observed.records[name], observed.placement[name]
+    run = solve_poses(record.applied_to(arm), record, sensitivities=keys)
+    stamps = pose_numbers(record)
+
+    def of_signal(name: str) -> Floats:
+        signal = record.signals[name]
+        frame = placement.frame(signal)
+        return -predict_slopes(run, signal, registration=frame, stamps=stamps[name])
+
+    put_over_noise(found, observed.rows_of(name), of_signal)
+
+
+def _only_seen(observed: Observed, key: str) -> bool:
+    """Whether a parameter is the place of a point of which only positions are measured."""
+    table, name, *_ = key.split(".")
+    if table != "points":
+        return False
+    records = observed.records.values()
+    signals = [s for record in records for s in record.signals.values() if s.point == name]
+    return all(signal.quantity == "position" for signal in signals)
+
+
+def _point_slope(observed: Observed, arm: Arm, key: str) -> Floats:
+    """Derivative by the place of a point in its link."""
+    _, point, _, axis = key.split(".")
+    found = np.zeros(len(observed))
+    for name, record in observed.records.items():
+        pair = observed.runs.beside(name, arm)
+        rows = [row for row in observed.rows_of(name) if record.signals[row.signal].point == point]
+        run = pair.simulation
+        i = run.points.index(point)
+        move = np.zeros_like(run.position)
+        move[:, i] = _turned(run.orientation[:, i], "xyz".index(axis))  # eq. (1)
+        ends = np.zeros((2, len(observed)))
+        for end, shift in zip(ends, (SHIFT, -SHIFT), strict=True):
+            shifted = replace(run, position=run.position + shift * move)
+            observed.put(end, name, replace(pair, simulation=shifted), rows)
+        found += (ends[0] - ends[1]) / (2 * SHIFT)
+    return found
+
+
+def _turned(quaternion: Floats, axis: int) -> Floats:
+    """An axis of the section in base axes, shape (n, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    found: Floats = Rotation.from_quat(quaternion).as_matrix()[:, :, axis]
+    return found

@@ -1,0 +1,261 @@
+"""Effects fitted through the full simulation: the least-squares problem, and the derivatives that solve it.
+
+    min over z of  C(r(z)) + sum_i ln(1 + (z_i/3)^2)                                                   (1)
+
+z are the effects' parameters on the scales of their priors (`diagnosis.parameters`), C the residual
+that clocks, frames and nominal values cannot explain (`projection`). The prior is widened to a third of its
+weight and has Student's wide tails, since it need not know this machine: it keeps what the data do not
+determine, such as a damping, at plausible values, and hardly moves what they do.
+
+SciPy's least_squares solves (1) within bounds. Its derivatives come from a model that was fitted nearby, or
+from finite steps, as laws that are not smooth need them, and from there on from Broyden's update
+[Broyden1965] while that foretells what a step does,
+
+    J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                          (2)
+
+A fit that does not come near another model is not finished: it ends where (1) would stay above a limit even
+if it fell twice as far once more as in the last step, or as it is foretold to fall in the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import Candidate, value_of
+from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.parameters import Coordinate, members_at, prior_rows
+from flexarm.errors import InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.estimator import Fitter
+    from flexarm.diagnosis.fit import Fit
+
+
+FORETOLD = 0.25
+"""Part of a step's effect that (2) may have missed before differences are taken anew."""
+EVALUATIONS, TOLERANCE = 8, 2e-3
+"""Most evaluations of a fit besides differences; relative tolerance of its steps, of (1) a tenth of it."""
+TAKEN_OVER = 1.0
+"""Sigmas of its prior by which a parameter may lie elsewhere in a model whose derivatives are taken over."""
+MORE = 2.0
+"""Times the last fall of (1), or the next one as foretold, that a fit is still trusted to fall."""
+
+
+class _FarOff(Exception):
+    """Ends a fit that stays above its limit."""
+
+
+class LeastSquares:
+    """Rows of (1) and their derivatives, all evaluations kept.
+
+    What cannot be simulated counts as so far off that a step there is taken back.
+
+    Attributes
+    ----------
+    nearby : Fit, optional
+        A model with some of the effects, of which the first derivatives are taken over.
+    given_up : bool
+        Whether the fit ended above its limit, before its least.
+    """
+
+    def __init__(
+        self,
+        fitter: Fitter,
+        members: tuple[Candidate, ...],
+        coordinates: tuple[Coordinate, ...],
+        projection: Projection,
+        nearby: Fit | None = None,
+    ) -> None:
+        self.fitter, self.members = fitter, members
+        self.coordinates, self.projection, self.nearby = coordinates, projection, nearby
+        self._raw: dict[bytes, Floats] = {}
+        self._slopes: dict[bytes, Floats] = {}
+        self._differences: dict[bytes, Floats] = {}
+        self._last: Floats | None = None
+        self._least, self._limit, self.given_up = inf, inf, False
+
+    def solved(
+        self,
+        start: Floats,
+        evaluations: int = EVALUATIONS,
+        tolerance: float = TOLERANCE,
+        limit: float = inf,
+    ) -> Floats:
+        """Where (1) is least within the bounds, or where it was found to stay above the limit.
+
+        Raises
+        ------
+        NotConverged, InvalidParameter
+            If the start cannot be simulated.
+        """
+        from scipy.optimize import least_squares
+
+        self.raw(start)  # an error here is the caller's
+        if not self.coordinates:
+            return start
+        bounds = np.array([c.bound for c in self.coordinates])
+        finest = float(min(self._steps(start) / [c.widest_step for c in self.coordinates]))
+        self._limit = limit
+        try:
+            found = least_squares(
+                self.rows,
+                np.clip(start, -0.99 * bounds, 0.99 * bounds),
+                self.jacobian,
+                bounds=(-bounds, bounds),
+                x_scale=1.0,
+                max_nfev=evaluations,
+                ftol=tolerance * 1e-1,
+                xtol=tolerance * finest,
+                gtol=1e-12,
+            )
+        except _FarOff:
+            self.given_up = True
+            assert self._last is not None
+            return self._last
+        return np.asarray(found.x)
+
+    def z_of(self, members: Sequence[Candidate]) -> Floats:
+        """Their parameters."""
+        return np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in self.coordinates])
+
+    def members_at(self, z: Floats) -> tuple[Candidate, ...]:
+        """The effects with these parameters."""
+        return members_at(self.members, self.coordinates, z)
+
+    def raw(self, z: Floats) -> Floats:
+        """Residuals of the model."""
+        key = z.tobytes()
+        if key not in self._raw:
+            self._raw[key] = self.fitter.residual(self.members_at(z))
+        return self._raw[key]
+
+    def rows(self, z: Floats) -> Floats:
+        """Rows of (1); where nothing can be simulated, the sum is so large that the step is taken back."""
+        try:
+            rest = self.projection.rest(self.raw(z))
+        except (NotConverged, InvalidParameter):
+            return np.full(len(self.fitter.observed) + self.projection.added + len(z), 1e4)
+        return np.concatenate([rest, prior_rows(self.coordinates, z)[0]])
+
+    def jacobian(self, z: Floats) -> Floats:
+        """Derivatives of the rows, where a step has led; the fit ends here if it stays above its limit."""
+        found = np.vstack(
+            [self.projection.rest(self.slopes_at(z)), np.diag(prior_rows(self.coordinates, z)[1])]
+        )
+        if self._limit < inf:
+            self._see_whether_near(self.rows(z), found)
+        return found
+
+    def _see_whether_near(self, rows: Floats, jacobian: Floats) -> None:
+        least = float(rows @ rows)
+        ahead = rows + jacobian @ np.linalg.lstsq(jacobian, -rows, rcond=None)[0]
+        falls = max(self._least - least, least - float(ahead @ ahead))  # the first fall is not known: inf
+        self._least = least
+        if least - MORE * falls > self._limit:
+            raise _FarOff
+
+    def slopes_at(self, z: Floats) -> Floats:
+        """Derivatives of the residuals by z, eq. (2) where that is enough."""
+        key = z.tobytes()
+        if key not in self._slopes:
+            found = self._at_start(z) if self._last is None else self._updated(z)
+            self._slopes[key] = self.differences(z) if found is None else found
+        self._last = z.copy()
+        return self._slopes[key]
+
+    def _at_start(self, z: Floats) -> Floats | None:
+        """The first derivatives, of the model nearby where it has some; None where it has none."""
+        taken = self._taken_over(z)
+        if not taken:
+            return None
+        if (exact := self._exact(z)) is not None:
+            return exact
+        fresh = [k for k in range(len(z)) if k not in taken]
+        columns = taken | dict(zip(fresh, self._columns(z, fresh).T, strict=True))
+        return np.stack([columns[k] for k in range(len(z))], axis=1)
+
+    def _taken_over(self, z: Floats) -> dict[int, Floats]:
+        """Derivatives by parameters that are the same, or nearly, in the model nearby."""
+        if self.nearby is None:
+            return {}
+        there = {self.nearby.key(k): k for k in range(len(self.nearby.z))}
+        found = {}
+        for k, coordinate in enumerate(self.coordinates):
+            i = there.get((*self.members[coordinate.candidate].place, coordinate.name))
+            if i is not None and abs(z[k] - self.nearby.z[i]) < TAKEN_OVER:
+                found[k] = self.nearby.slopes[:, i]
+        return found
+
+    def _updated(self, z: Floats) -> Floats | None:
+        """Eq. (2) from the last derivatives; None where they foretold too little.
+
+        A single difference costs as little.
+        """
+        assert self._last is not None
+        if len(z) == 1:
+            return None
+        slopes, dz = self._slopes[self._last.tobytes()], z - self._last
+        step = self.raw(z) - self.raw(self._last)
+        missed = step - slopes @ dz
+        if float(missed @ missed) > FORETOLD**2 * float(step @ step):
+            return None
+        updated: Floats = slopes + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
+        return updated
+
+    def differences(self, z: Floats) -> Floats:
+        """Derivatives from finite steps, forward or backward where there is room."""
+        key = z.tobytes()
+        if key not in self._differences:
+            exact = self._exact(z)
+            if exact is not None:
+                self._differences[key] = exact
+                return exact
+            self._differences[key] = self._columns(z, range(len(z)))
+        return self._differences[key]
+
+    def _columns(self, z: Floats, which: Sequence[int]) -> Floats:
+        """Differences by some parameters, shape (n, len(which))."""
+        here, steps = self.raw(z), self._steps(z)
+        ahead = z + np.diag(steps)
+        models = (self._arm(ahead[k]) for k in which)
+        self.fitter.observed.prepare(arm for arm in models if arm is not None)
+        columns = [self._column(z, k, float(steps[k]), here) for k in which]
+        return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
+
+    def _arm(self, z: Floats) -> Arm | None:
+        try:
+            return self.fitter.with_effects(self.members_at(z))
+        except InvalidParameter:
+            return None
+
+    def _exact(self, z: Floats) -> Floats | None:
+        """The same of laws without corners in poses, which have derivatives of their own."""
+        names = [(self.members[c.candidate], c.name) for c in self.coordinates]
+        arm = self._arm(z)
+        if not names or arm is None or not all(c.smooth for c in self.coordinates):
+            return None
+        keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
+        found = self.fitter.observed.pose_slopes(arm, keys)
+        slope = [c.slope(float(x)) for c, x in zip(self.coordinates, z, strict=True)]
+        return None if found is None else found * slope
+
+    def _steps(self, z: Floats) -> Floats:
+        seconds = self.fitter.observed.seconds
+        return np.array([c.step(float(x), seconds) for c, x in zip(self.coordinates, z, strict=True)])
+
+    def _column(self, z: Floats, k: int, ahead: float, here: Floats) -> Floats:
+        for step in (ahead, -ahead):
+            there = z.copy()
+            there[k] += step
+            try:
+                found: Floats = (self.raw(there) - here) / step
+            except (NotConverged, InvalidParameter):
+                continue
+            return found
+        return np.zeros_like(here)

@@ -1,0 +1,90 @@
+"""Rows that stand alone in what a model leaves: outliers that the gap had hidden.
+
+While nobody knows what the model lacks, a reading is an outlier only if it stands out of the whole gap
+(`validation.outliers`). Beside a model that explains the gap what is left is noise, and r_i is a stray if it
+is off the median m_i of its seven neighbours by
+
+    |r_i - m_i| > STRAY max(sigma, s),   s = 1.48 median |r - m|                                      (1)
+
+and by more than twice what most rows around it are. Of white noise one row in ten millions is. Torques,
+accelerations and strains jump by themselves where teeth strike: of those a stray is besides beyond twice the
+range of all others. A fit that squares strays leaves a gap where there is none; they are left out, as a loss
+would that rejects [Huber1981], if without them nothing is left. Of what a model leaves that does not explain
+the gap nothing is taken. What is held out loses its strays beside the repaired model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.acceptance import leaves_gap
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.problem import Observed
+from flexarm.measurement.outliers import SMOOTH, beyond_all, nearby, off_the_median
+from flexarm.record import Record
+
+STRAY, AROUND = 6.0, 2.0
+"""How far a stray is off, over the noise and over what most rows around it are."""
+MOST = 0.15
+"""Of the rows of a channel: where more are off, that is what the channel does."""
+
+
+def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
+    """Rows of motions that are strays by (1) in what a model leaves, shape (n,)."""
+    found = np.zeros(len(observed), dtype=bool)
+    for each, where in observed.channels():
+        record = observed.records[each.record]
+        if record.kind == "static":
+            continue
+        values = rest[where][:, None]
+        rows, off, usual = off_the_median(values)
+        if not len(rows):
+            continue
+        size = np.abs(off)
+        far = ((size > STRAY * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (1)
+        if far.any() and record.signals[each.signal].quantity not in SMOOTH:
+            far &= beyond_all(values, far)
+        if far.mean() < MOST:
+            found[where.start + rows] = far
+    return found
+
+
+def hidden_strays(best: Fit, null: Fit, observed: Observed) -> NDArray[np.bool_]:
+    """Strays without which a model leaves no gap; none where it leaves none anyhow, or one all the same."""
+    nothing = np.zeros(len(observed), dtype=bool)
+    if not leaves_gap(best, null, observed):
+        return nothing
+    found = strays(best.rest, observed)
+    rest = best.rest.copy()
+    rest[np.flatnonzero(found)] = 0.0
+    return nothing if leaves_gap(replace(best, rest=rest), null, observed) else found
+
+
+def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], observed: Observed) -> dict[str, Record]:
+    """Records without the readings of a mask of rows, in all their channels."""
+    found = dict(records)
+    for each, where in observed.channels():
+        record = found[each.record]
+        values = record.signals[each.signal].values.copy()
+        values[np.flatnonzero(each.kept)[out[where]]] = np.nan
+        signal = replace(record.signals[each.signal], values=values)
+        found[each.record] = replace(record, signals={**record.signals, each.signal: signal})
+    return found
+
+
+def strays_told(found: NDArray[np.bool_], observed: Observed) -> list[str]:
+    """A sentence for each signal of a record that has some."""
+    counts: dict[tuple[str, str], int] = {}
+    for each, where in observed.channels():
+        key = (each.signal, each.record)
+        counts[key] = counts.get(key, 0) + int(found[where].sum())
+    return [
+        f"{count} value{'s' * (count > 1)} of {signal} in {record} left out: outliers that the gap had hidden"
+        for (signal, record), count in counts.items()
+        if count
+    ]

@@ -1,0 +1,1 @@
+"""Moves of the search: proposals of larger models."""

@@ -1,0 +1,238 @@
+r"""Effects that take over what a clock, a frame or a nominal value is strained to do.
+
+A value far outside of what is stated of it stands in for an effect that moves the arm as it does: a modulus
+for a link that is stiffer, a clock for a sensor that is late. About the nominal model the two may look apart,
+as the finite steps of probes bend, and as that model's arm swings out of step with the machine's. So both are
+laid side by side about the fit that is strained, with small steps. An effect with the derivatives D takes
+over the move :math:`J_u x_u` of an unknown u where
+
+.. math:: R_u^2 = 1 - \min_\alpha |J_u x_u - D \alpha|^2 / |J_u x_u|^2 > \text{ALIKE},               (1)
+
+and with it what else it is the `SAME` as, such as all of a frame. Its fit starts with these unknowns back
+where they are stated, and with the size that makes up for them.
+
+What one effect moves may be told as several unknowns at once: a longer link as two points off along it, each
+of which moves a part of that. The moves of unknowns are added up, the most alike first, while each leaves at
+most `HALVED` of what (1) misses. An effect that does better so than with any of them goes before all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain, zip_longest
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.acceptance import FORBIDDEN, STRAINED, strain
+from flexarm.diagnosis.candidate import WAVES, Candidate
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.fit import FAILED, Fit, Projection
+from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
+from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
+
+ALIKE, SAME = 0.8, 0.98
+"""Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
+HALVED = 0.5
+"""Most of what (1) misses that is left beside one unknown more: a half by chance is rare."""
+TOGETHER = ""
+"""Instead of the key of one unknown: several of them."""
+PART = 1 / 3
+"""Least part of what would be left without strained unknowns that they explain."""
+TAKEN = 3
+"""Effects that are fitted."""
+SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
+"""Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
+
+Strained = dict[str, tuple[Floats, float]]
+"""What unknowns move, and where they are, by their keys."""
+
+
+@dataclass(frozen=True, eq=False)
+class Takeover:
+    """An effect that does what some unknowns are strained to do.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        The effect.
+    alphas : ndarray
+        How much of its probes that is, to first order.
+    values : dict of str to float
+        The unknowns that it takes over, and where they are.
+    """
+
+    candidate: Candidate
+    alphas: Floats
+    values: Mapping[str, float]
+
+    def member(self, times: float = 1.0) -> Candidate:
+        """The effect of that size, or of so many times that size."""
+        sized = self.candidate.sized((times * self.alphas).tolist())
+        return replace(self.candidate, effect=sized)
+
+
+def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]:
+    """Fits of what could take over what unknowns of `best` are strained to do, beside its effects.
+
+    Where others must make room, derivatives at the start lead nowhere; then they are taken anew.
+    """
+    found = []
+    for each in takeovers(fitter, probed, best):
+        with suppress(*FAILED):
+            members = (*best.members, _matched(fitter, each, best))
+            fit = fitter.as_stated(each.values, members).fit(members, nearby=best)
+            if fit.cost > best.cost:
+                fit = fitter.about(fit).fit(fit.members, nearby=fit)
+            found.append(fit)
+    return found
+
+
+def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
+    """What is most alike of several strained unknowns together and of each, then what is so next.
+
+    The most strained ones come first.
+    """
+    strained = _strained(fitter, best) if strain(best) > STRAINED and _stand_in(best) else {}
+    alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in (TOGETHER, *strained)}
+    for candidate, moves, of in _moves(fitter, probed, best, strained) if strained else ():
+        for key, part, takeover in _takes_over(candidate, moves, of):
+            alike[key].append((part, takeover))
+    ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
+    found: dict[tuple[str, str], Takeover] = {}
+    for each in chain.from_iterable(zip_longest(*ranked)):
+        if each is not None and len(found) < TAKEN:
+            found.setdefault(each.candidate.place, each)
+    return list(found.values())
+
+
+def _stand_in(best: Fit) -> bool:
+    """Whether strained unknowns explain a good part of what would be left with them where they are stated.
+
+    Beside a larger gap they are strained by what else is missing, and that comes first.
+    """
+    far = np.abs(best.projection.best(best.residual)) > FORBIDDEN * best.unknowns.sigma
+    others = Projection(best.projection.slopes[:, ~far], best.unknowns.sigma[~far]).rest(best.residual)
+    noise, without = len(best.residual), float(others @ others)
+    return without - best.cost > PART * (without - noise)
+
+
+def _moves(
+    fitter: Fitter, probed: Sequence[Probed], best: Fit, strained: Strained
+) -> Iterator[tuple[Candidate, Floats, Strained]]:
+    """Effects that are not there, with derivatives by the sizes of their probes about a fit.
+
+    Beside them what strained unknowns move in the same simulations. Nothing is simulated for clocks alone:
+    late readings look like nothing that an arm does.
+    """
+    free = [p.candidate for p in probed if p.candidate.place not in best.places]
+    others: list[Candidate] = []
+    for candidate in free:
+        moves = in_proportion(candidate, best.unknowns.keys, best.projection.slopes)
+        if moves is not None:
+            yield candidate, moves, strained
+        elif not _unlike(candidate, others):
+            others.append(candidate)
+    kinds = {unknown.kind for unknown in best.unknowns.each if unknown.key in strained}
+    if kinds != {"clock"}:
+        with suppress(*FAILED):  # of the fit itself, in longer steps
+            yield from _small_moves(fitter, others, best, strained)
+
+
+def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+    """Whether an effect moves nothing as an unknown does, or as it does in small steps of another variant.
+
+    Waves have frequencies of their own, and a spring that another law needs moves the arm by itself.
+    """
+    again = same_in_small_steps(candidate, others)
+    return candidate.name in WAVES or candidate.needs is not None or again
+
+
+def _takes_over(
+    candidate: Candidate, moves: Floats, strained: Strained
+) -> Iterator[tuple[str, float, Takeover]]:
+    """Unknowns that an effect takes over, R^2 of (1), and how."""
+    parts = {key: _part(move, moves) for key, (move, _) in strained.items()}
+    found = [
+        (key, part, [other for other in parts if other == key or parts[other] > SAME])
+        for key, part in parts.items()
+    ]
+    for key, part, keys in [_together(moves, strained, parts), *found]:
+        if part > ALIKE and possible(candidate, alphas := _alphas(moves, _moved(strained, keys))):
+            yield key, part, Takeover(candidate, alphas, {other: strained[other][1] for other in keys})
+
+
+def _together(moves: Floats, strained: Strained, parts: Mapping[str, float]) -> tuple[str, float, list[str]]:
+    """Unknowns that an effect does better for all at once than for any of them, and R^2 of (1)."""
+    first, *others = sorted(parts, key=lambda key: -parts[key])
+    part, keys = parts[first], [first]
+    for key in others:
+        more = _part(_moved(strained, [*keys, key]), moves)
+        if 1.0 - more < HALVED * (1.0 - part):
+            part, keys = more, [*keys, key]
+    return TOGETHER, part if len(keys) > 1 else 0.0, keys
+
+
+def _moved(strained: Strained, keys: Sequence[str]) -> Floats:
+    """What some unknowns move together."""
+    return np.asarray(np.sum([strained[key][0] for key in keys], axis=0))
+
+
+def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
+    """The effect of the size that moves residuals most as the unknowns do where they are.
+
+    A spring, say, adds to what gives way, of which a modulus a sixth too small has a fifth too much. It is
+    where a fit starts; longer steps are enough.
+    """
+    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
+    there = fitter.moved_to(dict.fromkeys(takeover.values, 0.0))
+    wanted = observed.residual(fitter.moved_to(takeover.values).with_effects(best.members))
+    sizes = {}
+    for times in SIZES:
+        with suppress(*FAILED):
+            member = takeover.member(times)
+            sizes[times] = observed.residual(there.with_effects((*best.members, member))) - wanted
+    return takeover.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
+
+
+def _strained(fitter: Fitter, best: Fit) -> Strained:
+    """What each unknown beyond `FORBIDDEN` sigmas moves, and where it is, the most strained first.
+
+    That is where it is simulated, or else where it would have to be.
+    """
+    values = best.projection.best(best.residual)
+    far = np.abs(values) / best.unknowns.sigma
+    simulated = dict(zip(fitter.unknowns.keys, fitter.at, strict=True))
+    found = {}
+    for k in np.argsort(-far):
+        unknown = best.unknowns.each[k]
+        if unknown.kind != "start" and far[k] > FORBIDDEN:
+            at = float(simulated[unknown.key] or values[k])
+            found[unknown.key] = (best.projection.slopes[:, k] * at, at)
+    return found
+
+
+def _small_moves(
+    fitter: Fitter, others: Sequence[Candidate], best: Fit, strained: Strained
+) -> Iterator[tuple[Candidate, Floats, Strained]]:
+    """Those derivatives from small steps of each effect, in simulations of longer steps."""
+    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
+    there = fitter.with_effects(best.members)
+    slopes = observed.slopes(there, list(strained), fitter.unknowns.steps(there))
+    of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
+    for candidate, steps in zip(others, small_steps(fitter, others, best), strict=True):
+        if steps is not None:
+            yield candidate, steps.moves, of
+
+
+def _part(move: Floats, moves: Floats) -> float:
+    """R^2 of (1)."""
+    left = move - moves @ _alphas(moves, move)
+    return 1.0 - float(left @ left) / float(move @ move)
+
+
+def _alphas(moves: Floats, move: Floats) -> Floats:
+    """Sizes of the minimum in (1)."""
+    return np.asarray(np.linalg.lstsq(moves, move, rcond=None)[0], dtype=float)

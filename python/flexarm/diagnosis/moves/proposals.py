@@ -1,0 +1,244 @@
+"""What is slow in residuals: moving averages, in which what rings hardly shows.
+
+A mass or a stiffness that is far off shifts the frequency at which an arm rings, and within some periods the
+model is out of step: to first order nothing explains that any more, least of all the right size of the right
+effect. How the arm hangs, and what its motors bear, still follow in proportion.
+
+Larger models worth a fit: the effects that promise most, or sets of them, beside those that are there.
+
+A screening (`diagnosis.screening`) puts effects and places in an order; the first few are fitted. Sets
+of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
+smaller set does not lead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.acceptance import DENT, explained, leaves_gap, limit_beside, quiet
+from flexarm.diagnosis.candidate import SPRINGS, Candidate, carries, value_of
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.minimisers import scanned
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
+from flexarm.effects.joint_compliance import TYPICAL_DAMPING
+
+AVERAGED = 1.0
+"""Length of the average [s]: a few periods of a heavy arm, a small part of its motion."""
+
+
+def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
+    """Averages columns of residuals over `AVERAGED`, channel by channel; poses stay as they are."""
+    windows = []
+    for each, where in observed.channels():
+        if observed.records[each.record].kind == "motion" and len(each.time) > 1:
+            windows.append((where, round(AVERAGED / float(np.median(np.diff(each.time))))))
+
+    def averaged(columns: Floats) -> Floats:
+        from scipy.ndimage import uniform_filter1d
+
+        found = columns.copy()
+        for where, size in windows:
+            if size > 1:
+                found[where] = uniform_filter1d(columns[where], size, axis=0, mode="nearest")
+        return found
+
+    return averaged
+
+
+TRIED, PAIRS = 6, 3
+"""Candidates that are fitted at each step, and sets of two or three where no smaller one explains all.
+
+Where all leave a gap, so are those that explain most of what is slow (`moves.proposals`), as many sets of two
+of them, and at the first step, where these leave one too, as many more candidates.
+"""
+SLOW = 4
+"""Candidates that are fitted for what is slow."""
+SETS = 12
+"""Sets that are looked at for those: some are of sizes that cannot be simulated."""
+HALF = 0.5
+"""What the best must promise, or laws are looked at again at the ends of what is plausible."""
+LITTLE = 0.01
+"""Least share of those many more: a third of what a gap must lose to an effect that leaves one."""
+FAINT = 0.3
+"""Candidates that promise less than this part of the best are left out once one explains everything."""
+HALFWAY = 0.5
+"""Part of what the best one explains that one is not finished without."""
+TWIN = 1.1
+"""Most that a model with a spring elsewhere may leave, over the best one, to be gone on from too."""
+AHEAD = 0.9
+"""What a set of three may leave of what the best one leaves that only adds to a smaller set."""
+
+
+def larger_fits(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    best: Fit,
+    null: Fit,
+    size: int = 1,
+    places: Mapping[str, str] = NONE,
+    beside: Fit | None = None,
+    found: Sequence[Fit] = (),
+) -> list[Fit]:
+    """Fits of the most promising candidates, or sets of `size`, beside the effects of `best`.
+
+    `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
+    large and fitted already.
+    """
+    slow = slow_part(fitter.observed)
+    if size > 1:
+        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
+        if size == 2 and _all_leave_gaps(more, null, fitter.observed):
+            sets = one_variant(together(fitter, probed, best, size, slow), SETS)
+            more += _fitted(fitter, sets, best, null, PAIRS)
+        return more
+    at_ends = not found or not quiet(best, null, fitter.observed)
+    wanted, others = _promising(fitter, probed, best, places, at_ends)
+    more = _fitted(fitter, wanted, best, null)
+    if _all_leave_gaps([*found, *more], null, fitter.observed):
+        slower = one_variant(screen(fitter, probed, best, seen=slow), SLOW)
+        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, null, found=more)
+    if not best.members and _all_leave_gaps([*found, *more], null, fitter.observed):
+        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, null, found=more)
+    if _all_leave_gaps([*found, *more], null, fitter.observed):
+        more += _from_other_gaps(fitter, more)
+    return more
+
+
+def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
+    """The best model with a backlash once more, from a gap that leaves less (`diagnosis.minimisers`)."""
+    bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
+    with suppress(*FAILED):
+        if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
+            return [again]
+    return []
+
+
+def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[Fit]:
+    """A model with each of its springs elsewhere, as soft there, with the rest refitted.
+
+    A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
+    """
+    springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
+    found = []
+    for k, spring in enumerate(best.members):
+        others = tuple(m for i, m in enumerate(best.members) if i != k)
+        for place, candidate in springs.items():
+            if spring.name not in SPRINGS or place in best.places or carries(others, spring):
+                continue
+            with suppress(*FAILED):
+                members = (candidate.as_soft_as(spring), *others)
+                found.append(fitter.trial(members, best, TWIN * best.cost))
+    return found
+
+
+def _all_leave_gaps(fits: Sequence[Fit], null: Fit, observed: Observed) -> bool:
+    return all(leaves_gap(f, null, observed) for f in fits)
+
+
+def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
+    """Whether a model with these effects more than the best has been fitted."""
+    return {*best.places, *share.places} in (set(f.places) for f in found)
+
+
+def _fitted(
+    fitter: Fitter,
+    wanted: Sequence[Share],
+    best: Fit,
+    null: Fit,
+    most: int | None = None,
+    found: Sequence[Fit] = (),
+) -> list[Fit]:
+    """The first that can be simulated; what promises far less is left out once one explains everything.
+
+    One that does not come halfway to the best so far, those `found` before among them, is not finished.
+    """
+    before, found = found, []
+    for share in wanted:
+        if len(found) == most:
+            break
+        done = any(explained(f, null, fitter.observed) for f in found)
+        if done and share.share < FAINT * wanted[0].share:
+            break
+        near = limit_beside([*before, *found], best, HALFWAY)
+        try:
+            members = (*map(_relaxed, best.members), *share.members)
+            found.append(fitter.trial(members, best, near))
+        except FAILED:
+            continue
+    return found
+
+
+def _sets(fitter: Fitter, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None) -> list[Share]:
+    """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
+    shares = [share for share in together(fitter, probed, best, size) if share.share > DENT]
+    ahead = size == 2 or beside is None or _leads(shares, beside)
+    return one_variant(shares, SETS) if ahead else []
+
+
+def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
+    """The best variant of each, the best of those."""
+    found: dict[tuple[tuple[str, str], ...], Share] = {}
+    for share in shares:
+        found.setdefault(tuple(sorted(m.place for m in share.members)), share)
+    return list(found.values())[:most]
+
+
+def _promising(
+    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
+) -> tuple[list[Share], list[Share]]:
+    """Single candidates: those that explain most, and others.
+
+    Where the best promises little, laws are looked at `at_ends` too.
+    """
+    shares = one_variant(screen(fitter, probed, best, places), len(probed))
+    sharp = sharpened(fitter, shares[: 2 * TRIED], best)
+    if at_ends and (not sharp or sharp[0].share < HALF):
+        sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
+    wanted = sharp[:TRIED]
+    there = {share.places for share in wanted}
+    return wanted, [share for share in sharp if share.places not in there and share.share > LITTLE]
+
+
+def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:
+    """Effects of one parameter at the ends of what is plausible.
+
+    To first order a damping or a mass explains little of a gap that rings out of step by what it changes.
+    """
+    found = []
+    for candidate in (p.candidate for p in probed):
+        if candidate.place in best.places or candidate.stands_on or len(candidate.free) > 1:
+            continue
+        (name,) = candidate.free
+        with suppress(*FAILED):
+            prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
+            ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
+            found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]
+    return found
+
+
+def _sharpest(shares: Sequence[Share]) -> list[Share]:
+    """The best of each place, the best first."""
+    return one_variant(sorted(shares, key=lambda share: -share.share), len(shares))
+
+
+def _leads(shares: Sequence[Share], beside: Fit) -> bool:
+    """Whether the best set goes where adding to a smaller one does not lead."""
+    reached = max(
+        (s.share for s in shares if set(beside.places) <= {m.place for m in s.members}), default=0.0
+    )
+    return bool(shares) and 1.0 - shares[0].share < AHEAD * (1.0 - reached)
+
+
+def _relaxed(member: Candidate) -> Candidate:
+    """A spring with a typical damping: what it had may have stood in for the effect that is added."""
+    if member.name not in SPRINGS or "damping" not in member.free:
+        return member
+    damping = TYPICAL_DAMPING * value_of(member.effect, "stiffness")
+    return replace(member, effect=member.effect.with_parameters({"damping": damping}))

@@ -1,0 +1,161 @@
+"""Laws that act through a joint's spring, probed anew once a rigid joint has one.
+
+A motor turns a rigid joint whatever rubs or pulls there: friction, play or a cable move nothing in a model
+without a spring, and their probes about it (`diagnosis.screening`) are empty. Beside a spring that was found
+they are simulated about the model with it.
+
+Probes about a fit: what effects move beside those that were found.
+
+Beside a soft joint or a rod of twice its mass an arm rings at another frequency and hangs otherwise. What a
+load's inertia moves there is another thing than about the nominal model, where it was screened, and least
+squares on those moves give it the wrong size, even the wrong sign. Beside effects that are not all, probes
+are therefore taken anew: in small steps of laws that have derivatives, as the fit is near by then, and at
+full size of waves, of soft springs and of laws with corners. Clocks, frames and points move as they do where
+they are eliminated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from math import isfinite, isinf
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.diagnosis.candidate import SPRINGS, WAVES, Candidate, value_of
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.perturbations import nulls
+from flexarm.diagnosis.residual_rows import CORNERS
+from flexarm.diagnosis.screening import LONGER, Probed, in_proportion
+
+THROUGH_SPRINGS = (
+    "backlash",
+    "cable_torque",
+    "coulomb_friction",
+    "joint_hysteresis",
+    "joint_stiffening",
+    "viscous_friction",
+)
+
+
+def new_springs(fit: Fit) -> frozenset[str]:
+    """Joints that are rigid in the nominal model and have a spring in a fit."""
+    return frozenset(m.at for m in fit.members if m.name == "joint_compliance" and _rigid(m))
+
+
+def awakened(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+    """The same probes, those of laws through the new springs of a fit about its model."""
+    joints = new_springs(fit)
+    sleeping = [p for p in probed if p.candidate.name in THROUGH_SPRINGS and p.candidate.at in joints]
+    if not sleeping:
+        return list(probed)
+    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
+    found = {id(each): probed_beside(coarse, each, fit) for each in sleeping}
+    return [found.get(id(each), each) for each in probed]
+
+
+def probed_beside(fitter: Fitter, probed: Probed, fit: Fit) -> Probed:
+    """A candidate about a model; as it was where that cannot be simulated."""
+    observed = fitter.observed
+    with suppress(*FAILED):
+        arm = fitter.with_effects(fit.members)
+        models = [arm.with_effect(probe) for probe in probed.candidate.probes]
+        observed.prepare([arm, *models])
+        before = observed.residual(arm)
+        return replace(probed, moves=np.stack([observed.residual(each) - before for each in models], axis=1))
+    return probed
+
+
+def _rigid(spring: Candidate) -> bool:
+    return spring.without is None or isinf(value_of(spring.without, "stiffness"))
+
+
+SMALL = 1e-3
+"""Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
+
+
+def nearby(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+    """The same candidates, probed about the model of a fit; as they were where that cannot be simulated.
+
+    A law on a spring that the fit has not comes with that spring, and stays as it was. Small steps of a
+    spring are of one variant; softer ones, which move modes by themselves, are no small steps.
+    """
+    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
+    there = {None, *fit.places}
+    found: list[Probed] = []
+    smooth: dict[int, Probed] = {}
+    for each in probed:
+        candidate = each.candidate
+        moves = in_proportion(candidate, fit.unknowns.keys, fit.projection.slopes)
+        if moves is not None:
+            each = replace(each, moves=moves)
+        elif candidate.place not in fit.places and candidate.stands_on in there:
+            again = same_in_small_steps(candidate, [other.candidate for other in smooth.values()])
+            if again or candidate.needs is not None or candidate.name in (*CORNERS, *WAVES):
+                each = probed_beside(coarse, each, fit)
+            else:
+                smooth[len(found)] = each
+        found.append(each)
+    with suppress(*FAILED):  # of the fit itself, in longer steps
+        stepped = small_steps(fitter, [each.candidate for each in smooth.values()], fit)
+        for k, steps in zip(smooth, stepped, strict=True):
+            found[k] = steps or smooth[k]
+    return found
+
+
+def small_steps(fitter: Fitter, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
+    """Derivatives by the sizes of probes about a fit, in simulations of longer steps; None without any.
+
+    Each effect is the same from the model's own values.
+
+    Raises
+    ------
+    NotConverged, InvalidParameter
+        If the fit itself cannot be simulated in such steps.
+    """
+    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
+    there = fitter.with_effects(fit.members)
+    own = [_from(each, there) for each in candidates]
+    nudged = [_nudged(fitter, each, fit) for each in own]
+    observed.prepare([there, *(arm for arms in nudged for arm in arms)])
+    before = observed.residual(there)
+    for candidate, arms in zip(own, nudged, strict=True):
+        moves = np.empty((len(before), 0))
+        with suppress(*FAILED):
+            moves = np.array([(observed.residual(arm) - before) / SMALL for arm in arms]).T
+        yield Probed(candidate, moves) if moves.any() else None
+
+
+def same_in_small_steps(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+    """Whether a candidate moves in small steps what another variant of it does."""
+    return candidate.name in SPRINGS and candidate.place in {other.place for other in others}
+
+
+def _nudged(fitter: Fitter, candidate: Candidate, fit: Fit) -> list[Arm]:
+    """Models with a small part of each probe of an effect; none where one of them cannot be."""
+    arms = []
+    for k in range(len(candidate.probes)):
+        with suppress(*FAILED):
+            small = replace(candidate, effect=candidate.nudged(k, SMALL))
+            arms.append(fitter.with_effects((*fit.members, small)))
+    return arms if len(arms) == len(candidate.probes) else []
+
+
+def _from(candidate: Candidate, there: Arm) -> Candidate:
+    """The same from a model's own values, where an effect states what a fit has elsewhere than it is stated.
+
+    A small step of a load's mass would else begin with all that the fit has moved it.
+    """
+    without = there.effect(candidate.name, candidate.at)
+    null = nulls(candidate.effect, without, there)
+    away = {key: value - candidate.null[key] for key, value in null.items() if isfinite(value)}
+    if not any(away[key] for key in candidate.free if key in away):
+        return candidate
+    probes = [
+        each.with_parameters({key: value_of(each, key) + away.get(key, 0.0) for key in candidate.free})
+        for each in candidate.probes
+    ]
+    return replace(candidate, probes=tuple(probes), null=null, without=without)

@@ -1,0 +1,196 @@
+"""Why an effect is named, in a sentence.
+
+What is said of effects: names with their probabilities and alternatives, and what was rejected.
+
+A probability is that of the evidence among rivals within reach and no effect at all (eq. (1) of
+`diagnosis.alternatives`), with two doubts that evidence does not know: some mechanism may be in no
+vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open, a
+clock, a frame or a nominal value strained (eq. (2) of `diagnosis.acceptance`), or beside an encoder of which
+coarse steps hide what moved, is at most as likely as not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from flexarm.diagnosis.acceptance import FORBIDDEN, REACH, STRAINED, strain
+from flexarm.diagnosis.alternatives import probabilities
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.cross_validation import missed
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.selection import Choice
+from flexarm.diagnosis.uncertainty import Estimates
+from flexarm.named_effects import Alternative, NamedEffect, Rejected
+from flexarm.wording import listed, number, place_words, with_unit
+
+SHRUNK = 0.95
+"""Part of a gap that may be left where it is said to fall."""
+UNUSUAL = 3.0
+"""Sigmas of its prior from which a parameter is said to be unlike those of other machines."""
+
+
+def evidence_sentence(
+    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
+) -> str:
+    """What speaks for effect k of a choice, and what does not; one sentence for a person."""
+    best = choice.best
+    text = _shrinking(choice, k, observed)
+    if choice.rivals[k]:
+        rival = choice.rivals[k][0]
+        text += f"; next is {place_words(*rival.candidate.place)}, {_behind(rival.behind, choice.needed[k])}"
+    if open_gap:
+        with_it, without = (number(missed(fit, observed), 2) for fit in (best, choice.null))
+        they = "it" if len(best.members) == 1 else "all of them"
+        text += (
+            f"; parts of the data that are left out of the fit are missed by {with_it} times the noise with "
+            f"{they}, by {without} without"
+        )
+    if strain(best) > STRAINED:
+        worst = "".join(_strained(best, FORBIDDEN))
+        text += f"; even with it {worst}, so that something else may be missing"
+    text += "".join(f"; {said}" for said in _unusual(best, k))
+    for each in moving:
+        text += (
+            f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
+        )
+    return text + "."
+
+
+def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
+    """What an effect does: the first one with the gap that all close and what they spare the model."""
+    members = [place_words(each.name, each.at) for each in choice.best.members]
+    alone = len(members) == 1
+    before = max(above_noise(choice.null.rest, observed, choice.null.has_corners).values())
+    after = max(above_noise(choice.best.rest, observed, choice.best.has_corners).values())
+    it = "it" if alone or k else members[k]
+    stated = observed.arm.effect(choice.best.members[k].name, choice.best.members[k].at) is not None
+    over = f"with {it} as stated" if stated else f"without {it}"
+    gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model {over})"
+    if k:
+        others = listed(members[:k] + members[k + 1 :])
+        return f"beside {others} the data ask for {members[k]} too {gained}"
+    spared = "".join(_strained(choice.null, UNUSUAL))
+    if spared and after >= SHRUNK * before:
+        return (
+            f"with clocks, frames and nominal values fitted along the largest gap above the noise is "
+            f"{number(after, 2)} times the noise, with {listed(members)} or without; but without "
+            f"{'it' if alone else 'them'} {spared} {gained}"
+        )
+    shrinks = (
+        f"falls from {number(before, 2)} to {number(after, 2)}"
+        if after < SHRUNK * before
+        else f"stays at {number(after, 2)}"
+    )
+    text = f"with {listed(members)} the largest gap above the noise {shrinks} times the noise {gained}"
+    return text + (f"; without {'it' if alone else 'them'} {spared}" if spared else "")
+
+
+def _behind(rival: float, gained: float) -> str:
+    """How far behind a rival is: no number beyond what the effect gains over none.
+
+    Factors of pairs do not add up. The more two models differ, the more of it an error of the simulation may
+    be (eq. (4) of `diagnosis.evidence`), and no effect at all differs most.
+    """
+    return f"behind by a ln Bayes factor of {_factor(rival)}" if rival <= gained else "far behind"
+
+
+def _factor(log_bayes: float) -> str:
+    """A logarithm of a Bayes factor: tenths where they count."""
+    return f"{log_bayes:.1f}" if abs(log_bayes) < 10 else f"{log_bayes:.0f}"
+
+
+def _strained(fit: Fit, beyond: float) -> Iterator[str]:
+    """What a model must assume of a clock, a frame or a nominal value, if that is beyond so many sigmas."""
+    if not len(fit.unknowns.each):
+        return
+    pulls = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    worst = int(np.argmax(pulls))
+    unknown = fit.unknowns.each[worst]
+    if pulls[worst] > beyond:
+        yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
+
+
+def _unusual(fit: Fit, k: int) -> Iterator[str]:
+    """Parameters of an effect that are far from those of other machines."""
+    for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
+        if coordinate.candidate == k and abs(z) > UNUSUAL and coordinate.prior.scale != "uniform":
+            prior, value = coordinate.prior, coordinate.value(float(z))
+            low, high = (with_unit(end, prior.unit) for end in (prior.low, prior.high))
+            yield (
+                f"its {coordinate.name} of {with_unit(value, prior.unit)} is unusual, 95 % of machines have "
+                f"{low} to {high}"
+            )
+
+
+CAP = 0.98
+"""Greatest probability of a name: some mechanism may be in no vocabulary."""
+CONFIDENT = 0.5
+"""Greatest probability of a name whose parameter moves, or beside what nothing explains."""
+IN_ITS_PLACE = "less likely in the place of a named effect"
+ON_THE_WAY = "less likely as it was tried on the way"
+"""Why a candidate was not taken."""
+LOST = "what the encoder lost between its counts may look like it, so that it is at most as likely as not"
+"""Said of a name beside an encoder that counts in steps."""
+
+Drift = Mapping[str, Any]
+"""An effect's parameter fitted to each record, of `diagnosis.homogeneity`."""
+
+
+def named_effects(
+    choice: Choice,
+    sizes: Estimates,
+    drifts: Sequence[Drift],
+    open_gap: bool,
+    observed: Observed,
+    coarse: bool = False,
+) -> tuple[NamedEffect, ...]:
+    """The chosen effects, each with its rivals within reach, the most probable first.
+
+    `coarse` says that an encoder counts in steps that matter.
+    """
+    doubtful = open_gap or coarse or strain(choice.best) > STRAINED
+    found = []
+    for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
+        near = [rival for rival in rivals if rival.within_reach]
+        odds = [min(p, CAP) for p in probabilities(near, choice.needed[k])]
+        moving = [drift for drift in drifts if _moves(drift, member)]
+        first = min(odds[0], CONFIDENT) if moving or doubtful else odds[0]
+        alternatives = tuple(
+            Alternative(rival.candidate.name, rival.candidate.at, p)
+            for rival, p in zip(near, odds[1:], strict=True)
+        )
+        evidence = evidence_sentence(choice, k, moving, open_gap, observed)
+        if coarse:
+            evidence = f"{evidence.removesuffix('.')}; {LOST}."
+        found.append(NamedEffect(member.name, member.at, first, sizes.effects[k], alternatives, evidence))
+    return tuple(sorted(found, key=lambda effect: -effect.probability))
+
+
+def _moves(drift: Drift, member: Candidate) -> bool:
+    """Whether it is an effect's first parameter that is not constant."""
+    first = (*member.place, member.free[0])
+    return (drift["effect"], drift["at"], drift["parameter"]) == first and not drift["constant"]
+
+
+def rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
+    """Rivals out of reach, and what was tried on the way; alternatives are neither."""
+    found: dict[tuple[str, str], Rejected] = {}
+    near = {rival.candidate.place for rivals in choice.rivals for rival in rivals if rival.within_reach}
+    chosen = {*choice.best.places, *near}
+    for rivals in choice.rivals:
+        for rival in rivals:
+            place = rival.candidate.place
+            if not rival.within_reach and place not in chosen:
+                found[place] = Rejected(*place, -rival.behind, IN_ITS_PLACE)
+    for fit, _ in choice.tried:
+        for place in fit.places:
+            if place not in chosen and place not in found:
+                behind = log_bayes_factor(fit, choice.best, observed, choice.value)
+                if behind < -REACH:
+                    found[place] = Rejected(*place, behind, ON_THE_WAY)
+    return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))

@@ -1,0 +1,211 @@
+"""The noise of a held-out record that states none, where the training knows it of the same signal.
+
+Without a noise a signal aligns no clock and no frame, and its gap stands beside nothing: a tracker that is a
+millisecond late then looks as if the model foretold nothing. Who measured both records with one sensor stated
+its noise once. Where records of the training state several, the greatest counts.
+
+What the noise of encoders that drive does to everything else.
+
+The angle that drives a simulation is smoothed (`flexarm.measurement.smoothing`), and yet a part of its
+noise is left, which moves all that the drive moves; modes with little damping answer it most. With f the
+smoothed drive,
+
+    y'_i = f(t_i) + n_i,    n_i white, as large as the record states,                                  (1)
+
+smoothed anew, is as far from f as f is from the truth. Angles of poses are taken as they were read: n is as
+far from them as they are from the truth. The difference of the simulations along both is an
+error of each channel. Its mean square over `DRAWS` of n, for the models that a search comes by, is no gap
+(`diagnosis.evidence.above_noise`): a machine whose encoder shakes a model by more than a tracker sees would
+else seem to lack something.
+
+What finer time steps still move where laws have corners.
+
+What steps of length h miss is extrapolated (`Observed.correction`): the method is of order two. Teeth that
+bounce do not follow any order. After some hits the motions of two steps part as those of two machines
+would, and no step is fine enough. With r(h) the residual and
+
+    E(h) = r(h/2) + (r(h/2) - r(h))/3                                                                 (1)
+
+E(h/2) - E(h) is an error of each channel. Its mean square, for the models that a search comes by, is no gap
+(`diagnosis.evidence`): the right gap between the teeth would else seem to lack something.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.comparison.unknowns import movable
+from flexarm.diagnosis.fit import FAILED
+from flexarm.diagnosis.problem import Observed, extrapolated
+from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.smoothing import smooth
+from flexarm.record import Record
+from flexarm.wording import listed, times_noise, with_unit
+
+if TYPE_CHECKING:
+    from flexarm.record import Signal
+
+
+def with_noise_of(
+    training: Mapping[str, Record], held_out: Mapping[str, Record]
+) -> tuple[dict[str, Record], list[str]]:
+    """The held-out records with the noise of signals of the training, and sentences that say so.
+
+    Also said is what a signal without any does not align; of one of the training that is said elsewhere.
+    """
+    found, said = dict(held_out), []
+    for name, record in held_out.items():
+        signals = dict(record.signals)
+        for signal in record.signals.values():
+            if signal.noise_std is None:
+                same = _same(training, signal)
+                noise = max((each.noise_std for each in same if each.noise_std is not None), default=None)
+                signals[signal.name] = signal.replace(noise_std=noise)
+                said += _sentences(name, record, signal, noise) if noise is not None or not same else []
+        found[name] = record.replace(signals=signals)
+    return found, said
+
+
+def _same(training: Mapping[str, Record], signal: Signal) -> list[Signal]:
+    """The signals of that name and quantity."""
+    named = [record.signals[signal.name] for record in training.values() if signal.name in record.signals]
+    return [each for each in named if each.quantity == signal.quantity]
+
+
+def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -> list[str]:
+    begin = f"{name} states no noise of {signal.name}"
+    if noise is not None:
+        return [f"{begin}: {with_unit(noise, signal.unit, 2)} count, as the training states it"]
+    places = movable(record, signal)
+    return [f"{begin}, nor does the training: it does not align {listed(places)}"] if places else []
+
+
+DRAWS = 4
+"""Of n in (1): a mode is shaken by little more than its own bandwidth, which is few values."""
+DRIVE_ERROR_COUNTS = 0.3
+"""Least error of some channel, over its noise, that counts: a smaller one is 4 % of it."""
+SAID = 0.5
+"""The same of one that is said."""
+LOUD = 5.0
+"""The same of one that is weighed by it: its own noise is a fifth of what it scatters by."""
+SEED = 0
+"""Of n: the same for all models, so that they are judged alike."""
+
+
+def allow_for_drives(observed: Observed, arm: Arm) -> None:
+    """Counts what (1) does to each of `rows` beside a model, where that is more than was known."""
+    rng = np.random.default_rng(SEED)
+    with suppress(*FAILED):
+        errors = [_squared_error(observed, arm, rng)]
+        if errors[0].max(initial=0.0) < DRIVE_ERROR_COUNTS**2:
+            return
+        errors += [_squared_error(observed, arm, rng) for _ in range(DRAWS - 1)]
+        square = np.mean(errors, axis=0).tolist()
+        rows = zip(observed.rows, square, strict=True)
+        observed.rows = tuple(replace(each, shaken=max(each.shaken, s)) for each, s in rows)
+
+
+def shaken_signals(observed: Observed) -> dict[str, float]:
+    """By how many times their own noise that of the drives moves signals, where it is more than `SAID`."""
+    most: dict[str, float] = {}
+    for each in observed.rows:
+        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.shaken))
+    return {signal: size for signal, size in most.items() if size > SAID}
+
+
+def shaken_told(sizes: Mapping[str, float], observed: Observed) -> list[str]:
+    """A sentence on what `shaken_signals` found, if that is something."""
+    if not sizes:
+        return []
+    drives = dict.fromkeys(name for record in observed.records.values() for name in record.drive)
+    return [f"noise of {listed(list(drives))}, as stated, moves {times_noise(sizes)}, which is no gap"]
+
+
+def weighed_by_drives(observed: Observed) -> Observed:
+    """The same, with rows that noise of the drives moves by more than `LOUD` as noisy as that makes them.
+
+    On a stiff arm a torque sensor reads little else at the beginnings and ends of moves, and by its own noise
+    it would outweigh all other signals.
+    """
+    times = [sqrt(1.0 + each.shaken) if each.shaken > LOUD**2 else 1.0 for each in observed.rows]
+    if max(times, default=1.0) == 1.0:
+        return observed
+    found = observed.again()
+    found.rows = tuple(
+        replace(each, sigma=each.sigma * t, shaken=each.shaken if t == 1.0 else 0.0)
+        for each, t in zip(observed.rows, times, strict=True)
+    )
+    return found
+
+
+def _squared_error(observed: Observed, arm: Arm, rng: np.random.Generator) -> Floats:
+    """What (1) does to each of `rows`, mean square over its variance."""
+    again = {name: _noisy_again(record, arm, rng) for name, record in observed.records.items()}
+    if all(again[name] is record for name, record in observed.records.items()):
+        return np.zeros(len(observed.rows))
+    moved = observed.with_drives(again).residual(arm) - observed.residual(arm)
+    return np.array([float(np.mean(moved[each.where] ** 2)) for each in observed.rows])
+
+
+def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:
+    """A record whose encoders that drive read (1)."""
+    noisy = {
+        name: record.signals[name].replace(values=_reading(record, name, arm, rng))
+        for name in record.drive
+        if record.signals[name].quantity == "joint_angle" and record.signals[name].noise_std
+    }
+    return record.replace(signals=list({**record.signals, **noisy}.values())) if noisy else record
+
+
+def _reading(record: Record, name: str, arm: Arm, rng: np.random.Generator) -> Floats:
+    """Eq. (1)."""
+    from scipy.interpolate import PPoly
+
+    signal = record.signals[name]
+    noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
+    values = signal.values[:, 0]
+    if record.kind == "motion":
+        breaks, coefficients = smooth(signal.time, values, noise)
+        values = PPoly(coefficients, breaks)(signal.time)
+    values = values + noise * rng.standard_normal(len(signal))  # eq. (1)
+    values[~np.isfinite(signal.values[:, 0])] = np.nan
+    return np.asarray(values[:, None])
+
+
+STEP_ERROR_COUNTS = 0.3
+"""Least error of some channel, over its noise, that counts: a smaller one is what any simulation errs by."""
+
+
+def allow_for_steps(observed: Observed, arm: Arm) -> None:
+    """Counts (1) in each of `rows` beside a model with corners, where it is more than was known."""
+    if not has_corners(arm):
+        return
+    with suppress(*FAILED):
+        coarse, half, quarter = (
+            observed.with_step(observed.step / times).residual(arm) for times in (1, 2, 4)
+        )
+        error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (1)
+        square = [float(np.mean(error[each.where] ** 2)) for each in observed.rows]
+        if max(square) < STEP_ERROR_COUNTS**2:
+            return
+        rows = zip(observed.rows, square, strict=True)
+        observed.rows = tuple(replace(each, unsteady=max(each.unsteady, s)) for each, s in rows)
+
+
+def unsteady_told(observed: Observed) -> list[str]:
+    """A sentence on signals of which no step is fine enough, if there are some."""
+    most: dict[str, float] = {}
+    for each in observed.rows:
+        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.unsteady))
+    sizes = {signal: size for signal, size in most.items() if size > STEP_ERROR_COUNTS}
+    said = "no time step is fine enough for what bounces: half of it moves"
+    return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []

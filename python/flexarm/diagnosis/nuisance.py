@@ -1,0 +1,248 @@
+"""What is never known exactly and always fitted along: clocks, registrations, nominal values, and what an arm
+swings with where a record begins in motion.
+
+Each is a parameter of the model with a Gaussian prior. Clocks and frames get effects of their own in the
+model, `time_delay` and `frame_registration`, that start at zero: those of one name in several records are one
+clock and one frame, as well known as the record says that knows them best. Nominal values are those of
+`[uncertainty]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, inf, isinf
+from typing import Literal
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import Parameter, parameters, with_value
+from flexarm.comparison.unknowns import drive_clock
+from flexarm.diagnosis.candidate_places import weighed
+from flexarm.diagnosis.initial_conditions import SIGMA
+from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.effects.frame_registration import FrameRegistration
+from flexarm.effects.time_delay import TimeDelay
+from flexarm.errors import InvalidParameter
+from flexarm.record import Record
+
+UNKNOWN_DELAY = 1.0
+"""1 sigma of a clock of which nothing is known, about the first guess [s]."""
+UNKNOWN_POSE = {"translation": 0.1, "rotation": 0.1}
+"""1 sigma of a frame of which nothing is known, about the first guess [m], [rad]."""
+KEPT = 0.8
+"""Greatest part that a nominal value may lose."""
+
+OVER_RIPPLES, WIDEST = 0.3, 0.02
+"""Steps of nominal values beside laws with corners, in sigmas, and the most, as part of the value."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A number that is fitted along.
+
+    Attributes
+    ----------
+    key : str
+        Parameter of the model.
+    centre, sigma : float
+        Gaussian prior [unit].
+    unit : str
+        Of both.
+    kind : {"clock", "frame", "nominal", "start"}
+        What it is; a "start" is what the arm swings with where a record begins.
+    one_sign : bool
+        Whether the model refuses values on the other side of zero, as of a modulus.
+    """
+
+    key: str
+    centre: float
+    sigma: float
+    unit: str
+    kind: Literal["clock", "frame", "nominal", "start"]
+    one_sign: bool = False
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """Effect and place of a clock's or frame's."""
+        _, name, at, *_ = self.key.split(".")
+        return name, at
+
+    @property
+    def words(self) -> str:
+        """What it is, in a sentence."""
+        if self.kind == "nominal":
+            return f"value {self.key}"
+        if self.kind == "start":
+            return f"vibration with which {self.key.removeprefix('records.').split('.start.')[0]} begins"
+        _, _, at, *rest = self.key.split(".")
+        return f"{'.'.join(rest)} of {self.kind} {at}"
+
+    def kept(self, step: float) -> float:
+        """A step from the centre, shortened where a nominal value would all but lose its sign.
+
+        Steps are linear, and far from the optimum they can be far too long: a stiffness, however badly known,
+        and what is known to less than itself stay above a fifth of it. A start is in proportion about any
+        model, and stays.
+        """
+        if self.kind == "start":
+            return 0.0
+        if self.kind != "nominal" or not (self.one_sign or self.sigma < abs(self.centre)):
+            return step
+        return max(step, -KEPT * self.centre) if self.centre >= 0 else min(step, -KEPT * self.centre)
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """All of them.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model with the effects that carry them.
+    each : tuple of Unknown
+        In the order of the columns of a Jacobian.
+    """
+
+    arm: Arm
+    each: tuple[Unknown, ...]
+
+    @property
+    def keys(self) -> list[str]:
+        """Of the model's parameters."""
+        return [unknown.key for unknown in self.each]
+
+    @property
+    def sigma(self) -> np.ndarray:
+        """1 sigma of each."""
+        return np.array([unknown.sigma for unknown in self.each])
+
+    def put(self, arm: Arm, values: np.ndarray) -> Arm:
+        """A model of which these have other values; what it swings with at a start is none of it."""
+        for unknown, value in zip(self.each, values, strict=True):
+            if unknown.kind != "start":
+                arm = with_value(arm, unknown.key, float(value))
+        return arm
+
+    def steps(self, arm: Arm) -> dict[str, float]:
+        """Of differences by nominal values where the model has a law with corners; small ones elsewhere.
+
+        What hits a stop a little earlier swings on out of step: small differences say what the next hit does.
+        """
+        if not has_corners(arm):
+            return {}
+        return {
+            u.key: min(OVER_RIPPLES * u.sigma, WIDEST * abs(u.centre) or u.sigma)
+            for u in self.each
+            if u.kind == "nominal"
+        }
+
+    def without(self, keys: set[str]) -> Unknowns:
+        """Fewer."""
+        return Unknowns(self.arm, tuple(u for u in self.each if u.key not in keys))
+
+
+def unknowns(observed: Observed) -> Unknowns:
+    """Clocks and frames of the records, and the model's uncertain values."""
+    arm = observed.arm
+    clocks, frames = _clocks(observed), _frames(observed)
+    for name in clocks:
+        if arm.effect("time_delay", name) is None:
+            arm = arm.with_effect(TimeDelay(at=name))
+    for name in frames:
+        if arm.effect("frame_registration", name) is None:
+            arm = arm.with_effect(FrameRegistration(at=name))
+    found = []
+    for name, sigma in clocks.items():
+        (p,) = parameters(arm, [f"effects.time_delay.{name}.delay"])
+        found.append(Unknown(p.key, p.value, sigma, p.unit, "clock"))
+    for name, sigmas in frames.items():
+        for kind, sigma in sigmas.items():
+            if sigma > 0:
+                there = parameters(arm, [f"effects.frame_registration.{name}.{kind}"])
+                found += [Unknown(p.key, p.value, sigma, p.unit, "frame") for p in there]
+    swings = [Unknown(start.key, 0.0, SIGMA, start.unit, "start") for start in observed.starts]
+    return Unknowns(arm, (*found, *nominal(arm, observed.records), *swings))
+
+
+def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
+    """Nominal values with an uncertainty; the mass of a payload that every record weighed is known."""
+    found = []
+    for key in arm.uncertainty:
+        value, sigma = arm.sigma(key)
+        bare = _bare(arm, key)
+        if _known(bare, records):
+            continue
+        there = parameters(arm, [bare])
+        sigmas = np.broadcast_to(sigma, (len(there),)) if isinstance(value, tuple) else [sigma]
+        found += [
+            Unknown(p.key, p.value, float(s), p.unit, "nominal", _has_one_sign(arm, p, float(s)))
+            for p, s in zip(there, sigmas, strict=True)
+            if s > 0
+        ]
+    return found
+
+
+def known_loads(arm: Arm, records: Mapping[str, Record]) -> list[str]:
+    """Payloads whose mass has an uncertainty in the model and is known, as every record weighed it."""
+    return [bare.split(".")[1] for key in arm.uncertainty if _known(bare := _bare(arm, key), records)]
+
+
+def _known(key: str, records: Mapping[str, Record]) -> bool:
+    """Whether a value is the mass of a payload that every record weighed."""
+    table, name, *rest = key.split(".")
+    masses = table == "payloads" and rest == ["mass"] and bool(records)
+    return masses and all(weighed(record, name) for record in records.values())
+
+
+def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
+    """Whether the model refuses a value as far on the other side of zero; of zero, a sigma below it."""
+    try:
+        with_value(arm, nominal.key, -nominal.value or -sigma)
+    except InvalidParameter:
+        return True
+    return False
+
+
+def _bare(arm: Arm, key: str) -> str:
+    """A key of `[uncertainty]` without the unit at its end."""
+    from flexarm.arm.uncertainty import owner_of
+
+    place = owner_of(arm, key)
+    return ".".join((*place.prefix, place.field))
+
+
+def _clocks(observed: Observed) -> dict[str, float]:
+    """1 sigma of the offset of every clock of evidence but the drive's [s]: the least that is stated."""
+    found: dict[str, float] = {}
+    for each in observed.rows:
+        record = observed.records[each.record]
+        name = record.signals[each.signal].clock
+        own = drive_clock(record)
+        if name == own or record.kind == "static":
+            continue
+        clock, reference = record.clocks[name], record.clocks[own]
+        sigma = inf if clock.unknown or reference.unknown else hypot(clock.sigma, reference.sigma)
+        found[name] = min(sigma, found.get(name, inf))
+    return {name: UNKNOWN_DELAY if isinf(sigma) else sigma for name, sigma in found.items() if sigma > 0}
+
+
+def _frames(observed: Observed) -> dict[str, dict[str, float]]:
+    """1 sigma of the registration of every frame of evidence [m], [rad]: the least that is stated."""
+    found: dict[str, dict[str, float]] = {}
+    for each in observed.rows:
+        record = observed.records[each.record]
+        signal = record.signals[each.signal]
+        frame = record.frames.get(signal.frame)
+        if frame is None or signal.quantity not in ("position", "orientation"):
+            continue
+        least = found.setdefault(signal.frame, dict.fromkeys(UNKNOWN_POSE, inf))
+        for kind in UNKNOWN_POSE:
+            least[kind] = min(least[kind], inf if frame.unknown else getattr(frame, kind))
+    return {
+        name: {kind: UNKNOWN_POSE[kind] if isinf(sigma) else sigma for kind, sigma in least.items()}
+        for name, least in found.items()
+        if any(sigma > 0 for sigma in least.values())
+    }

@@ -1,0 +1,258 @@
+"""What was measured, beside what a model predicts of it: one vector of residuals over their noise.
+
+    r(model) = (y - f(model)) / sigma                                                                 (1)
+
+y are all values of all signals that are evidence, in all records, sigma is their noise
+(`diagnosis.residual_rows`). Clocks and frames stand where the records state them (or, unknown ones,
+where a first guess puts them); everything else, their errors too, is a parameter of the model. Rows are the
+same for every model.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable, Iterator, Mapping
+from copy import copy
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import product
+from types import MappingProxyType
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.comparison.start import first_guesses
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.unknowns import stated
+from flexarm.diagnosis.initial_conditions import Start, start_slopes, starts_of
+from flexarm.diagnosis.jacobian import differences, pose_slopes
+from flexarm.diagnosis.residual_rows import Rows, evidence_rows, has_corners, put_over_noise, rows_left
+from flexarm.diagnosis.simulation_cache import Runs
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.measurement.effects_of import SensorEffects
+from flexarm.record import Record
+from flexarm.threads import at_once
+
+KEPT_RESIDUALS = 400
+"""Number of residuals that are remembered."""
+
+_Seen = WeakKeyDictionary[Any, dict[tuple[str, SensorEffects], Floats]]
+"""What is left of each signal beside a run that is still there, by the effects on its sensor."""
+
+
+@dataclass(eq=False)
+class Observed:
+    """Records, and the residuals (1) of any model of the arm against them.
+
+    Attributes
+    ----------
+    arm : Arm
+        The nominal model.
+    records : dict of str to Record
+        What was measured.
+    step, alpha : float
+        Of all simulations [s], [-].
+    jobs : int
+        Number of simulations at once.
+    placement : dict of str to Placement
+        Clocks and frames by record.
+    rows : tuple of Rows
+        What the entries of a residual are.
+    skipped : dict of str to str
+        Signals of no use, "record: signal", and why.
+    starts : tuple of Start
+        What the arm may swing with where records begin in motion.
+    runs : Runs
+        Simulations beside the records.
+    """
+
+    arm: Arm
+    records: Mapping[str, Record]
+    step: float = 2e-3
+    alpha: float = -0.05
+    jobs: int = 1
+    placement: dict[str, Placement] = field(init=False, default_factory=dict)
+    rows: tuple[Rows, ...] = field(init=False, default=())
+    skipped: dict[str, str] = field(init=False, default_factory=dict)
+    starts: tuple[Start, ...] = field(init=False, default=())
+    runs: Runs = field(init=False)
+    _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
+    _stepped: dict[float, Observed] = field(init=False, default_factory=dict)
+    _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)
+
+    def __post_init__(self) -> None:
+        self.runs = Runs(self.records, self.step, self.alpha)
+        rows: list[Rows] = []
+        pairs = [self.runs.beside(name, self.arm) for name in self.records]
+        guesses = first_guesses(pairs, [stated(record) for record in self.records.values()])
+        self.placement = dict(zip(self.records, guesses, strict=True))
+        for name, pair in zip(self.records, pairs, strict=True):
+            self.skipped |= {f"{name}: {signal}": why for signal, why in pair.skipped.items()}
+            rows.extend(evidence_rows(name, pair, self.placement[name], rows[-1].where.stop if rows else 0))
+        self.rows = tuple(rows)
+        if not rows:
+            reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
+            raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
+        self.starts = starts_of(self, self.arm)
+
+    def __len__(self) -> int:
+        """Number of residuals."""
+        return int(self.rows[-1].where.stop)
+
+    @property
+    def seconds(self) -> float:
+        """Length of the longest motion [s]; 0 if all are poses."""
+        motions = (each for each in self.rows if self.records[each.record].kind == "motion")
+        return max((float(np.ptp(each.time)) for each in motions), default=0.0)
+
+    def channels(self) -> Iterator[tuple[Rows, slice]]:
+        """Rows by channel."""
+        for each in self.rows:
+            yield each, each.where
+
+    def rows_of(self, record: str) -> Iterator[Rows]:
+        """Rows of one record."""
+        return (each for each in self.rows if each.record == record)
+
+    def with_step(self, step: float) -> Observed:
+        """The same rows against other simulations, whose residuals are remembered too."""
+        if step == self.step:
+            return self
+        if step not in self._stepped:
+            found = self._stepped[step] = self.again()
+            found.step, found.runs = step, self.runs.with_step(step)
+        return self._stepped[step]
+
+    def again(self) -> Observed:
+        """The same with no residual remembered, for other rows or records to be put in."""
+        found = copy(self)
+        found._residuals, found._stepped = OrderedDict(), {}
+        return found
+
+    def with_drives(self, records: Mapping[str, Record]) -> Observed:
+        """The same rows against simulations along the drives of other records."""
+        found = self.again()
+        found.records, found.runs = records, Runs(records, self.step, self.alpha)
+        return found
+
+    def with_noise(self, times: Floats) -> Observed:
+        """The same rows with more noise, times as much in each of `rows`."""
+        found = self.again()
+        found.rows = tuple(
+            replace(
+                each,
+                sigma=each.sigma * float(t),
+                shaken=each.shaken / float(t) ** 2,
+                unsteady=each.unsteady / float(t) ** 2,
+            )
+            for each, t in zip(self.rows, times, strict=True)
+        )
+        return found
+
+    def without(self, out: NDArray[np.bool_]) -> Observed:
+        """Fewer rows: without those of a mask of shape (n,)."""
+        found = self.again()
+        found.rows = tuple(rows_left(self.rows, out))
+        return found
+
+    def residual(self, arm: Arm) -> Floats:
+        """Eq. (1) for a model, shape (len(self),)."""
+        key = _key(arm)
+        if key not in self._residuals:
+            found = np.empty(len(self))
+            beside = partial(self.runs.beside, arm=arm)
+            for name, pair in zip(self.records, at_once(beside, self.records, self.jobs), strict=True):
+                self.put(found, name, pair)
+            self._keep(key, found)
+        return self._residuals[key]
+
+    def _keep(self, key: Any, found: Floats) -> None:
+        """Remembers a residual, and forgets the oldest ones."""
+        found.setflags(write=False)
+        self._residuals[key] = found
+        while len(self._residuals) > KEPT_RESIDUALS:
+            self._residuals.popitem(last=False)
+
+    def put(self, found: Floats, name: str, pair: Subject, rows: Iterable[Rows] | None = None) -> None:
+        """Writes the rows of one record into a residual, or some of them."""
+        seen = self._seen.setdefault(pair.simulation, {})
+
+        def of_signal(name_of: str) -> Floats:
+            signal = pair.record.signals[name_of]
+            key = (name_of, pair.effects(signal))
+            if key not in seen:
+                seen[key] = pair.residual(signal, self.placement[name], hold=True)
+            return seen[key]
+
+        put_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
+
+    def prepare(self, arms: Iterable[Arm]) -> None:
+        """Computes residuals of many models, `jobs` runs at once; `residual` says later which failed."""
+        wanted = {key: arm for arm in arms if (key := _key(arm)) not in self._residuals}
+        if self.jobs == 1 or len(wanted) < 2:
+            return
+        found = {key: np.empty(len(self)) for key in wanted}
+        failed = set()
+
+        def put(run: tuple[Any, str]) -> None:
+            key, name = run
+            try:
+                self.put(found[key], name, self.runs.beside(name, wanted[key]))
+            except (InvalidParameter, NotConverged):
+                failed.add(key)
+
+        at_once(put, product(wanted, self.records), self.jobs)
+        for key in (key for key in wanted if key not in failed):
+            self._keep(key, found[key])
+
+    def correction(self, arm: Arm) -> Floats:
+        """What (1) misses of its value for vanishing time steps h, shape (len(self),).
+
+        Richardson's extrapolation from h and h/2 less r(h). Where
+        h/2 moves more than the noise, or laws have corners, that shows in smaller steps: with h/2 and h/4.
+        """
+        if all(record.kind == "static" for record in self.records.values()):
+            return np.zeros(len(self))
+        coarse = self.residual(arm)
+        half = self.with_step(self.step / 2).residual(arm)
+        if has_corners(arm) or np.mean((half - coarse) ** 2) > 1.0:
+            fine, finer = half, self.with_step(self.step / 4).residual(arm)
+        else:
+            fine, finer = coarse, half
+        return extrapolated(fine, finer) - coarse
+
+    def slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})) -> Floats:
+        """Derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
+
+        `steps` are those of differences by some parameters, if not small.
+        """
+        starts = [start for start in self.starts if start.key in keys]
+        found = np.zeros((len(self), len(keys)))
+        of_model = [k for k, key in enumerate(keys) if not key.startswith("records.")]
+        found[:, of_model] = self._model_slopes(arm, [keys[k] for k in of_model], steps)
+        found[:, [keys.index(start.key) for start in starts]] = start_slopes(self, arm, starts)
+        return found
+
+    def _model_slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float]) -> Floats:
+        exact = self.pose_slopes(arm, keys)
+        return differences(self, arm, keys, steps) if exact is None else exact
+
+    def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
+        """The same from the derivatives of equilibria; None where they have none."""
+        return pose_slopes(self, arm, keys)
+
+
+def extrapolated(coarse: Floats, fine: Floats) -> Floats:
+    """Richardson's extrapolation of a method of order two from steps h and h/2."""
+    found: Floats = fine + (fine - coarse) / 3
+    return found
+
+
+def _key(arm: Arm) -> tuple[Any, ...]:
+    """What residuals depend on."""
+    parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points, arm.motors, arm.controllers)
+    return (*parts, arm.effects)

@@ -1,0 +1,147 @@
+"""Encoders that count in steps their records do not tell of, and what those steps do to everything else.
+
+Readings of such an encoder lie on a lattice (`flexarm.measurement.lattice`), which is seen in the readings
+themselves. No fit can take the steps back: what the drive did between two
+counts is lost, and moves everything it drives. How much follows from rounding once more: with f the smoothed
+drive,
+
+    y'_i = step round((f(t_i) + u)/step) - u,    u uniform within a step                              (1)
+
+is about as far from f as f is from the truth, and the difference of the simulations along both is an error of
+each channel, added to its noise. How quickly f follows a count that comes or stays away is chance, and near a
+mode one u errs up to ten times as much as another one: the largest error of `DRAWS` of them counts,
+`ROUGHLY` times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.problem import Observed
+from flexarm.effects.encoder_quantisation import EncoderQuantisation
+from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.lattice import lattice_step
+from flexarm.measurement.smoothing import smooth
+from flexarm.named_effects import Estimate, NamedEffect
+from flexarm.record import Record
+
+COARSE = 5.0
+"""Steps over the stated noise from which a record does not tell of them."""
+MATTERS = 0.5
+"""Least error of some channel, over its noise, for which steps are named."""
+DRAWS, ROUGHLY = 4, 2.0
+"""Of u in (1), and how well the error of one motion tells that of another."""
+CERTAIN = 0.98
+"""Probability of what is seen in the readings themselves."""
+
+
+@dataclass(frozen=True)
+class CoarseEncoder:
+    """An encoder, its step and what that does.
+
+    Attributes
+    ----------
+    effect : EncoderQuantisation
+        With the step that was seen.
+    over_noise : float
+        The step over the stated noise of the encoder.
+    moves : str
+        The signal that it disturbs most.
+    error : float
+        There, rms over the noise.
+    """
+
+    effect: EncoderQuantisation
+    over_noise: float
+    moves: str
+    error: float
+
+    def named(self) -> NamedEffect:
+        """As a diagnosis says it."""
+        step = self.effect.step
+        exact = Estimate("step", step, 1e-4 * step, (1 - 2e-4) * step, (1 + 2e-4) * step, "rad")
+        evidence = (
+            f"all readings of {self.effect.at} are {1e3 * step:.4g} mrad apart or multiples of it, "
+            f"{self.over_noise:.0f} times the stated noise; what the arm did between two counts is lost, and "
+            f"moves {self.moves} by {self.error:.1f} times its noise"
+        )
+        return NamedEffect("encoder_quantisation", self.effect.at, CERTAIN, (exact,), (), evidence)
+
+
+def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQuantisation, ...]:
+    """Of joint angles that drive, where neither the records nor the model state the steps."""
+    steps: dict[str, list[float]] = {}
+    for record in records.values():
+        for name in record.drive if record.kind == "motion" else ():
+            signal = record.signals[name]
+            if signal.quantity == "joint_angle" and arm.effect("encoder_quantisation", name) is None:
+                step = lattice_step(signal.values[:, 0])
+                told = step <= COARSE * (signal.noise_std or np.inf)
+                steps.setdefault(name, []).append(0.0 if told else step)
+    return tuple(
+        EncoderQuantisation(at=name, step=float(np.median(found)))
+        for name, found in steps.items()
+        if min(found) > 0 and max(found) < 1.01 * min(found)
+    )
+
+
+def with_coarse_encoders(observed: Observed, seed: int) -> tuple[Observed, tuple[CoarseEncoder, ...]]:
+    """The same with noise that holds the errors of (1), and the encoders whose steps matter."""
+    found: list[CoarseEncoder] = []
+    variance = np.zeros(len(observed.rows))
+    arm = observed.arm
+    rng = np.random.default_rng(seed)
+    for effect in coarse_encoders(arm, observed.records):
+        there = arm.with_effect(effect)
+        error = np.max([_error(observed, there, effect, rng) for _ in range(DRAWS)], axis=0)
+        most = int(np.argmax(error))
+        if error[most] > MATTERS:
+            variance += (ROUGHLY * error) ** 2
+            arm = there
+            driven = [r for r in observed.records.values() if _moves_by(r, effect.at)]
+            noise = min(record.signals[effect.at].noise_std or 0.0 for record in driven)
+            moves = observed.rows[most].signal
+            found.append(CoarseEncoder(effect, effect.step / noise, moves, float(error[most])))
+    if not found:
+        return observed, ()
+    noisier = observed.with_noise(np.sqrt(1.0 + variance))
+    noisier.arm = arm
+    return noisier, tuple(found)
+
+
+def _error(observed: Observed, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Floats:
+    """What (1) does to each of `rows`, rms over its noise."""
+    again = {
+        name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
+        for name, record in observed.records.items()
+    }
+    return _rms(observed, observed.with_drives(again).residual(arm) - observed.residual(arm))
+
+
+def _moves_by(record: Record, encoder: str) -> bool:
+    """Whether a record is a motion along the readings of an encoder; poses and other motions are not."""
+    return record.kind == "motion" and encoder in record.drive
+
+
+def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Record:
+    """A record whose encoder reads (1)."""
+    from scipy.interpolate import PPoly
+
+    signal = record.signals[effect.at]
+    noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
+    breaks, coefficients = smooth(signal.time, signal.values[:, 0], noise)
+    f = PPoly(coefficients, breaks)(signal.time)
+    u = effect.step * rng.uniform()
+    values = effect.step * np.round((f + u) / effect.step) - u  # eq. (1)
+    values[~np.isfinite(signal.values[:, 0])] = np.nan
+    rounded = {**record.signals, effect.at: signal.replace(values=values[:, None])}
+    return record.replace(signals=list(rounded.values()))
+
+
+def _rms(observed: Observed, residual: Floats) -> Floats:
+    return np.array([float(np.sqrt(np.mean(residual[each.where] ** 2))) for each in observed.rows])

@@ -1,0 +1,88 @@
+"""What is said of records that begin in motion: with how much the arm swung when they began.
+
+What is said of signals and loads that a fit takes otherwise than a reader may think, or does not see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from flexarm.comparison.unknowns import movable, noise_is_stated
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.nuisance import known_loads
+from flexarm.diagnosis.problem import Observed
+from flexarm.record import Signal
+from flexarm.wording import listed, with_unit
+
+TOLD = 1.0
+"""Least swing that is told, over the noise."""
+
+
+def swings(fit: Fit, observed: Observed) -> Iterator[str]:
+    """A sentence for each record that begins with the arm swinging, which the gaps of a report still hold."""
+    x = fit.projection.best(fit.residual)
+    for name in observed.records:
+        mine = [fit.unknowns.keys.index(s.key) for s in observed.starts if s.record == name]
+        move = fit.projection.slopes[:, mine] @ x[mine]
+        most = {each: float(np.abs(move[each.where]).max()) for each in observed.rows_of(name)}
+        each = max(most, key=lambda rows: most[rows], default=None)
+        if mine and each is not None and most[each] > TOLD:
+            unit = observed.records[name].signals[each.signal].unit
+            size = with_unit(most[each] * each.sigma, unit)
+            yield (
+                f"{name} begins with the arm swinging, by up to {size} at {each.signal}: that is fitted "
+                "along, and still part of the gaps told here"
+            )
+
+
+_SILENT = "no noise is stated, and its values are too few or too even to show it"
+
+
+def unweighed(observed: Observed) -> Iterator[str]:
+    """A sentence for each signal without a stated noise: what stands for it, what is not aligned by it."""
+    shown: dict[str, float] = {}
+    for rows in observed.rows:
+        if not noise_is_stated(_signal(observed, rows.record, rows.signal).noise_std):
+            shown[rows.signal] = max(shown.get(rows.signal, 0.0), rows.sigma)
+    for name, sigma in shown.items():
+        own = [(each, each.signals[name]) for each in observed.records.values() if name in each.signals]
+        places = list(dict.fromkeys(place for record, signal in own for place in movable(record, signal)))
+        noise = with_unit(sigma, own[0][1].unit, 2)
+        text = f"no noise is stated for {name}: the {noise} that its values show count instead"
+        if places:
+            text += f"; the gaps before and after are not aligned by it, in {listed(places)}"
+        yield text
+
+
+def unfitted(observed: Observed, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """A sentence for each signal that a simulation predicts and of which no value is fitted.
+
+    Parameters
+    ----------
+    observed : Observed
+        Records and their rows.
+    compared : dict of str to sequence of str
+        By record the signals that the model predicts.
+    """
+    seen = {(rows.record, rows.signal) for rows in observed.rows}
+    for record in observed.records:
+        for name in compared.get(record, ()):
+            if (record, name) not in seen:
+                stated = noise_is_stated(_signal(observed, record, name).noise_std)
+                why = "none of its values lies in the time of the drives" if stated else _SILENT
+                yield f"{record}: {name} is not fitted: {why}"
+
+
+def weighed_loads(observed: Observed) -> Iterator[str]:
+    """A sentence for each payload of which the records state the mass and the model an uncertainty."""
+    for load in known_loads(observed.arm, observed.records):
+        yield (
+            f"the mass of {load} is what the records state, and its uncertainty in the model has no part: "
+            "if it was weighed wrongly, leave it out of the records, or other effects stand in for it"
+        )
+
+
+def _signal(observed: Observed, record: str, name: str) -> Signal:
+    return observed.records[record].signals[name]

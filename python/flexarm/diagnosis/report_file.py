@@ -1,0 +1,235 @@
+"""`report.json`, format `flexarm-diagnosis/1`: what programs read of a diagnosis.
+
+Numbers that nobody knows, such as the deviation of what the data do not determine, are null. Beside the keys
+that are agreed on, `details` holds what the page tells in sentences and curves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from flexarm.diagnosis.prediction import foretold_sentence, remarks_beside
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.result import Diagnosis
+
+
+FORMAT = "flexarm-diagnosis/1"
+
+
+def _known(value: Any) -> Any:
+    """None for a number that is not finite, which JSON has not."""
+    return None if value is not None and not isfinite(value) else value
+
+
+Known = Annotated[float | None, BeforeValidator(_known)]
+Probability = Annotated[float, Field(ge=0, le=1)]
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class ParameterEntry(_Entry):
+    """A fitted parameter with its 90 % interval."""
+
+    name: str
+    value: float
+    std: Known
+    low90: Known
+    high90: Known
+    unit: str
+
+
+class AlternativeEntry(_Entry):
+    """What the data cannot tell from the named effect."""
+
+    name: str
+    at: str
+    probability: Probability
+
+
+class EffectEntry(_Entry):
+    """A named effect."""
+
+    name: str
+    at: str
+    probability: Probability
+    parameters: list[ParameterEntry]
+    alternatives: list[AlternativeEntry]
+    evidence: str
+    figures: list[str]
+
+
+class NuisanceEntry(_Entry):
+    """A clock or frame that was fitted along."""
+
+    name: str
+    at: str
+    parameters: list[ParameterEntry]
+
+
+class WhereEntry(_Entry):
+    """A place in direction, state and frequency where the gap exceeds the noise."""
+
+    signal: str
+    direction: str
+    when: str
+    band_hz: Annotated[list[Known], Field(min_length=2, max_length=2)]
+    rms: float
+    noise_rms: Known
+
+
+class RefinedEntry(_Entry):
+    """A nominal value that moved inside its stated uncertainty."""
+
+    parameter: str
+    value: float
+    std: Known
+    nominal: float
+
+
+class GapEntry(_Entry):
+    """Total of the main signal before and after, pooled over records."""
+
+    before_rms: Known
+    after_rms: Known
+    noise_rms: Known
+    before_max: Known
+    after_max: Known
+
+
+class GapsEntry(_Entry):
+    """The gap on what was fitted and on what was held back."""
+
+    signal: str
+    unit: str
+    train: GapEntry
+    held_out: GapEntry
+
+
+class RejectedEntry(_Entry):
+    """A candidate that was not taken."""
+
+    name: str
+    at: str
+    log_bayes_factor: Known
+    why: str
+
+
+class ProvenanceEntry(_Entry):
+    """Where the report comes from."""
+
+    version: str
+    git: str
+    inputs_sha256: dict[str, str]
+    seed: int
+    step: float = 2e-3
+    seconds: float
+    rejected: list[RejectedEntry]
+
+
+class StageEntry(_Entry):
+    """A model on the way to the repaired one."""
+
+    label: str
+    rms: dict[str, Known]
+
+
+class DetailsEntry(_Entry):
+    """What the page tells beside the agreed keys."""
+
+    training: list[str]
+    held_out: list[str]
+    hold_out_kind: str
+    hold_out_why: str
+    remainder: str
+    remarks: list[str]
+    stages: list[StageEntry]
+    constancy: list[dict[str, Any]]
+
+
+class ReportFile(BaseModel):
+    """The whole file."""
+
+    model_config = ConfigDict(extra="forbid")
+    format: Literal["flexarm-diagnosis/1"]
+    verdict: Literal["effects", "adequate", "unexplained", "unusable"]
+    effects: list[EffectEntry]
+    nuisances: list[NuisanceEntry]
+    where: list[WhereEntry]
+    refined: list[RefinedEntry]
+    gap: GapsEntry
+    next_experiment: str
+    provenance: ProvenanceEntry
+    details: DetailsEntry
+
+
+def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The object of `report.json`, checked against the format."""
+    d = diagnosis
+    content = {
+        "format": FORMAT,
+        "verdict": d.verdict,
+        "effects": [{**asdict(effect), "figures": d.figures_of(effect)} for effect in d.effects],
+        "nuisances": [asdict(nuisance) for nuisance in d.nuisances],
+        "where": [{key: cell[key] for key in WhereEntry.model_fields} for cell in d.where],
+        "refined": [{key: getattr(each, key) for key in RefinedEntry.model_fields} for each in d.refined],
+        "gap": {
+            "signal": d.main_signal,
+            "unit": d.unit,
+            "train": asdict(d.gap(d.training)),
+            "held_out": asdict(d.gap(d.held_out)),
+        },
+        "next_experiment": d.next_experiment,
+        "provenance": {
+            **provenance_of(d.provenance),
+            "rejected": [asdict(candidate) for candidate in d.rejected],
+        },
+        "details": _details(d),
+    }
+    return ReportFile.model_validate(_plain(content)).model_dump(mode="json")
+
+
+def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
+    """What is known of where it comes from; version and commit of this installation where nothing is said."""
+    from flexarm.configuration import config
+
+    versions = config()
+    return {
+        "version": given.get("version", versions["flexarm"]),
+        "git": given.get("git", versions["git"]),
+        "inputs_sha256": dict(given.get("inputs_sha256", {})),
+        "seed": given.get("seed", 0),
+        "step": given.get("step", 2e-3),
+        "seconds": given.get("seconds", 0.0),
+    }
+
+
+def _details(d: Diagnosis) -> dict[str, Any]:
+    return {
+        "training": d.training,
+        "held_out": d.held_out,
+        "hold_out_kind": d.hold_out_kind,
+        "hold_out_why": d.hold_out_why,
+        "remainder": d.remainder,
+        "remarks": [*filter(None, [foretold_sentence(d)]), *remarks_beside(d)],
+        "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],
+        "constancy": d.constancy,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold: dictionaries, lists, plain numbers, null for those that are not finite."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):  # arrays and scalars of NumPy
+        return _plain(value.tolist())
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return [_plain(item) for item in value]
+    return _known(value) if isinstance(value, float) else value

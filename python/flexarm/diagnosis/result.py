@@ -1,0 +1,196 @@
+"""The outcome of a diagnosis: verdict, effects with their rivals, what is uncertain, the repaired model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from flexarm.arguments import PATH, takes
+from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
+from flexarm.output import SavedAsDirectory, stems
+from flexarm.residual_analysis.pooled_gap import PooledGap, pooled_gap
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.arm import Arm
+    from flexarm.comparison.comparison import Comparison
+    from flexarm.residual_analysis.localisation import Located
+
+
+Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(SavedAsDirectory):
+    """What `diagnose` found.
+
+    Attributes
+    ----------
+    verdict : {"effects", "adequate", "unexplained", "unusable"}
+        In a word.
+    arm, updated : Arm
+        The nominal model; the model with the effects and refined values, without nuisances.
+    effects : tuple of NamedEffect
+        Most probable first.
+    nuisances, refined, rejected
+        What was fitted along, which nominal values moved, which candidates were not taken.
+    where : tuple of dict
+        Where simulation and measurement disagree: entries of the report's `where`.
+    before, after : dict of str to Comparison
+        By record, held-out ones too: the gap of the nominal and of the updated model, aligned.
+    training, held_out : tuple of str
+        Names of the records. Without a held-out one, blocks of time were held back.
+    hold_out_kind : str
+        "repetition", "interpolation" or "extrapolation" of the training, or "blocks".
+    hold_out_why : str
+        What of it lies beyond the training, in words.
+    located, located_after : Located or None
+        Where the gap is, all records of training together: of the nominal and of the updated model.
+    main_signal : str
+        The signal of the report's `gap`.
+    stages : tuple of Stage
+        The gap shrinking.
+    constancy : tuple of dict
+        Each effect's parameters by record alone: {"effect", "at", "parameter", "unit", "values": {record:
+        (value, std)}, "q", "p_value", "constant": bool, "moves_with": str}.
+    remainder : str
+        Description of what is left, a sentence; empty if the rest is noise.
+    remarks : tuple of str
+        What the reader should know: outliers removed, what the data cannot tell.
+    next_experiment : str
+        One sentence, empty if nothing is left to separate.
+    provenance : dict
+        version, git, inputs_sha256, seed, seconds.
+    """
+
+    verdict: Verdict
+    arm: Arm
+    updated: Arm
+    effects: tuple[NamedEffect, ...] = ()
+    nuisances: tuple[Nuisance, ...] = ()
+    refined: tuple[Refined, ...] = ()
+    rejected: tuple[Rejected, ...] = ()
+    where: tuple[Mapping[str, Any], ...] = ()
+    before: Mapping[str, Comparison] = field(default_factory=dict)
+    after: Mapping[str, Comparison] = field(default_factory=dict)
+    training: tuple[str, ...] = ()
+    held_out: tuple[str, ...] = ()
+    hold_out_kind: str = "blocks"
+    hold_out_why: str = ""
+    main_signal: str = ""
+    located: Located | None = None
+    located_after: Located | None = None
+    stages: tuple[Stage, ...] = ()
+    constancy: tuple[Mapping[str, Any], ...] = ()
+    remainder: str = ""
+    remarks: tuple[str, ...] = ()
+    next_experiment: str = ""
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    # ------------------------------------------------------------------ the gap
+
+    @property
+    def unit(self) -> str:
+        """Unit of the main signal's gap; empty if nothing could be compared."""
+        return self.unit_of(self.main_signal)
+
+    def unit_of(self, signal: str) -> str:
+        """Unit of the gap of a signal; empty if it could not be compared."""
+        found = (comparison.signals.get(signal) for comparison in self.before.values())
+        return next((gap.unit for gap in found if gap is not None), "")
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether there is a gap to be shown: not where the data could not be compared at all."""
+        return bool(self.unit)
+
+    def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
+        """Totals of a signal before and after, pooled over records.
+
+        Parameters
+        ----------
+        records : iterable of str
+            Their names, such as `training` or `held_out`.
+        signal : str, optional
+            Which one; default: the main signal.
+        """
+        return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
+
+    def figures_of(self, effect: NamedEffect) -> list[str]:
+        """Names of the files that `save` draws for a named effect."""
+        names = stems([f"{each.name}-{each.at}" for each in self.effects])
+        return [f"{names[self.effects.index(effect)]}.png"] if self.has_gap else []
+
+    # ------------------------------------------------------------------- output
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object of `report.json`, checked against its format."""
+        from flexarm.diagnosis.report_file import report_dict
+
+        return report_dict(self)
+
+    def summary(self) -> str:
+        """Verdict, effects with 90 % intervals, rivals, gap, and what to measure next, as text."""
+        from flexarm.report.summary import summary
+
+        return summary(self)
+
+    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
+        """The main signal's gap before and after along a record, and the noise (2 sigma) as a band.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        record : str, optional
+            Which one; default: the first held-out one, or the first of training.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such record, or nothing in it was compared.
+        """
+        from flexarm.report.gap_curves import plot
+
+        return plot(self, ax, record)
+
+    @classmethod
+    @takes(path=PATH)
+    def load(cls, path: str | Path) -> Self:
+        """What `save` or `flexarm diagnose` wrote.
+
+        It prints, draws and saves the same, but for the gap against states of the joints (`located`), which
+        is not kept.
+
+        Parameters
+        ----------
+        path : str or Path
+            The directory, or the report.json in it; updated.toml and gaps.nc are beside it.
+
+        Raises
+        ------
+        InvalidFile
+            If a file is missing, or is not what a diagnosis wrote.
+
+        Examples
+        --------
+        >>> flexarm.Diagnosis.load("diagnosis").plot(record="other_day")  # doctest: +SKIP
+        """
+        from flexarm.diagnosis.storage import stored
+
+        return cls(**stored(path))
+
+    def write(self, directory: Path) -> None:
+        """Writes report.json, report.html, updated.toml, gaps.nc and the figures into a directory.
+
+        The directory is there.
+        """
+        from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
+
+        write(self, directory)
+
+    def __repr__(self) -> str:
+        return self.summary()

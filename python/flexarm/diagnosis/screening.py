@@ -1,0 +1,338 @@
+"""Screening: how much of the gap every effect at every place could explain, from finite steps.
+
+With q the residual and D the probes of a candidate (`diagnosis.candidates`), both without what
+clocks, frames and nominal values explain,
+
+    min over alpha of |q + D alpha|^2 + |alpha/10|^2,      share = 1 - min/|q|^2                       (1)
+
+The probes of all candidates are simulated once; sets of two and more are then linear algebra. A probe is
+about one sigma of what is plausible: the second term keeps alphas below some ten of them. Laws that cannot be
+negative are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import SHAPES, SPRINGS, Candidate, value_of
+from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.fit import FAILED, Fit, Projection
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.simulation import Progress, reported
+
+Ranked = tuple[float, tuple[int, ...]]
+"""Share that a set explains, and which candidates are in it."""
+
+RIDGE = 0.1
+LONGER = 2.0
+"""Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
+AMONG = 16
+"""Places that are tried in sets of three."""
+HARDLY = 0.02
+"""Part of the greatest move below which a component of a vector is not fitted."""
+KEPT = 100
+"""Sets of which a size is worked out."""
+NONE: Mapping[str, str] = MappingProxyType({})
+ONE_SIGNED = ("joint_hysteresis", "backlash", "coulomb_friction", "viscous_friction", "motor_friction")
+
+
+@dataclass(frozen=True, eq=False)
+class Probed:
+    """A candidate and what its probes do to the residual, shape (n, probes)."""
+
+    candidate: Candidate
+    moves: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """What a set of candidates explains.
+
+    Attributes
+    ----------
+    members : tuple of Candidate
+        Of the size that explains most, ready to be fitted.
+    share : float
+        Of the squared gap, eq. (1).
+    """
+
+    members: tuple[Candidate, ...]
+    share: float
+
+    @property
+    def places(self) -> tuple[tuple[str, str], ...]:
+        """Name and place of each member."""
+        return tuple(member.place for member in self.members)
+
+    def __str__(self) -> str:
+        return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {m.at}" for m in self.members)
+
+
+def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
+    """Simulates the probes of all candidates; those that cannot be simulated are left out."""
+    observed, arm = fitter.observed.with_step(LONGER * fitter.observed.step), fitter.start
+    probed = []
+    with reported(progress, "probing effects") as report:
+        for k, candidate in enumerate(found):
+            try:
+                moves = in_proportion(candidate, fitter.unknowns.keys, fitter.slopes)
+                if moves is None:
+                    there = candidate.base(arm)
+                    models = [there, *(there.with_effect(each) for each in candidate.probes)]
+                    observed.prepare(models)
+                    before, *after = [observed.residual(model) for model in models]
+                    moves = np.stack([r - before for r in after], axis=1)
+            except (InvalidParameter, NotConverged):
+                continue
+            probed.append(_seen(Probed(candidate, moves)))
+            if report is not None:
+                report((k + 1) / len(found))
+    return probed
+
+
+def in_proportion(candidate: Candidate, keys: Sequence[str], slopes: Floats) -> Floats | None:
+    """Moves of a clock, frame or reflector, from the derivatives by it as it is no effect; None of all else.
+
+    A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
+    explain less as an effect. A reflector is a point elsewhere, and needs no simulation.
+    """
+    own = [f"effects.{candidate.name}.{candidate.at}.{name}" for name in candidate.free]
+    if candidate.name == "reflector_offset":
+        own = [f"points.{candidate.at}.{name.replace('offset', 'position')}" for name in candidate.free]
+    if not set(own) <= set(keys):
+        return None
+    steps = [
+        [value_of(probe, name) - candidate.null[name] for probe in candidate.probes]
+        for name in candidate.free
+    ]
+    moves: Floats = slopes[:, [keys.index(key) for key in own]] @ np.array(steps)
+    return moves
+
+
+def _seen(probed: Probed) -> Probed:
+    """Without components of a vector that hardly move anything: across the plane of a planar arm."""
+    candidate, moves = probed.candidate, probed.moves
+    size = np.linalg.norm(moves, axis=0)
+    sized = [name for name in candidate.free if name not in SHAPES]
+    if len(sized) != len(size) or not all("." in name for name in sized):
+        return probed
+    keep = [k for k in range(len(size)) if size[k] > HARDLY * size.max()]
+    if not 0 < len(keep) < len(size):
+        return probed
+    seen = {sized[k] for k in keep}
+    free = tuple(name for name in candidate.free if name in seen or name in SHAPES)
+    probes = tuple(candidate.probes[k] for k in keep)
+    return Probed(replace(candidate, free=free, probes=probes), moves[:, keep])
+
+
+def screen(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    fit: Fit,
+    pairs: Mapping[str, str] = NONE,
+    seen: Callable[[Floats], Floats] | None = None,
+) -> list[Share]:
+    """Candidates that could explain what a fit leaves, the best first.
+
+    Parameters
+    ----------
+    fitter : Fitter
+        Records and unknowns.
+    probed : sequence of Probed
+        What the probes do.
+    fit : Fit
+        Its effects may change along, to first order.
+    pairs : dict of str to str
+        Joints that are one place, `companions.cardan_joints`: a law at both is tried as one candidate.
+    seen : callable, optional
+        What is looked at of residuals, a linear function of their columns, such as `slow.slow_part`.
+    """
+    linear = Linear(fitter, probed, fit, seen)
+    sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
+    return linear.shares(linear.ranked(sets))
+
+
+def together(
+    fitter: Fitter,
+    probed: Sequence[Probed],
+    fit: Fit,
+    size: int,
+    seen: Callable[[Floats], Floats] | None = None,
+) -> list[Share]:
+    """Sets of two or three candidates that explain most together, of what is `seen`, the best first.
+
+    All pairs are looked at; of triples all among the `AMONG` places that explain most alone, half as many
+    more that do so in a pair: what explains nothing by itself may be needed beside another.
+    """
+    linear = Linear(fitter, probed, fit, seen)
+    two = linear.ranked(linear.sets(linear.free, 2))
+    if size == 2:
+        return linear.shares(two, KEPT)
+    alone = linear.ranked((k,) for k in linear.free)
+    few: dict[tuple[str, str], int] = {}
+    for ranked, most in ((alone, AMONG), (two, AMONG + AMONG // 2)):
+        for k in (k for _, chosen in ranked for k in chosen):
+            if len(few) < most:
+                few.setdefault(probed[k].candidate.place, k)
+    return linear.shares(linear.ranked(linear.sets(list(few.values()), size)), KEPT)
+
+
+def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
+    """Shares taken anew with each set at the size found, since laws bend between a probe and that size.
+
+    What a set moves is a difference, simulated in longer steps as probes are.
+    """
+    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
+    models = []
+    for share in shares:
+        members = (*fit.members, *share.members)
+        with suppress(InvalidParameter):  # a ripple that would turn the output back
+            models.append((share, members, fitter.with_effects(members)))
+    coarse.observed.prepare(arm for _, _, arm in models)
+    if not models:
+        return []
+    try:
+        before = coarse.residual(fit.members)
+    except FAILED:  # laws with corners may not follow longer steps
+        coarse, before = fitter, fitter.residual(fit.members)
+    found = []
+    for share, members, _ in models:
+        try:
+            move = coarse.residual(members) - before
+        except (InvalidParameter, NotConverged):
+            continue
+        _, projection = fitter.eliminated(members)
+        rest = projection.rest(np.column_stack([fit.residual, move]))
+        q, d = rest[:, 0], rest[:, 1]
+        times = max(-float(d @ q) / max(float(d @ d), 1e-300), 0.0)
+        left = q + times * d
+        found.append(replace(share, share=1.0 - float(left @ left) / fit.cost))
+    return sorted(found, key=lambda s: -s.share)
+
+
+class Linear:
+    """Eq. (1) for any set of candidates about a fit, from one Gram matrix of all moves.
+
+    With D the moves of all candidates and the derivatives of the fit by its own effects, less what unknowns
+    explain, G = D^T D and b = D^T q hold everything: a set takes its rows and columns,
+
+        alpha = -(G + ridge)^-1 b,   |q + D alpha|^2 = |q|^2 + 2 alpha b + alpha G alpha               (2)
+
+    Sets that take different unknowns into their effects have matrices of their own.
+    """
+
+    def __init__(
+        self,
+        fitter: Fitter,
+        probed: Sequence[Probed],
+        fit: Fit,
+        seen: Callable[[Floats], Floats] | None = None,
+    ) -> None:
+        self.fitter, self.probed, self.fit, self.seen = fitter, probed, fit, seen
+        taken = set(fit.places)
+        self.free = [k for k, p in enumerate(probed) if p.candidate.place not in taken]
+        ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
+        self._columns = [np.arange(ends[k], ends[k + 1]) for k in range(len(probed))]
+        self._own = np.arange(ends[-1], ends[-1] + fit.slopes.shape[1])
+        self._moves = np.concatenate([*(p.moves for p in probed), fit.slopes], axis=1)
+        self._takes = [fitter.taken([p.candidate]) for p in probed]
+        self._fitted = fitter.taken(fit.members)
+        self._grams: dict[frozenset[str], tuple[Floats, Floats, float]] = {}
+
+    def sets(self, among: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
+        """All sets of different places."""
+        for found in combinations(among, size):
+            if len({self.probed[k].candidate.place for k in found}) == size:
+                yield found
+
+    def companions(self, pairs: Mapping[str, str]) -> Iterator[tuple[int, ...]]:
+        """The same variant of a law at both axes of a place."""
+        for i in self.free:
+            one = self.probed[i].candidate
+            for j in self.free:
+                other = self.probed[j].candidate
+                if pairs.get(one.at) == other.at and other.effect == one.effect.replace(at=other.at):
+                    yield i, j
+
+    def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
+        """Share and members of those that explain something without a negative law, the best first.
+
+        A law on a spring that neither the model nor the fit has is looked at beside that spring only, which
+        would else be of a size that nobody fitted.
+        """
+        found = [(self._solved(each)[0], each) for each in sets if self._stands(each)]
+        return sorted((pair for pair in found if pair[0] > 0), key=lambda pair: -pair[0])
+
+    def _stands(self, chosen: tuple[int, ...]) -> bool:
+        members = [self.probed[k].candidate for k in chosen]
+        there = {None, *self.fit.places, *(member.place for member in members)}
+        return all(member.stands_on in there for member in members)
+
+    def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
+        """The first of them at the sizes of eq. (2)."""
+        found = []
+        for share, chosen in ranked[:most]:
+            _, alphas = self._solved(chosen)
+            members = []
+            try:
+                for index, mine in zip(chosen, alphas, strict=True):
+                    candidate = self.probed[index].candidate
+                    members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
+            except FAILED:
+                continue
+            found.append(Share(tuple(members), share))
+        return found
+
+    def _solved(self, chosen: tuple[int, ...]) -> tuple[float, list[Floats]]:
+        """Eq. (2) for one set; a share of -1 where a law would have to be negative."""
+        gram, b, square = self._gram(self._fitted.union(*(self._takes[k] for k in chosen)))
+        parts = [self._columns[k] for k in chosen]
+        columns = np.concatenate([*parts, self._own])
+        own = len(columns) - len(self._own)
+        G, b = gram[np.ix_(columns, columns)], b[columns]
+        ridge = np.diag([RIDGE**2] * own + [1.0] * len(self._own))
+        alphas = np.asarray(np.linalg.solve(G + ridge, -b), dtype=float)  # eq. (2)
+        mine = np.split(alphas[:own], np.cumsum([len(part) for part in parts])[:-1])
+        if not all(possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
+            return -1.0, mine
+        left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
+        return 1.0 - left / self._before, mine
+
+    @cached_property
+    def _before(self) -> float:
+        """Square of what the fit leaves of what is looked at."""
+        if self.seen is None:
+            return self.fit.cost
+        rest = self._rest(self._fitted, self.fit.residual[:, None])[:, 0]
+        return float(rest @ rest)
+
+    def _rest(self, taken: frozenset[str], columns: Floats) -> Floats:
+        """Columns without what unknowns explain, of what is looked at."""
+        unknowns, projection = self.fitter.without(taken)
+        if self.seen is None:
+            return projection.rest(columns)
+        return Projection(self.seen(projection.slopes), unknowns.sigma).rest(self.seen(columns))
+
+    def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float]:
+        if taken not in self._grams:
+            rest = self._rest(taken, np.column_stack([self.fit.residual, self._moves]))
+            q, d = rest[:, 0], rest[:, 1:]
+            self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q))
+        return self._grams[taken]
+
+
+def possible(candidate: Candidate, alphas: Floats) -> bool:
+    """Whether a law has the sign that it can have."""
+    if candidate.name in ONE_SIGNED and candidate.without is None:
+        return bool(alphas.max() > 0)
+    if candidate.name in SPRINGS and candidate.without is None:
+        return bool(alphas[0] > 0)
+    return True

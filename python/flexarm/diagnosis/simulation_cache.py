@@ -1,0 +1,137 @@
+"""Simulations of a model beside records, remembered: one that differs by its sensors alone costs none."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from flexarm.arm import Arm
+from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
+from flexarm.comparison.beside import last_needed
+from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
+from flexarm.comparison.subject import Subject, subject
+from flexarm.drive import Drive
+from flexarm.drive.lead_in import jerked
+from flexarm.record import Record
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.initial_conditions import Start
+
+
+KEPT_RUNS = 8
+"""Least number of runs that are remembered; two of every record, if that is more.
+
+In shorter steps a run is so much longer, and fewer are: as much as that, or one of every record.
+"""
+
+
+FORCES = {"motor_torque", "motor_voltage", "force", "strain"}
+"""Quantities that see torques and forces."""
+
+
+class Runs:
+    """Runs of models in the motions and poses of some records.
+
+    Attributes
+    ----------
+    records : dict of str to Record
+        What was measured.
+    step, alpha : float
+        Of all simulations [s], [-].
+    made : int
+        Number of simulations so far.
+    """
+
+    def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:
+        self.records, self.step, self.alpha = records, step, alpha
+        self.made = 0
+        self._kept = max(KEPT_RUNS, 2 * len(records))
+        self._runs: OrderedDict[Any, Subject] = OrderedDict()
+        self._drives: dict[Any, Drive] = {}
+
+    def with_step(self, step: float) -> Runs:
+        """The same with other steps; drives stay as they are."""
+        found = copy(self)
+        found.step, found._runs = step, OrderedDict()
+        found._kept = max(len(self.records), min(self._kept, int(self._kept * step / self.step)))
+        return found
+
+    def beside(self, name: str, arm: Arm) -> Subject:
+        """A run of the model, beside the record that it repeats."""
+        record = self.records[name]
+        carried = record.applied_to(arm)
+        key = (name, *_mechanics(record, carried))
+        run = self._runs.get(key)
+        if run is None:
+            self.made += 1
+            run = self._runs[key] = self._made(name, carried)
+            while len(self._runs) > self._kept:
+                self._runs.popitem(last=False)
+        return replace(run, arm=carried)
+
+    def _made(self, name: str, arm: Arm) -> Subject:
+        """A run."""
+        record = self.records[name]
+        if record.kind == "static":
+            inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
+            return subject(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+        return subject(self._along(self.drive(name, arm), name, arm), record, arm=arm)
+
+    def jerked(self, start: Start, arm: Arm, height: float) -> Subject:
+        """A run beside its record that a jerk of a drive comes before."""
+        record = self.records[start.record]
+        carried = record.applied_to(arm)
+        drive = self.drive(start.record, carried)
+        jerk = jerked(drive.joints[start.joint], start.before, start.width, height)
+        self.made += 1
+        run = self._along(replace(drive, joints={**drive.joints, start.joint: jerk}), start.record, carried)
+        return subject(run, record, arm=carried)
+
+    def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
+        """The simulation along a drive."""
+        from flexarm.simulation import simulate
+
+        record = self.records[name]
+        return simulate(
+            arm,
+            drive,
+            step=self.step,
+            alpha=self.alpha,
+            rotations=True,
+            forces=any(signal.quantity == "strain" for signal in record.signals.values()),
+            consistent_forces=any(signal.quantity in FORCES for signal in record.signals.values()),
+            end=last_needed(record, arm, drive.start),
+        )
+
+    def drive(self, name: str, arm: Arm) -> Drive:
+        """What a model with its record's payloads is driven by."""
+        record = self.records[name]
+        key = (name, _driving(record, arm))
+        if key not in self._drives:
+            self._drives[key] = Drive.from_record(record, arm)
+        return self._drives[key]
+
+
+def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """What a run depends on: everything but effects on sensors that do not drive."""
+    moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
+    loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
+    parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points)
+    return (*parts, moving, _driving(record, arm), loop)
+
+
+def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """Effects of the model on signals and clocks that drive a record."""
+    places = {*record.drive, *(record.signals[name].clock for name in record.drive)}
+    return tuple(e for e in arm.effects if isinstance(e, SignalEffect | ClockEffect) and e.at in places)
+
+
+def _read_by_controllers(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """Effects on sensors whose readings move the arm, in a closed loop."""
+    if all(record.signals[name].quantity != "joint_command" for name in record.drive):
+        return ()
+    sensors = {sensor.name for sensor in arm.sensors}
+    return tuple(e for e in arm.effects if isinstance(e, SignalEffect) and e.at in sensors)

@@ -1,0 +1,238 @@
+"""A diagnosis as files that are read again: report.json, updated.toml, and gaps.nc with gaps and model.
+
+`gaps.nc` holds the nominal model and, by number k, the gap of each signal that is evidence in each record, of
+the nominal and of the updated model: `gap_k` (rows, directions) in the signal's unit at `time_k` [s], or at
+numbers of poses; attributes say whose they are. What is not kept is where the gap lies sample by sample
+beside the states of the joints (`Diagnosis.located`): pictures against states are those that were drawn.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import parameters
+from flexarm.comparison.align import Aligned
+from flexarm.comparison.bands import Band
+from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.gap import SignalGap
+from flexarm.comparison.subject import Placement
+from flexarm.comparison.unknowns import Unknown
+from flexarm.configuration import version
+from flexarm.diagnosis.report_file import ReportFile
+from flexarm.errors import InvalidFile
+from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
+from flexarm.netcdf import Contents, Variable
+from flexarm.reading import reading
+from flexarm.result import load, model_of
+from flexarm.tables import toml_text
+from flexarm.tables.toml import read_text
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from flexarm.diagnosis.result import Diagnosis
+
+
+REPORT, MODEL, GAPS = "report.json", "updated.toml", "gaps.nc"
+"""Names of the files."""
+KIND = "diagnosis"
+Entry = Mapping[str, Any]
+
+
+# ---------------------------------------------------------------------- writing
+
+
+def gap_contents(diagnosis: Diagnosis) -> Contents:
+    """What `gaps.nc` holds."""
+    variables: dict[str, Variable] = {}
+    labels: dict[str, list[str]] = {}
+    told: list[dict[str, Any]] = []
+    for side in ("before", "after"):
+        for record, comparison in getattr(diagnosis, side).items():
+            told.append({"side": side, "record": record, **_comparison_facts(comparison)})
+            for gap in comparison.evidence.values():
+                k = len(variables) // 2
+                labels[f"direction_{k}"] = [name for name, part in gap.parts.items() if part is not None]
+                facts = {"side": side, "record": record, "facts": json.dumps(_gap_facts(gap))}
+                parts = [gap.parts[name] for name in labels[f"direction_{k}"]]
+                values = np.stack(parts, axis=1) if parts else np.empty((len(gap.time), 0))
+                variables[f"time_{k}"] = ((f"row_{k}",), gap.time, {})
+                variables[f"gap_{k}"] = ((f"row_{k}", f"direction_{k}"), values, {"units": gap.unit, **facts})
+    attributes = {
+        "kind": KIND,
+        "flexarm_version": version(),
+        "model": toml_text(diagnosis.arm.to_dict()),
+        "comparisons": json.dumps(told),
+    }
+    return Contents(variables, labels, attributes)
+
+
+def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
+    """What a comparison knows beside its gaps; clocks and frames as they were aligned."""
+    aligned = comparison.aligned
+    return {
+        "arm": comparison.arm,
+        "description": comparison.record,
+        "skipped": dict(comparison.skipped),
+        "modes_hz": list(comparison.modes_hz),
+        "notes": list(comparison.notes),
+        "unknowns": [[u.place, u.kind, u.axis, u.centre, u.sigma, u.step] for u in aligned.unknowns],
+        "values": [float(value) for value in aligned.values],
+        "std": [float(value) for value in aligned.std],
+    }
+
+
+def _gap_facts(gap: SignalGap) -> dict[str, Any]:
+    return {
+        "name": gap.name,
+        "quantity": gap.quantity,
+        "directions": list(gap.parts),
+        "rms": dict(gap.rms),
+        "max": dict(gap.max),
+        "bands": [[band.low, band.high, band.rms] for band in gap.bands],
+        "noise_rms": gap.noise_rms,
+        "removed": gap.removed,
+        "gross": list(gap.gross),
+    }
+
+
+# ---------------------------------------------------------------------- reading
+
+
+def stored(path: str | Path) -> dict[str, Any]:
+    """The attributes of the diagnosis in a directory, which may be given by its report.json.
+
+    Raises
+    ------
+    InvalidFile
+        If a file is missing, or is not what a diagnosis wrote.
+    """
+    directory = Path(path).parent if Path(path).suffix == ".json" else Path(path)
+    told = _report(Path(path) if Path(path).suffix == ".json" else directory / REPORT)
+    dataset = load(directory / GAPS, KIND)
+    arm, details = model_of(dataset, directory / GAPS), told["details"]
+    with reading(directory / GAPS, "gaps of a diagnosis"):
+        comparisons = _comparisons(dataset)
+    return {
+        "verdict": told["verdict"],
+        "arm": arm,
+        "updated": Arm.from_toml(directory / MODEL),
+        "effects": tuple(map(_effect, told["effects"])),
+        "nuisances": tuple(Nuisance(n["name"], n["at"], _estimates(n)) for n in told["nuisances"]),
+        "refined": tuple(_refined(arm, entry) for entry in told["refined"]),
+        "rejected": tuple(map(_rejected, told["provenance"]["rejected"])),
+        "where": tuple(told["where"]),
+        **comparisons,
+        "training": tuple(details["training"]),
+        "held_out": tuple(details["held_out"]),
+        "hold_out_kind": details["hold_out_kind"],
+        "hold_out_why": details["hold_out_why"],
+        "main_signal": told["gap"]["signal"],
+        "stages": tuple(_stage(entry) for entry in details["stages"]),
+        "constancy": tuple(details["constancy"]),
+        "remainder": details["remainder"],
+        "remarks": tuple(details["remarks"]),
+        "next_experiment": told["next_experiment"],
+        "provenance": {key: value for key, value in told["provenance"].items() if key != "rejected"},
+    }
+
+
+def _report(path: Path) -> dict[str, Any]:
+    """The object of report.json, checked against its format."""
+    text = read_text(path)
+    try:
+        return ReportFile.model_validate(json.loads(text)).model_dump()
+    except (ValueError, RecursionError) as error:  # no JSON, or another format
+        what = str(error).splitlines()[0]
+        raise InvalidFile(path, "file", f"is no report of a diagnosis ({what})") from None
+
+
+def _known(value: float | None) -> float:
+    """A number; NaN for one that nobody knows."""
+    return math.nan if value is None else value
+
+
+def _estimates(entry: Entry) -> tuple[Estimate, ...]:
+    return tuple(
+        Estimate(p["name"], p["value"], _known(p["std"]), _known(p["low90"]), _known(p["high90"]), p["unit"])
+        for p in entry["parameters"]
+    )
+
+
+def _effect(entry: Entry) -> NamedEffect:
+    alternatives = tuple(Alternative(a["name"], a["at"], a["probability"]) for a in entry["alternatives"])
+    return NamedEffect(
+        entry["name"], entry["at"], entry["probability"], _estimates(entry), alternatives, entry["evidence"]
+    )
+
+
+def _refined(arm: Arm, entry: Entry) -> Refined:
+    [parameter] = parameters(arm, [entry["parameter"]])
+    return Refined(parameter.key, entry["value"], _known(entry["std"]), entry["nominal"], parameter.unit)
+
+
+def _rejected(entry: Entry) -> Rejected:
+    factor = entry["log_bayes_factor"]
+    return Rejected(entry["name"], entry["at"], -math.inf if factor is None else factor, entry["why"])
+
+
+def _stage(entry: Entry) -> Stage:
+    return Stage(entry["label"], {record: _known(value) for record, value in entry["rms"].items()})
+
+
+def _comparisons(dataset: xr.Dataset) -> dict[str, dict[str, Comparison]]:
+    """Before and after, by record."""
+    signals: dict[tuple[str, str], dict[str, SignalGap]] = {}
+    for side, record, gap in _gaps(dataset):
+        signals.setdefault((side, record), {})[gap.name] = gap
+    found: dict[str, dict[str, Comparison]] = {"before": {}, "after": {}}
+    for told in json.loads(dataset.attrs["comparisons"]):
+        aligned = Aligned(
+            Placement(),
+            tuple(Unknown(*each) for each in told["unknowns"]),
+            tuple(told["values"]),
+            tuple(told["std"]),
+        )
+        found[told["side"]][told["record"]] = Comparison(
+            told["arm"],
+            told["description"],
+            signals.get((told["side"], told["record"]), {}),
+            aligned,
+            told["skipped"],
+            tuple(told["modes_hz"]),
+            tuple(told["notes"]),
+        )
+    return found
+
+
+def _gaps(dataset: xr.Dataset) -> Iterator[tuple[str, str, SignalGap]]:
+    """Side, record and gap of each signal."""
+    for k in range(sum(str(name).startswith("gap_") for name in dataset)):
+        values = dataset[f"gap_{k}"]
+        told = json.loads(values.attrs["facts"])
+        there = dict(zip(map(str, dataset[f"direction_{k}"].values), values.values.T, strict=True))
+        yield (
+            values.attrs["side"],
+            values.attrs["record"],
+            SignalGap(
+                told["name"],
+                told["quantity"],
+                values.attrs["units"],
+                dataset[f"time_{k}"].values,
+                {name: there.get(name) for name in told["directions"]},
+                told["rms"],
+                told["max"],
+                tuple(Band(*each) for each in told["bands"]),
+                told["noise_rms"],
+                False,
+                told["removed"],
+                tuple(told["gross"]),
+            ),
+        )

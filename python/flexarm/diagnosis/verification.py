@@ -1,0 +1,222 @@
+"""The gap from the nominal to the repaired model, an effect at a time: what each brings.
+
+What a repair does to the gap: records before and after it, where the gap lies, what each effect brings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.effect import Effect
+from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.compare import compare
+from flexarm.comparison.comparison import Comparison
+from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
+from flexarm.named_effects import Stage
+from flexarm.record import Record
+from flexarm.residual_analysis.free_decay import describe_ring_downs, ring_downs
+from flexarm.residual_analysis.localisation import Located, locate
+from flexarm.residual_analysis.noise_floor import floor
+from flexarm.residual_analysis.unexplained import describe_remainder
+from flexarm.threads import at_once
+
+Gaps = Mapping[str, Comparison]
+"""A model beside each record."""
+
+
+def gaps(
+    compared: Callable[[Arm, Record], Comparison], model: Arm, records: Mapping[str, Record], jobs: int = 1
+) -> Gaps:
+    """A model beside records, `jobs` at once."""
+    found = at_once(partial(compared, model), records.values(), jobs)
+    return dict(zip(records, found, strict=True))
+
+
+def main_signal(records: Mapping[str, Record], before: Gaps) -> str:
+    """The signal of the report's gap: of positions the one that moves most, else the one that misses most."""
+    travel: dict[str, float] = {}
+    misses: dict[str, float] = {}
+    for name, record in records.items():
+        for signal, gap in before[name].evidence.items():
+            values = record.signals[signal].values
+            if gap.quantity == "position":
+                spread = float(np.nansum(np.nanvar(values, axis=0)))
+                travel[signal] = max(travel.get(signal, 0.0), spread)
+            misses[signal] = max(misses.get(signal, 0.0), (gap.rms["total"] or 0.0) / (gap.noise_rms or 1.0))
+    chosen = travel or misses
+    return max(chosen, key=lambda signal: chosen[signal]) if chosen else ""
+
+
+def stages(
+    beside: Callable[[Arm], Gaps],
+    arm: Arm,
+    updated: Arm,
+    encoders: Iterable[Effect],
+    members: Iterable[Candidate],
+    main: str,
+    before: Gaps,
+    after: Gaps,
+) -> tuple[Stage, ...]:
+    """Rms gap of the main signal by record, of each model on the way.
+
+    Parameters
+    ----------
+    beside : callable
+        A model beside all records.
+    arm, updated : Arm
+        The nominal and the repaired model.
+    encoders : iterable of Effect
+        Steps of encoders that were seen in the readings; with them drives are smoothed more.
+    members : iterable of Candidate
+        The effects that were found; the repaired model need not have them.
+    main : str
+        The signal.
+    before, after : dict of str to Comparison
+        The nominal and the repaired model beside all records.
+    """
+    found = [Stage("nominal", _rms(before, main))]
+    model = arm
+    for effect in encoders:
+        model = model.with_effect(effect)
+        found.append(Stage(f"{effect.name} at {effect.at}", _rms(beside(model), main)))
+    if updated.effects != model.effects:
+        for member in springs_first(members):
+            model = with_members(model, [member])
+            found.append(Stage(f"{member.name} at {member.at}", _rms(beside(model), main)))
+    if updated != arm:
+        found.append(Stage("nominal values refined", _rms(after, main)))
+    return tuple(found)
+
+
+def _rms(found: Gaps, signal: str) -> dict[str, float]:
+    return {
+        name: float(c.signals[signal].rms["total"] or 0.0) for name, c in found.items() if signal in c.signals
+    }
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Records to try models on.
+
+    Attributes
+    ----------
+    training, held_out : dict of str to Record
+        What was fitted, and what was not.
+    step, alpha : float
+        Of the simulations [s], [-].
+    jobs : int
+        Simulations at once.
+    """
+
+    training: Mapping[str, Record]
+    held_out: Mapping[str, Record]
+    step: float
+    alpha: float
+    jobs: int
+
+    def in_training(self, model: Arm) -> Gaps:
+        """The gap of a model by record that was fitted."""
+        return self._gaps(model, self.training)
+
+    def in_all(self, model: Arm) -> Gaps:
+        """The same by any record."""
+        return self._gaps(model, {**self.training, **self.held_out})
+
+    def beside(self, model: Arm) -> dict[str, Beside]:
+        """A model beside each record that was fitted, sample by sample."""
+        return {
+            name: beside(model, record, step=self.step, alpha=self.alpha)
+            for name, record in self.training.items()
+        }
+
+    def _gaps(self, model: Arm, records: Mapping[str, Record]) -> Gaps:
+        return gaps(partial(compare, step=self.step, alpha=self.alpha), model, records, self.jobs)
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """A repair beside all records.
+
+    Attributes
+    ----------
+    before, after : dict of str to Comparison
+        The nominal and the repaired model by record.
+    main_signal : str
+        The signal of the report's gap.
+    stages : tuple of Stage
+        Its gap, an effect at a time.
+    located, located_after : Located or None
+        Where the gap of the training lies; None where motions and poses are mixed.
+    remainder : str
+        What is seen of a gap that stays open.
+    remarks : tuple of str
+        Records of which most of a gap is aligned away; where the simulation is not clearly better than data.
+    """
+
+    before: Gaps
+    after: Gaps
+    main_signal: str
+    stages: tuple[Stage, ...]
+    located: Located | None
+    located_after: Located | None
+    remainder: str
+    remarks: tuple[str, ...]
+
+
+def verified(
+    bench: Bench,
+    arm: Arm,
+    updated: Arm,
+    encoders: Sequence[Effect],
+    members: Sequence[Candidate],
+    open_gap: bool,
+) -> Verified:
+    """The nominal and the repaired model beside all records.
+
+    Parameters
+    ----------
+    bench : Bench
+        The records.
+    arm, updated : Arm
+        The two models.
+    encoders : sequence of Effect
+        Steps of encoders that were seen in their readings.
+    members : sequence of Candidate
+        The effects that were chosen.
+    open_gap : bool
+        Whether what is left is to be described.
+    """
+    before, after = bench.in_all(arm), bench.in_all(updated)
+    main = main_signal(bench.training, before)
+    pairs, pairs_after = bench.beside(arm), bench.beside(updated)
+    located_after = _located(pairs_after)
+    return Verified(
+        before,
+        after,
+        main,
+        stages(bench.in_all, arm, updated, encoders, members, main, before, after),
+        _located(pairs),
+        located_after,
+        _remainder(pairs, located_after) if open_gap else "",
+        (
+            *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.crowded),
+            *floor(pairs_after, step=bench.step, alpha=bench.alpha).notes,
+        ),
+    )
+
+
+def _located(pairs: Mapping[str, Beside]) -> Located | None:
+    kinds = {pair.record.kind for pair in pairs.values()}
+    return locate(pairs) if len(kinds) == 1 else None
+
+
+def _remainder(before: Mapping[str, Beside], after: Located | None) -> str:
+    """What is seen of a gap that stays open, in what is left and in how the machine rings down."""
+    left = describe_remainder(after) if after else None
+    swings = describe_ring_downs(ring_downs(before))
+    return " ".join(said for said in (str(left or ""), swings) if said)

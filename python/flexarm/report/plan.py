@@ -1,0 +1,330 @@
+"""The directory of a plan: plan.json for programs, plan.html for a person, the figures.
+
+Pictures of a plan: which effect would be taken for which, and how small an effect is still seen.
+
+`plan.json`: a plan for programs.
+
+A plan as text in a terminal: sizes that are seen, effects that cannot be parted, what would part them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.diagnosis.acceptance import REACH, STRONG
+from flexarm.diagnosis.design.plan_result import FAR
+from flexarm.report.diagnosis_page import effect_law
+from flexarm.report.sheets import margin_for, sheet
+from flexarm.report.template import filled
+from flexarm.reproduction.files import Drawing, drawn, write_files
+from flexarm.wording import listed, number, place_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from flexarm.diagnosis.design.plan_result import Plan, Tie
+
+
+FILE, PAGE = "plan.json", "plan.html"
+"""Names of the files beside the figures."""
+MOST_RIVALS = 3
+"""Effects that one could be taken for which are written out; the rest is counted."""
+ROW = 0.19
+"""Height of an effect in a figure [in]."""
+
+
+def write(plan: Plan, directory: Path) -> None:
+    """Writes plan.json, plan.html and the figures into a directory that is there."""
+    figures = drawings(plan)
+    write_files(directory, figures, (PAGE, page(plan, figures)), (FILE, plan.to_json_dict()))
+
+
+def drawings(plan: Plan) -> list[Drawing]:
+    """Both figures, drawn."""
+    return drawn(_figures(plan), bbox_inches="tight")
+
+
+def page(plan: Plan, figures: list[Drawing]) -> str:
+    """The page as HTML."""
+    headline = plan.headline()
+    return filled(
+        "plan.html.j2",
+        p=plan,
+        headline=headline[:1].upper() + headline[1:],
+        effects=list(_effect_rows(plan)),
+        groups=[listed([place_words(*plan.effects[i].place) for i in group]) for group in plan.groups],
+        additions=plan.additions(),
+        ties=list(_tie_rows(plan)),
+        drawn={drawing.name: drawing for drawing in figures},
+    )
+
+
+def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
+    labels = [place_words(*each.place) for each in plan.effects]
+    margin = margin_for(labels, 7)
+    figure, axes = sheet(1, 1, ROW * len(labels) + 0.2, left=margin, legend=False)
+    draw_sizes(plan, axes[0, 0])
+    yield (
+        "smallest-sizes",
+        "smallest-sizes",
+        "The smallest size of each effect that this experiment would detect, over a plausible size (dashed). "
+        "Grey: not seen at a plausible size.",
+        figure,
+    )
+    margin = margin_for([labels[i] for i in near_effects(plan)] or labels, 7)
+    figure, axes = sheet(1, 1, 6.4 - 0.14, left=margin, legend=False)
+    draw_matrix(plan, axes[0, 0])
+    axes[0, 0].set_anchor("N")
+    yield (
+        "matrix",
+        "matrix",
+        "If the effect of a row is there, could that of a column be named? Red: they cannot be told apart "
+        "(expected ln Bayes factor below ln 20); pale: hardly; blue: well. Grey: itself, or not seen. "
+        "Effects that are told well from all others are left out.",
+        figure,
+    )
+
+
+def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
+    for i, each in enumerate(plan.effects):
+        rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
+        more = len(rivals) - MOST_RIVALS if len(rivals) > MOST_RIVALS + 1 else 0
+        yield {
+            "title": place_words(*each.place),
+            "what": effect_law(each.name),
+            "least": each.least_words,
+            "value": each.value_words,
+            "evidence": number(each.log_bayes_factor),
+            "seen": each.seen,
+            "hidden": each.hidden,
+            "rivals": rivals,
+            "more": more,
+            "shown": ", ".join(rivals[:MOST_RIVALS]) + f" and {more} more" if more else ", ".join(rivals),
+        }
+
+
+def _tie_rows(plan: Plan) -> Iterator[dict[str, Any]]:
+    for tie in plan.ties:
+        best = tie.cheapest
+        yield {
+            "pair": f"{place_words(*tie.one)} | {place_words(*tie.other)}",
+            "before": number(tie.log_bayes_factor, 2),
+            "addition": best.addition if best else "nothing on the menu",
+            "minutes": f"{best.minutes:g}" if best else "–",
+            "after": number(best.log_bayes_factor) if best else "–",
+        }
+
+
+HARDLY = 10 * REACH
+"""Expected ln Bayes factor below which two effects are hardly told apart."""
+TIED, PARTED, CLEAR, UNSEEN = "#d55e00", "#f0c08a", "#0072b2", "#dddddd"
+"""Colours of a pair: not told apart, hardly (up to ten times ln 20), well; of an effect that is not seen."""
+
+
+def near_effects(plan: Plan) -> list[int]:
+    """Effects, by number, that are not told well from some other one; all if there is none such.
+
+    Of an effect that is hardly seen every wrong name is hardly told: it is near those only that explain more
+    than half of the evidence for it, or that are tied with it.
+    """
+    own = np.array([each.log_bayes_factor for each in plan.effects])
+    seen = np.array([each.seen for each in plan.effects], dtype=bool)
+    factors = plan.log_bayes_factor
+    hardly = (factors < HARDLY) & (factors < own[:, None] / 2) & seen
+    near = seen[:, None] & ((factors < REACH) | hardly)
+    np.fill_diagonal(near, False)
+    found = np.flatnonzero(near.any(axis=0) | near.any(axis=1))
+    return found.tolist() if len(found) else list(range(len(seen)))
+
+
+def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
+    """Rows: the effect that is there; columns: the one that is named. Only effects that are near another."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    ax = ax if ax is not None else _axes()
+    shown = near_effects(plan)
+    effects = [plan.effects[i] for i in shown]
+    seen = np.array([each.seen for each in effects])
+    values = np.clip(plan.log_bayes_factor[np.ix_(shown, shown)], 1e-3, 1e9)
+    values = np.where(seen[:, None], values, np.nan)
+    np.fill_diagonal(values, np.nan)
+    colours = ListedColormap([TIED, PARTED, CLEAR]).with_extremes(bad=UNSEEN)
+    norm = BoundaryNorm([0.0, REACH, HARDLY, 1e10], 3)
+    ax.imshow(values, cmap=colours, norm=norm, aspect="equal", interpolation="none")
+    labels = [place_words(*each.place) for each in effects]
+    ax.set_yticks(range(len(labels)), labels, fontsize=7)
+    ax.set_xticks(range(len(labels)), labels, fontsize=7, rotation=90)
+    ax.set_ylabel("there is")
+    ax.set_xlabel("taken for")
+    ax.grid(visible=False)
+    for side in ax.spines.values():
+        side.set_visible(False)
+    return ax
+
+
+def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
+    """The smallest detectable size of every effect over its plausible one, smallest first."""
+    ax = ax if ax is not None else _axes()
+    shown = sorted((e for e in plan.effects if e.log_bayes_factor > 0), key=lambda each: each.times)
+    labels = [place_words(*each.place) for each in shown]
+    times = [min(each.times, FAR) for each in shown]
+    colours = [CLEAR if each.seen else UNSEEN for each in shown]
+    bars = ax.barh(labels, times, color=colours)
+    ax.axvline(1.0, color="black", lw=0.8, ls="--", zorder=0.9)
+    behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85}
+    ax.bar_label(bars, [each.least_words for each in shown], padding=3, fontsize=7, bbox=behind)
+    ax.set_xscale("log")
+    if times:
+        ax.set(xlim=(0.5 * min(times), 12 * max(times)), ylim=(-0.7, len(times) - 0.3))
+    ax.tick_params(axis="y", labelsize=7)
+    ax.set_xlabel(f"smallest detectable size (ln B = {STRONG:g}) over the plausible one [-]")
+    ax.invert_yaxis()
+    ax.tick_params(axis="y", length=0)
+    ax.grid(visible=False, axis="y")
+    return ax
+
+
+def _axes() -> Axes:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure.subplots()
+
+
+FORMAT = "flexarm-plan/1"
+
+
+def plan_dict(plan: Plan) -> dict[str, Any]:
+    """The object of the file; what is infinite becomes null."""
+    return {
+        "format": FORMAT,
+        "model": plan.arm.name,
+        "runs": list(plan.runs),
+        "assumed": list(plan.assumed),
+        "thresholds": {"detected": STRONG, "parted": REACH},
+        "effects": [
+            {
+                "name": each.name,
+                "at": each.at,
+                "parameter": each.parameter,
+                "unit": each.unit,
+                "value": _finite(each.value),
+                "null": _finite(each.null),
+                "smallest_detectable": _finite(each.least) if each.times <= FAR else None,
+                "log_bayes_factor": _finite(each.log_bayes_factor),
+                "seen": each.seen,
+                "hidden": each.hidden,
+            }
+            for each in plan.effects
+        ],
+        "log_bayes_factor": [[_finite(x) for x in row] for row in plan.log_bayes_factor],
+        "groups": [
+            [{"name": plan.effects[i].name, "at": plan.effects[i].at} for i in group] for group in plan.groups
+        ],
+        "ties": [_tie(each) for each in plan.ties],
+        "provenance": dict(plan.provenance),
+    }
+
+
+def _tie(tie: Tie) -> dict[str, Any]:
+    return {
+        "effects": [{"name": name, "at": at} for name, at in (tie.one, tie.other)],
+        "log_bayes_factor": _finite(tie.log_bayes_factor),
+        "additions": [
+            {
+                "addition": each.addition,
+                "minutes": each.minutes,
+                "log_bayes_factor": _finite(each.log_bayes_factor),
+                "parts": each.parts,
+            }
+            for each in tie.partings
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if isfinite(value) else None
+
+
+MOST_TIES = 12
+"""Tied pairs that are printed; the file plan.json has all."""
+
+
+def headline(plan: Plan) -> str:
+    """The plan in a sentence."""
+    seen = [e for e in plan.effects if e.seen]
+    text = (
+        f"of {len(plan.effects)} effects the experiment would show {len(seen)} at a plausible size and "
+        f"tell {len(plan.alone())} of them from all others"
+    )
+    if not plan.ties:
+        return text + "."
+    words, minutes, count = plan.additions()[0] if plan.additions() else ("", 0.0, 0)
+    if not count:
+        return text + f"; nothing on the menu parts any of the {len(plan.ties)} tied pairs."
+    return text + (
+        f"; a run {words} (some {minutes:g} min) would part {count} of the {len(plan.ties)} tied pairs."
+    )
+
+
+def summary(plan: Plan) -> str:
+    """All that matters on one screen."""
+    lines = [f"plan of {plan.arm.name}: {', '.join(plan.runs)}", headline(plan), ""]
+    lines += [f"assumed: {sentence}" for sentence in plan.assumed]
+    lines += ["", *_effect_lines(plan), "", *_group_lines(plan)]
+    return "\n".join([*lines, *_addition_lines(plan)]).replace("\n\n\n", "\n\n")
+
+
+def _effect_lines(plan: Plan) -> list[str]:
+    rows = [("effect", "smallest detectable", "at plausible", "ln B", "taken for, or why not seen")]
+    for i, each in enumerate(plan.effects):
+        rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)]
+        shown = ", ".join(rivals[:2]) + (f" and {len(rivals) - 2} more" if len(rivals) > 2 else "")
+        rows.append(
+            (
+                place_words(*each.place),
+                each.least_words,
+                each.value_words,
+                number(each.log_bayes_factor),
+                shown if each.seen else each.hidden,
+            )
+        )
+    widths = [max(len(row[k]) for row in rows) for k in range(5)]
+    return ["  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _group_lines(plan: Plan) -> list[str]:
+    if not plan.groups:
+        return ["every effect that is seen can be told from every other one"]
+    lines = ["cannot be told apart (expected ln Bayes factor below ln 20):"]
+    for group in plan.groups:
+        lines.append("  " + listed([place_words(*plan.effects[i].place) for i in group]))
+    return lines
+
+
+def _addition_lines(plan: Plan) -> list[str]:
+    if not plan.ties:
+        return []
+    lines = ["", f"what may be added, and how many of {len(plan.ties)} tied pairs it parts:"]
+    for words, minutes, count in plan.additions():
+        lines.append(f"  {count:4d}  {words} (some {minutes:g} min)")
+    lines += ["", "cheapest addition by pair:"]
+    lines += [f"  {_tie_words(tie)}" for tie in plan.ties[:MOST_TIES]]
+    more = len(plan.ties) - MOST_TIES
+    return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
+
+
+def _tie_words(tie: Tie) -> str:
+    pair, best = f"{place_words(*tie.one)} | {place_words(*tie.other)}", tie.cheapest
+    if best is None:
+        return f"{pair}: nothing on the menu"
+    before, after = number(tie.log_bayes_factor, 2), number(best.log_bayes_factor)
+    return f"{pair}: {best.addition}, ln B {before} -> {after}"

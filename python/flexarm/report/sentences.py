@@ -1,0 +1,201 @@
+"""What a diagnosis says, in sentences: the verdict, the gap, what the data cannot tell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexarm.diagnosis.prediction import foretold_sentence
+from flexarm.report.gap_tables import changed_signals, changes
+from flexarm.wording import listed, number, place_words, probability, scale, with_unit
+
+if TYPE_CHECKING:
+    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import Alternative, NamedEffect
+    from flexarm.residual_analysis.pooled_gap import PooledGap
+
+
+HEADLINES = {
+    "effects": "A physical effect is missing from the model",
+    "adequate": "The model is adequate",
+    "unexplained": "A gap remains that no known effect explains",
+    "unusable": "These data cannot be used as they are",
+}
+"""A verdict in a headline."""
+RESIZED = "An effect of the model has other values than stated"
+LISTED = 3
+"""Most refined values, and signals, that a verdict names; tables have all."""
+ALIKE = 20.0
+"""How many times less probable a rival may be that the data cannot tell from an effect."""
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The verdict as a headline; several effects in the plural, those that the model has already as such."""
+    if diagnosis.verdict != "effects":
+        return HEADLINES[diagnosis.verdict]
+    count, resized = len(diagnosis.effects), sum(in_model(diagnosis, each) for each in diagnosis.effects)
+    if resized == count:
+        return RESIZED if count == 1 else f"{count} effects of the model have other values than stated"
+    if resized:
+        return f"{count} physical effects are missing from the model or have other values"
+    return HEADLINES["effects"] if count == 1 else f"{count} physical effects are missing from the model"
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """What was found, in one or two sentences."""
+    told = {
+        "effects": _effects,
+        "adequate": _adequate,
+        "unexplained": _unexplained,
+        "unusable": _unusable,
+    }[diagnosis.verdict](diagnosis)
+    return " ".join(part for part in told if part)
+
+
+def named(effect: NamedEffect) -> str:
+    """An effect with place, probability, and what the data cannot tell it from."""
+    text = f"{place_words(effect.name, effect.at)} (probability {probability(effect.probability)})"
+    rivals = rivals_sentence(effect)
+    return f"{text}, {rivals}" if rivals else text
+
+
+def rivals_sentence(effect: NamedEffect) -> str:
+    """What could stand in the place of an effect; empty if nothing could."""
+    near, far = ([place_words(other.name, other.at) for other in each] for each in rivals(effect))
+    found = [f"which the data cannot tell from {listed(near, 'or')}"] if near else []
+    found += [f"where {listed(far, 'or')} {FITS_TOO}"] if far else []
+    return ", and ".join(found)
+
+
+FITS_TOO = "would fit as well, but with values that few machines have"
+
+
+def rivals(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
+    """Alternatives that are about as probable, and those that fit as well and are implausible."""
+    near = [other for other in effect.alternatives if ALIKE * other.probability >= effect.probability]
+    return near, [other for other in effect.alternatives if other not in near]
+
+
+def in_model(diagnosis: Diagnosis, effect: NamedEffect) -> bool:
+    """Whether the nominal model has an effect of that name at that place."""
+    return diagnosis.arm.effect(effect.name, effect.at) is not None
+
+
+def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
+    """What the nominal model says of a named effect; empty if it has none."""
+    old = diagnosis.arm.effect(effect.name, effect.at)
+    if old is None:
+        return ""
+    known = {name: value for name, value, _ in old.parameters()}
+    told = [
+        f"{each.name} {with_unit(known[each.name], each.unit)}"
+        for each in effect.parameters
+        if each.name in known
+    ]
+    return f"In the model as stated: {listed(told)}." if told else "The model as stated has it too."
+
+
+def gap_sentence(diagnosis: Diagnosis) -> str:
+    """How far the gap shrinks, on what was held out if anything was; if it hardly does, those that do."""
+    d = diagnosis
+    held_out = [f"{name!r}" for name in d.held_out]
+    records = "records" if len(held_out) > 1 else "record"
+    where = f"held-out {records} {listed(held_out)}" if held_out else "training records"
+    main = d.gap(d.held_out or d.training)
+    if main.before_rms is None or main.after_rms is None:
+        return ""
+    others = [] if changes(main) else changed_signals(d)[:LISTED]
+    told = [f"On the {where} the gap of {d.main_signal!r} {_change(main, d.unit)}"]
+    for signal in others:
+        gap = d.gap(d.held_out or d.training, signal)
+        told += [f"That of {signal!r} {_change(gap, d.unit_of(signal))}"] if gap.before_rms else []
+    return " ".join(told)
+
+
+def _stays(gap: PooledGap) -> bool:
+    """Whether a gap changes by less than a per cent, which is no change."""
+    before, after = gap.before_rms or 0.0, gap.after_rms or 0.0
+    return abs(after - before) <= 0.01 * before
+
+
+def _change(gap: PooledGap, unit: str) -> str:
+    """What happens to a gap, and the noise."""
+    before, after, noise = _with_units(gap, unit)
+    shrinks = "shrinks" if (gap.after_rms or 0.0) < (gap.before_rms or 0.0) else "grows"
+    size = f"is {after} rms" if _stays(gap) else f"{shrinks} from {before} to {after} rms"
+    return f"{size}{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
+
+
+def hold_out_sentence(diagnosis: Diagnosis) -> str:
+    """What the held-out data are to the training; empty where nothing was fitted."""
+    if not diagnosis.has_gap:
+        return ""
+    fitted = listed([f"{name!r}" for name in diagnosis.training])
+    if diagnosis.held_out:
+        held_out = listed([f"{name!r}" for name in diagnosis.held_out])
+        if diagnosis.hold_out_kind == "blocks":
+            return f"Fitted on {fitted} without {held_out}, which were never used to fit or to choose."
+        why = "" if foretold_sentence(diagnosis) else diagnosis.hold_out_why  # said beside the verdict
+        return (
+            f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
+            f"{_article(diagnosis.hold_out_kind)} of the training{f': {why}' if why else ''}."
+        )
+    return f"Fitted on {fitted}; nothing was held back."
+
+
+def _effects(diagnosis: Diagnosis) -> list[str]:
+    missing = [named(effect) for effect in diagnosis.effects if not in_model(diagnosis, effect)]
+    resized = [named(effect) for effect in diagnosis.effects if in_model(diagnosis, effect)]
+    return [
+        f"Missing from the model: {listed(missing)}." if missing else "",
+        f"In the model with other values: {listed(resized)}." if resized else "",
+        gap_sentence(diagnosis),
+    ]
+
+
+def _adequate(diagnosis: Diagnosis) -> list[str]:
+    keys = [each.parameter for each in diagnosis.refined if each.value != each.nominal]
+    if not keys:
+        return ["No effect is missing as far as these data tell: the gap is noise.", gap_sentence(diagnosis)]
+    who = "a nominal value" if len(keys) == 1 else f"{len(keys)} nominal values"
+    explain = "explains" if len(keys) == 1 else "explain"
+    which = f" ({listed(keys)})" if len(keys) <= LISTED else ""
+    return [
+        f"No effect is missing as far as these data tell: {who} inside the stated uncertainty{which} "
+        f"{explain} the gap.",
+        gap_sentence(diagnosis),
+    ]
+
+
+def _unexplained(diagnosis: Diagnosis) -> list[str]:
+    part = listed([named(effect) for effect in diagnosis.effects])
+    return [
+        diagnosis.remainder or "What remains of the gap exceeds the noise, and no known effect explains it.",
+        f"Part of the gap may be {part}." if part else "",
+        gap_sentence(diagnosis),
+    ]
+
+
+def _unusable(diagnosis: Diagnosis) -> list[str]:
+    faults = listed([place_words(effect.name, effect.at) for effect in diagnosis.effects])
+    who = "The sensor is" if len(diagnosis.effects) == 1 else "Sensors are"
+    return [
+        f"{who} at fault, not the physics: {faults}." if faults else "",
+        "Repair the channel or leave it out of the record, then diagnose again.",
+    ]
+
+
+def _with_units(gap: PooledGap, unit: str) -> tuple[str, str, str]:
+    """Before, after and noise with the prefix that suits the first, or the rest if that is a thousandth."""
+    first = scale([gap.before_rms], unit)
+    little = max(gap.after_rms or 0.0, gap.noise_rms or 0.0) < 1e-3 * (gap.before_rms or 0.0)
+    rest = scale([gap.after_rms, gap.noise_rms], unit) if little else first
+
+    def said(value: float | None, prefix: tuple[float, str]) -> str:
+        factor, shown = prefix
+        return f"{number(None if value is None else factor * value)} {shown}".rstrip()
+
+    return said(gap.before_rms, first), said(gap.after_rms, rest), said(gap.noise_rms, rest)
+
+
+def _article(kind: str) -> str:
+    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {kind}"

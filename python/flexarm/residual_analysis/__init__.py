@@ -1,0 +1,1 @@
+"""Analysis of residuals: where they lie, at which frequencies, and which states of the motion they follow."""

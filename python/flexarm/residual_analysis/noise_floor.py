@@ -1,0 +1,292 @@
+"""The floor of every signal as a table: noise, independent samples, and the simulation's error beside it.
+
+The floor: how small a gap could be, and whether the simulation is good enough to be compared.
+
+Per signal: the noise that its record states, the noise that its own samples show (`residual_analysis.noise`),
+and what the simulation is wrong by, as the rms change of the predicted signal, all channels together, when
+
+    step     is halved: the method is of order two, so this is 3/4 of the error                      (1)
+    mesh     of every beam is twice as fine: of order four, 15/16 of the error                       (2)
+    alpha    is 0, without numerical damping, instead of its default                                 (3)
+
+Each should be below the noise. (1) is found for every record, the others for that with the liveliest drive,
+or for all. A gap is
+correlated from sample to sample unless it is white noise; the number of independent samples in it is what an
+information criterion may count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import inf, isinf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.step_check import change, step_note
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.residual_analysis.noise import drive_noise, effective_samples, estimated_noise
+from flexarm.wording import with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.arm import Arm
+    from flexarm.record import Signal
+
+
+CONTRADICTS = 1.5
+"""Factor between stated and estimated noise that is told."""
+
+
+@dataclass(frozen=True)
+class SignalFloor:
+    """The floor of one signal in one record.
+
+    Attributes
+    ----------
+    record, signal, unit : str
+        Which one; the unit of everything below.
+    channels : int
+        Number of channels of the gap.
+    stated, estimated : float or None
+        Noise of a channel, 1 sigma: from the record, effects of the model included, and from the samples.
+    errors : dict of str to float
+        By "step", "mesh" and "alpha": change of the prediction, rms of all channels together; infinite where
+        the other simulation came to no end.
+    samples : int
+        Rows with a value.
+    independent : float
+        Number of independent samples in the gap, as it is.
+    is_drive : bool
+        Whether it drives the simulation.
+    """
+
+    record: str
+    signal: str
+    unit: str
+    channels: int
+    stated: float | None
+    estimated: float | None
+    errors: Mapping[str, float]
+    samples: int
+    independent: float
+    is_drive: bool = False
+
+    @property
+    def noise(self) -> float | None:
+        """Noise of a channel that counts: the stated one, else what the samples show."""
+        return self.stated if self.stated else self.estimated
+
+    @property
+    def total(self) -> float | None:
+        """Noise of all channels together, as `compare` has it."""
+        return None if self.noise is None else self.noise * float(np.sqrt(self.channels))
+
+    @property
+    def below(self) -> Mapping[str, bool]:
+        """By error: whether it is below the noise; without noise, whether it is nothing."""
+        return {name: error <= (self.total or 0.0) for name, error in self.errors.items()}
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether the samples show another noise than is stated."""
+        if not self.stated or not self.estimated:
+            return False
+        return not 1 / CONTRADICTS < self.estimated / self.stated < CONTRADICTS
+
+
+@dataclass(frozen=True, repr=False)
+class Floor:
+    """The floor of every signal.
+
+    Attributes
+    ----------
+    signals : tuple of SignalFloor
+        By record and signal.
+    step : float
+        Of the simulations [s].
+    """
+
+    signals: tuple[SignalFloor, ...]
+    step: float = 2e-3
+
+    @property
+    def is_below_noise(self) -> bool:
+        """Whether step, mesh and alpha change every prediction by less than its noise."""
+        return all(below for each in self.signals for below in each.below.values())
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know."""
+        found = []
+        for each in self.signals:
+            at = f"{each.signal} of {each.record}"
+            if each.contradicts and each.stated and each.estimated:
+                found.append(
+                    f"{at} scatters by {with_unit(each.estimated, each.unit, 2)}, "
+                    f"{each.estimated / each.stated:.2g} times the stated noise"
+                    + (": more noise, or a fast gap" if each.estimated > each.stated else "")
+                )
+            for name, below in each.below.items():
+                if isinf(each.errors[name]):
+                    found.append(f"{at}: cannot be simulated with another {name}")
+                elif name == "step":
+                    said = step_note(each.errors[name], each.total or 0.0, self.step)
+                    found += [f"{at}: {said}"] if said else []
+                elif not below and each.total:
+                    found.append(
+                        f"{at}: the simulation's {name} counts, {with_unit(each.errors[name], each.unit, 2)} "
+                        f"against a noise of {with_unit(each.total, each.unit, 2)}"
+                    )
+        return tuple(found)
+
+    def summary(self) -> str:
+        """A table that a person reads: noise of a channel, errors over the noise of all."""
+        names = list(dict.fromkeys(name for each in self.signals for name in each.errors))
+        head = f"{'record':<12}{'signal':<18}{'unit':<7}{'stated':>11}{'estimated':>11}"
+        head += "".join(f"{name + '/noise':>13}" for name in names) + f"{'samples':>9}{'independent':>13}"
+        lines = ["floor: noise of a channel, 1 sigma; change of the prediction over the noise", head]
+        for each in self.signals:
+            cells = [_ratio(each.errors.get(name), each.total) for name in names]
+            label = f"{each.signal} (drive)" if each.is_drive else each.signal
+            lines.append(
+                f"{each.record:<12}{label:<18}{each.unit:<7}{_number(each.stated):>11}"
+                f"{_number(each.estimated):>11}"
+                + "".join(f"{cell:>13}" for cell in cells)
+                + f"{each.samples:9d}{each.independent:13.0f}"
+            )
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Errors of the simulation over the noise, one bar each; below 1 they do not matter."""
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        shown = [each for each in self.signals if each.errors and each.total]
+        names = list(dict.fromkeys(name for each in shown for name in each.errors))
+        for k, name in enumerate(names):
+            errors = [each.errors.get(name, 0.0) for each in shown]
+            ratios = [0.0 if isinf(e) else e / (s.total or 1.0) for e, s in zip(errors, shown, strict=True)]
+            axes.bar(np.arange(len(shown)) + 0.25 * (k - 1), ratios, 0.25, label=name)
+        axes.axhline(1.0, color="0.3", lw=1, label="noise")
+        axes.set(yscale="log", ylabel="change of the prediction over the noise [-]")
+        axes.set_xticks(np.arange(len(shown)), [f"{each.signal}\n{each.record}" for each in shown])
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2e}"
+
+
+def _ratio(error: float | None, noise: float | None) -> str:
+    return "-" if error is None or not noise else f"{error / noise:.3f}"
+
+
+def floor(
+    pairs: Mapping[str, Beside] | Beside, *, thorough: bool = False, step: float = 2e-3, alpha: float = -0.05
+) -> Floor:
+    """How small a gap could be: noise of every record, and error of the simulation.
+
+    Takes a simulation of twice the work for each motion, and two more of the liveliest; of poses one.
+
+    Parameters
+    ----------
+    pairs : dict of str to Beside, or Beside
+        Records by name, each beside its simulation, as for `locate`.
+    thorough : bool
+        Find (2) and (3) of every record, not only of the one with the liveliest drive.
+    step, alpha : float
+        Of the simulations in `pairs` [s], [-].
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no record.
+    """
+    found = {"record": pairs} if isinstance(pairs, Beside) else dict(pairs)
+    if not found:
+        raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
+    liveliest = max(found, key=lambda name: _liveliness(found[name]))
+    signals: list[SignalFloor] = []
+    for name, pair in found.items():
+        whole = thorough or name == liveliest
+        signals += _of_record(name, pair, _variants(pair, step, alpha, whole))
+    return Floor(tuple(signals), step)
+
+
+def refined(arm: Arm) -> Arm:
+    """The arm with twice as many elements in every beam."""
+    links = [link.replace(elements=2 * link.elements) if link.type == "beam" else link for link in arm.links]
+    return arm.replace(links=tuple(links))
+
+
+def _liveliness(pair: Beside) -> float:
+    """Greatest rms rate of a drive [rad/s]; of poses their number."""
+    if pair.record.kind == "static":
+        return float(len(pair.record.poses))
+    rates = np.asarray(pair.subject.simulation.drive_rate)
+    return float(np.sqrt(np.mean(rates**2, axis=0)).max(initial=0.0))
+
+
+def _of_record(name: str, pair: Beside, others: Mapping[str, Beside | None]) -> list[SignalFloor]:
+    """Floors of the signals of one record, with the same record beside other simulations."""
+    found = []
+    for signal in pair.subject.signals.values():
+        is_drive = signal.name in pair.record.drive
+        errors = (
+            {}
+            if is_drive
+            else {kind: inf if b is None else change(pair, b, signal) for kind, b in others.items()}
+        )
+        residual = pair.subject.residual(signal, pair.aligned.placement)
+        rows = residual[np.isfinite(residual).all(axis=1)]
+        noise = pair.subject.noise(signal)
+        found.append(
+            SignalFloor(
+                name,
+                signal.name,
+                "rad" if signal.quantity == "orientation" else signal.unit,
+                residual.shape[1],
+                float(np.sqrt(np.mean(noise**2))) if signal.noise_std is not None else None,
+                _estimated(pair, signal, residual, is_drive),
+                errors,
+                len(rows),
+                effective_samples(rows),
+                is_drive,
+            )
+        )
+    return found
+
+
+def _estimated(pair: Beside, signal: Signal, residual: Floats, is_drive: bool) -> float | None:
+    """Noise from the samples: of a drive's own, else of the gap."""
+    if is_drive and pair.record.kind == "motion":
+        return drive_noise(signal.values[:, 0])
+    return estimated_noise(pair, signal, residual)
+
+
+def _variants(pair: Beside, step: float, alpha: float, whole: bool) -> dict[str, Beside | None]:
+    """The record beside other simulations, (1) or all; None where one comes to no end."""
+    arm, record = pair.subject.arm, replace(pair.record, links={})  # the arm is drawn out already
+    wanted: dict[str, tuple[Arm, float, float]] = {}
+    if whole and any(link.type == "beam" for link in arm.links):
+        wanted["mesh"] = (refined(arm), step, alpha)  # eq. (2)
+    if record.kind == "motion":
+        wanted["step"] = (arm, step / 2, alpha)  # eq. (1)
+    if whole and record.kind == "motion":
+        wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (3)
+    found: dict[str, Beside | None] = {}
+    for kind, (model, length, damping) in sorted(wanted.items(), reverse=True):
+        try:
+            found[kind] = beside(model, record, align=False, step=length, alpha=damping)
+        except NotConverged:
+            found[kind] = None
+    return found

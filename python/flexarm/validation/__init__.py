@@ -1,0 +1,1 @@
+"""Validation of measured records: faults of sensors, clocks, frames and drives, before any physics."""

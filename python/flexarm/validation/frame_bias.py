@@ -1,0 +1,155 @@
+"""Places that are off by the same along the axes of the base, however the arm turns: that is a frame's doing.
+
+What belongs to an arm turns with it, so that its gap g = measured - predicted, seen in the base, changes as
+the prediction p does. A frame that was never stated is taken as the base's own, exact, and then
+
+    |mean g| > ALIKE std g std(p)^-1 |p|                                                             (1)
+
+says that the readings count from elsewhere. Without a frame a diagnosis has no registration to find.
+
+Records that contradict each other: a tracker that was moved between them, poses that do not repeat.
+
+Records share the frames of one name. With the gap g = measured - predicted averaged over a record,
+
+    D = mean g in one record - mean g in another                                                       (1)
+
+is about the same for all signals of a frame if the frame moved, and not for what bends an arm. It is said
+beyond `MOVED` sigma of the stated registration where two or more signals agree on it to `ALIKE`. Rows of one
+pose are readings of one place: they are said to disagree where they scatter by more than `SCATTERED` times
+the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.sizes import reach
+from flexarm.validation.initial_alignment import placing
+from flexarm.wording import with_unit
+
+if TYPE_CHECKING:
+    from flexarm.comparison.subject import Subject
+    from flexarm.record import Record, Signal
+
+
+ALIKE_SHIFTS = 3.0
+"""How much steadier than the direction of the place the gap must be."""
+TURNED = 0.1
+"""Least scatter of the prediction over its distance from the base: hardly moved, all gaps are alike."""
+OFF, NOISE = 5e-3, 10.0
+"""Shift that is told: part of the reach, and noises."""
+TOLD = 0.05
+"""Part of the shift that an axis must have to be told."""
+
+
+def remarks_on_shifts(subjects: Mapping[str, Subject]) -> Iterator[str]:
+    """A sentence for each position without a frame for which (1) holds."""
+    for name, subject in subjects.items():
+        for signal in subject.evidence.values():
+            if signal.quantity == "position" and signal.frame == "base":
+                yield from (f"{name}: {what}" for what in _shift(subject, signal))
+
+
+def _shift(subject: Subject, signal: Signal) -> Iterator[str]:
+    placement = placing(subject)
+    gap = subject.residual(signal, placement, hold=True)
+    known = np.isfinite(gap).all(axis=1)
+    if known.sum() < 3:
+        return
+    gap, place = gap[known], subject.predicted(signal, placement, hold=True)[known]
+    off, far = np.mean(gap, axis=0), float(np.sqrt(np.mean(np.sum(place**2, axis=1))))
+    size, left, turned = float(np.linalg.norm(off)), _scatter(gap), _scatter(place) / (far or 1.0)
+    least = max(OFF * reach(subject.arm), NOISE * float(np.max(subject.noise(signal))))
+    if turned > TURNED and size > least and size * turned > ALIKE_SHIFTS * left:  # eq. (1)
+        along = ", ".join(
+            f"{with_unit(float(value), 'm')} along {axis}"
+            for axis, value in zip(signal.axes, off, strict=True)
+            if abs(value) > TOLD * size
+        )
+        yield (
+            f"{signal.name} is off by {along}, wherever the arm stands, to within {with_unit(left, 'm', 2)}, "
+            "and no frame is stated for it: if it does not count from the base, give it one in [frames] with "
+            "its sigma; else a diagnosis takes that for the arm's"
+        )
+
+
+def _scatter(values: np.ndarray) -> float:
+    """Root mean square distance from the mean."""
+    return float(np.sqrt(np.mean(np.sum((values - np.mean(values, axis=0)) ** 2, axis=1))))
+
+
+MOVED, ALIKE, SCATTERED = 5.0, 0.2, 10.0
+
+
+def remarks_on_frames(subjects: Mapping[str, Subject]) -> list[str]:
+    """Frames that stood elsewhere in one record than in the one before."""
+    gaps = {name: _mean_gaps(subject) for name, subject in subjects.items()}
+    return [
+        remark
+        for one, other in pairwise(subjects)
+        for frame in dict.fromkeys(frame for frame, _, _ in gaps[one])
+        for axis in "xyz"
+        for remark in _moved(subjects[one].record, frame, axis, one, other, gaps)
+    ]
+
+
+def _mean_gaps(subject: Subject) -> dict[tuple[str, str, str], float]:
+    """Mean gap of every position, by frame, signal and axis."""
+    placement = placing(subject)
+    found = {}
+    for signal in subject.evidence.values():
+        if signal.quantity == "position" and not subject.record.frame_of(signal).unknown:
+            means = np.nanmean(subject.residual(signal, placement, hold=True), axis=0)
+            for axis, mean in zip(signal.axes, means, strict=True):
+                found[signal.frame, signal.name, axis] = float(mean)
+    return found
+
+
+def _moved(
+    record: Record,
+    frame: str,
+    axis: str,
+    one: str,
+    other: str,
+    gaps: Mapping[str, Mapping[tuple[str, str, str], float]],
+) -> list[str]:
+    """A sentence if (1) is large and alike for all signals of the frame."""
+    keys = [key for key in gaps[one] if key[0] == frame and key[2] == axis and key in gaps[other]]
+    if len(keys) < 2 or frame not in record.frames:
+        return []
+    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (1)
+    middle = float(np.median(steps))
+    sigma = float(np.max(record.frames[frame].translation))
+    if abs(middle) <= MOVED * max(sigma, 1e-6) or np.ptp(steps) > ALIKE * abs(middle):
+        return []
+    return [
+        f"{one} and {other} contradict each other: {', '.join(key[1] for key in keys)} lie {middle:.3g} m "
+        f"apart along {axis}, as if the frame {frame} had moved between them"
+    ]
+
+
+def remarks_on_poses(records: Mapping[str, Record]) -> list[str]:
+    """Poses whose rows do not repeat."""
+    return [
+        f"{name}: {remark}"
+        for name, record in records.items()
+        for signal in record.signals.values()
+        if signal.pose is not None and signal.noise_std
+        for remark in _scattered(signal, signal.noise_std)
+    ]
+
+
+def _scattered(signal: Signal, noise: float) -> list[str]:
+    found = []
+    for pose in dict.fromkeys(map(str, signal.pose if signal.pose is not None else [])):
+        rows = signal.values[(signal.pose == pose) & signal.valid]
+        if len(rows) > 1 and (scatter := float(np.max(np.std(rows, axis=0, ddof=1)))) > SCATTERED * noise:
+            found.append(
+                f"{len(rows)} rows of {signal.name} in the pose {pose!r} scatter by {scatter:.2g} "
+                f"{signal.unit}, the stated noise is {noise:.2g}"
+            )
+    return found

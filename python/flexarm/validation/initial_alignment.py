@@ -1,0 +1,109 @@
+"""Clocks and frames to look at channels with: as stated, or where unknown as most signals have it.
+
+The first guess of an unknown frame (`flexarm.comparison.start`) turns with a channel that is at fault. Here
+the signals of a frame vote: of the guesses of each alone and of all together the one counts for which the
+median signal has the smallest scatter over its motion.
+
+Records beside the runs of the nominal model: one simulation a record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.campaign import simulate_all
+from flexarm.comparison.beside import NEEDS_ROTATIONS, beside
+from flexarm.comparison.poses import solve_poses
+from flexarm.comparison.start import first_guess
+from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.unknowns import stated
+from flexarm.errors import InvalidParameter, NotConverged
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.record import Record
+    from flexarm.simulation import Progress
+
+
+def placing(subject: Subject) -> Placement:
+    """Clocks and frames of a record."""
+    start = stated(subject.record)
+    found = first_guess(subject, start)
+    for name, frame in subject.record.frames.items():
+        seen = [s for s in subject.evidence.values() if s.frame == name and s.quantity == "position"]
+        if not frame.unknown or len(seen) < 2:
+            continue
+        guesses = [found]
+        for signal in seen:
+            alone = first_guess(replace(subject, signals={signal.name: signal}), start)
+            guesses.append(Placement(found.clocks, {**found.frames, name: alone.frames[name]}))
+        found = min(guesses, key=lambda placement: _misfit(subject, placement, name))
+    return found
+
+
+def _misfit(subject: Subject, placement: Placement, frame: str) -> float:
+    """Of the median signal of a frame: scatter over motion, offsets aside."""
+    shares = []
+    for signal in subject.evidence.values():
+        if signal.frame == frame and signal.quantity == "position":
+            residual = subject.residual(signal, placement, hold=True)
+            motion = float(np.nanstd(subject.predicted(signal, placement, hold=True)))
+            shares.append(float(np.nanstd(residual - np.nanmean(residual, axis=0))) / (motion or 1.0))
+    return float(np.median(shares))
+
+
+def run(
+    arm: Arm,
+    records: Mapping[str, Record],
+    step: float,
+    alpha: float,
+    progress: Progress = None,
+) -> tuple[dict[str, Subject], dict[str, str], dict[str, str]]:
+    """Subjects by record, and why there is none of those that cannot be simulated, and of the empty ones.
+
+    A drive whose numbers are wrong may ask for a motion that no arm makes; an empty record holds nothing that
+    a simulation predicts.
+    """
+    try:
+        runs = _simulations(arm, records, step, alpha, progress)
+    except (InvalidParameter, NotConverged):
+        runs = {}  # one of them fails: each by itself
+    found: dict[str, Subject] = {}
+    failed: dict[str, str] = {}
+    empty: dict[str, str] = {}
+    for name, record in records.items():
+        try:
+            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, None)[name]
+        except (InvalidParameter, NotConverged) as error:
+            failed[name] = str(error)
+            continue
+        try:
+            found[name] = beside(arm, record, align=False, simulation=mine, step=step).subject
+        except InvalidParameter as error:
+            empty[name] = error.problems[0].what
+    return found, failed, empty
+
+
+def _simulations(
+    arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress
+) -> dict[str, Any]:
+    """Of motions side by side, of poses one after the other."""
+    moving = {name: record for name, record in records.items() if record.kind == "motion"}
+    seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
+    runs = simulate_all(
+        [(arm, record) for record in moving.values()],  # `simulate` applies the record
+        progress=progress,
+        step=step,
+        alpha=alpha,
+        rotations=bool(seen & set(NEEDS_ROTATIONS)),
+        forces="strain" in seen,
+    )
+    found: dict[str, Any] = dict(zip(moving, runs, strict=False))
+    for name, record in records.items():
+        if record.kind == "static":
+            found[name] = solve_poses(record.applied_to(arm), record)
+    return found

@@ -1,0 +1,102 @@
+"""Records of so few poses that an outlier among them would not be found, which a person should know.
+
+Signals that a simulation does not predict: nothing is learnt from them, which a person should know.
+
+Values that no sensor of this arm shows: in another unit, far beyond its reach, or of an arm of kilometres.
+
+A channel that keeps an absurd distance from its prediction may follow its motion all the same, and so be in
+order as far as slopes tell; of signals whose stamps are in other units hardly a reading is compared. Beside
+such values a check has nothing to say for a sensor.
+
+Channels that hold no value at all, such as an axis that is not wired: the others count without them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.sizes import doubted_sizes
+from flexarm.comparison.pose_outliers import LEAST_POSES
+from flexarm.comparison.poses import is_input
+from flexarm.record.against_arm import doubted_values
+from flexarm.record.doubts import INPUTS, doubted_units
+from flexarm.record.lasting import spans_apart
+from flexarm.wording import listed
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.comparison.subject import Subject
+    from flexarm.record import Record, Signal
+
+
+def remarks_on_few_poses(subjects: Mapping[str, Subject]) -> Iterator[str]:
+    """A sentence for each signal of a static record that holds values in too few poses."""
+    for name, subject in subjects.items():
+        for signal in subject.evidence.values():
+            if signal.pose is None:
+                continue
+            count = len(np.unique(signal.pose[signal.valid]))
+            if count < LEAST_POSES:
+                many = f"{name}: {signal.name} holds {count} pose{'s' * (count > 1)}"
+                yield f"{many}; outliers are looked for among {LEAST_POSES} or more"
+
+
+def remarks_on_skipped(subjects: Mapping[str, Subject]) -> Iterator[str]:
+    """A sentence for each signal that is not compared, with the records and the reason."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for name, subject in subjects.items():
+        record = subject.record
+        for signal, why in subject.skipped.items():
+            if record.kind == "motion" or not is_input(record, record.signals[signal]):
+                found.setdefault((signal, why), []).append(name)
+    for (signal, why), names in found.items():
+        reason = why.removeprefix(f"signal {signal!r}: ").removeprefix(f"signal {signal!r} ")
+        yield f"{listed(names)}: {signal} is not compared: {reason}"
+
+
+def doubted(
+    arm: Arm, records: Mapping[str, Record], borne_out: Mapping[str, Collection[str]] | None = None
+) -> tuple[str, ...]:
+    """A sentence for each, of the model and by record.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    records : dict of str to Record
+        What was measured.
+    borne_out : dict of str to collection of str, optional
+        By record the drives whose angles places bear out, however far they turn.
+    """
+    found = [f"model: {problem}" for problem in doubted_sizes(arm)]
+    for name, record in records.items():
+        sure = {f"signals.{drive}" for drive in (borne_out or {}).get(name, ())}
+        units = [problem for problem in doubted_units(record, arm) if problem.where not in sure]
+        problems = [*units, *spans_apart(record), *doubted_values(record, arm)]
+        found += [f"{name}: {problem}" for problem in problems]
+    return tuple(found)
+
+
+def without_lost_channels(name: str, record: Record) -> tuple[Record, list[str]]:
+    """The record without the empty axes of vectors that are evidence, and a remark on each such signal."""
+    kept, notes = dict(record.signals), []
+    for signal in record.signals.values():
+        there = [bool(np.isfinite(column).any()) for column in signal.values.T]
+        vector = signal.spec.channels is None and signal.quantity not in INPUTS
+        if vector and any(there) and not all(there):
+            kept[signal.name] = _part(signal, there)
+            lost = ", ".join(axis for axis, seen in zip(signal.axes, there, strict=True) if not seen)
+            notes.append(f"{name}: {signal.name} holds no value along {lost}; the rest of it is compared")
+    return record.replace(signals=kept) if notes else record, notes
+
+
+def _part(signal: Signal, wanted: list[bool]) -> Signal:
+    """Some axes of a signal."""
+
+    def of(names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(name for name, keep in zip(names, wanted, strict=False) if keep)
+
+    return signal.replace(axes=of(signal.axes), channels=of(signal.channels), values=signal.values[:, wanted])
