@@ -51,7 +51,7 @@ class Flat:
         for (kind, _), cells in rows.items():
             self.place.update({key: (len(blocks), i) for i, (key, _) in enumerate(cells)})
             numbers = np.array([number for (_, number), _ in cells])
-            blocks.append(Block(kind, np.array([row for _, row in cells]), numbers))
+            blocks.append(Block(kind, np.array([row for _, row in cells], int), numbers))
         return blocks
 
     def _short(self, name: str, taken: Iterable[str]) -> str:
