@@ -261,7 +261,7 @@ class SuperElement:
             As for :meth:`recover`, measured from a frame that moves with the part: large rotations are no
             deformation.
         """
-        from flexarm.reduction.stress import von_mises
+        from flexarm.superelement.stress import von_mises
 
         return von_mises(self, mesh, coordinates)
 
