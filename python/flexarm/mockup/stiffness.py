@@ -26,7 +26,7 @@ HALF_ARM = 0.1
 
 
 def torsional_stiffness(hinge: SolidHinge) -> float:
-    """k of (1) [N m/rad]."""
+    """Return k of (1) [N m/rad]."""
     tables = hinge_tables(hinge)
     seats = {"ahead": HALF_ARM, "behind": -HALF_ARM}
     arm = Arm.from_dict(

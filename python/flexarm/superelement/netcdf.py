@@ -51,7 +51,7 @@ UNITS = {
 
 
 def save(element: SuperElement, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
-    """Writes a super-element; the file appears when it is whole, and replaces no input.
+    """Write a super-element; the file appears when it is complete, and replaces no input.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def save(element: SuperElement, path: str | Path, force: bool = False, inputs: I
 
 
 def contents(element: SuperElement) -> Contents:
-    """What the file of a super-element holds."""
+    """Return the content of a super-element's file."""
     values: dict[str, Any] = {
         "interface_position": element.positions,
         "interface_rotation": element.rotations,
@@ -99,7 +99,7 @@ def _provenance() -> dict[str, str]:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays as lists and infinity as null, so that JSON takes them."""
+    """Convert arrays to lists and infinity to null, so that JSON takes them."""
     if isinstance(value, dict) or hasattr(value, "items"):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -176,7 +176,7 @@ def _interface_names(data: Variables, path: str | Path) -> tuple[str, ...]:
 
 
 def _quality(data: Variables) -> dict[str, Any]:
-    """What `save` stored; another program's attribute of that name is left alone."""
+    """Return what `save` stored; another program's attribute of that name is ignored."""
     try:
         told = json.loads(data.attributes.get("quality", "{}"))
     except (TypeError, ValueError, RecursionError):
