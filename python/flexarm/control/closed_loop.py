@@ -27,9 +27,10 @@ from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
-from flexarm.simulation import Progress, Simulation, reported
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
+from flexarm.simulation.progress import Progress, reported
+from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import DIFFERENTIATED
 from flexarm.simulation.step_limit import check_step_count
 
