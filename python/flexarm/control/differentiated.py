@@ -33,7 +33,7 @@ from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive, Sensitivities, collected, entry_of, varied
-from flexarm.simulation import Simulation
+from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import derived
 from flexarm.statics.backlash_derivative import require_backlash_derivative
 
