@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flexarm.diagnosis import naming
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis import naming as sentence
 from flexarm.named_effects import Alternative, NamedEffect
 from flexarm.report.sentences import _change, headline, verdict_sentence
@@ -35,7 +36,7 @@ def test_what_the_data_cannot_tell_from_a_named_effect_is_not_listed_as_rejected
         tried=[(tried, 0)],
         value={},
     )
-    found = naming.rejected(choice, None)
+    found = naming.rejected(choice, SimpleNamespace(policy=SelectionPolicy()))
     assert [(each.name, each.why) for each in found] == [
         ("link_mass", naming.IN_ITS_PLACE),
         ("backlash", naming.ON_THE_WAY),
