@@ -25,7 +25,7 @@ class SystemSnapshots(StateSnapshots):
 
     @classmethod
     def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> SystemSnapshots:
-        """The states of a system assembled from the arm."""
+        """Return the snapshots of states of a system assembled from the arm."""
         gravity = np.array(arm.gravity)
         seen = _core.snapshots(system, list(states), _core.Loads(gravity=gravity))
         n, p, run = len(states), len(arm.points), seen.run
@@ -47,12 +47,12 @@ class SystemSnapshots(StateSnapshots):
         )
 
     def readings(self, sensor: Sensor) -> Floats:
-        """What the sensor reads of each state, without noise, rounding or delay: shape (n, channels)."""
+        """Return the sensor's readings without noise, rounding or delay, shape (n, channels)."""
         return read(self, sensor, self.time)
 
 
 def _in_body(orientation: Floats, vectors: Floats) -> Floats:
-    """Vectors in base axes, in the axes that quaternions (x, y, z, w) turn the base's into."""
+    """Return vectors of base axes in the axes of bodies with quaternions (x, y, z, w)."""
     axis, w = -orientation[..., :3], orientation[..., 3:]
     twice = 2 * np.cross(axis, vectors)
     turned: Floats = vectors + w * twice + np.cross(axis, twice)

@@ -10,7 +10,7 @@ from flexarm.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class StateSnapshots:
-    """What measurements take from a `Simulation`; the first axis is the state.
+    """Arrays that measurements take from a `Simulation`; the first axis is the state.
 
     Attributes
     ----------
