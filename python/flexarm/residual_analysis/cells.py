@@ -1,26 +1,24 @@
-r"""Cells: how much of a gap lies where, by signal, direction, band and state, against the noise.
+r"""Cells of a residual: its size by signal, direction, band and state of the motion, against the noise.
 
-A cell holds the samples i of one part r of a gap (one direction, one band) in which a condition is met:
+A cell holds the samples i of one part r of a residual (one direction, one band) for which a condition holds:
 
     rms^2 = mean r_i^2,    ratio = rms/noise_rms,    share = sum (r_i/sigma_i)^2 / sum over the whole    (1)
 
 sigma_i is the noise of a full sample, so shares of signals in metres and newton metres compare. White noise
-leaves noise_rms^2 = sigma^2 k/n in a part with k freedoms at n samples, and in a cell with m of them a
-chi-square with m k/n freedoms, about. A cell exceeds the noise if noise alone would reach it in one table out
-of a thousand.
+leaves noise_rms^2 = sigma^2 k/n in a part with k degrees of freedom at n samples. In a cell of m samples it
+leaves, approximately, a chi-square with m k/n degrees of freedom. A cell exceeds the noise if noise alone
+would reach it in one table out of a thousand.
 
-The few cells that say most of where a gap is.
+The dominant cells say when a part occurs:
 
-For each part of the gap (signal, direction, band) one line. When it occurs is said by
+    a reversal    if the residual jumps with the sign of a joint's torque or rate: the mean on either side
+                  explains most of it, and about as much as a curve over the state; of all bands together,
+                  for a jump is in all of them, or of this band, if others ring;
+    a condition   if its squares concentrate there: a share s of the squares in a share p of the samples with
+                  s ln(s/p) + (1 - s) ln((1 - s)/(1 - p)) >= `concentration`                            (2)
+    throughout    else, with the covariate that it follows, if it follows one.
 
-    a reversal    if the gap jumps with the sign of a joint's torque or rate: the mean on either side
-                  explains most of it, and about as much as a curve over the state; of all bands
-                  together, for a jump is in all of them, or of this one, if others ring;
-    a condition   if its squares crowd in it: s of the squares in p of the samples, and
-                  s ln(s/p) + (1 - s) ln((1 - s)/(1 - p)) >= `CROWDED`                                (1)
-    throughout    else, with the state that it follows, if it follows one.
-
-(1) is the information [Kullback1951] that the condition gives on where the squares are.
+(2) is the relative entropy [Kullback1951] of the squares given the condition.
 """
 
 from __future__ import annotations
@@ -163,7 +161,7 @@ JUMPS = {"sign of torque": "torque", "sense of motion": "motion"}
 
 
 def dominant_cells(gaps: Sequence[SignalResidual], cells: Iterable[Cell]) -> tuple[Mapping[str, Any], ...]:
-    """The entries `where` of a report: signal, direction, when, band_hz, rms, noise_rms; largest first."""
+    """Return the entries `where` of a report: one for each part that is listed, largest share first."""
     by_part: dict[tuple[str, str, str], list[Cell]] = {}
     for cell in cells:
         by_part.setdefault((cell.signal, cell.direction, cell.band), []).append(cell)
@@ -175,7 +173,7 @@ def dominant_cells(gaps: Sequence[SignalResidual], cells: Iterable[Cell]) -> tup
 
 
 def _listed(parts: Sequence[Cell]) -> list[Cell]:
-    """The parts that are worth a line, largest share first."""
+    """Return the parts to list; the largest of every signal comes before the second of another."""
     ranks: dict[str, int] = {}
     found = []
     for cell in sorted(parts, key=lambda cell: -cell.share):
@@ -222,7 +220,7 @@ def _when(
 
 
 def concentration(cell: Cell, whole: Cell) -> float:
-    """Information (1) of a condition; 0 where the squares are fewer than the samples."""
+    """Return the relative entropy (2) of a condition; 0 where the squares are fewer than the samples."""
     if cell.state == "all" or whole.share <= 0:
         return 0.0
     s, p = cell.share / whole.share, cell.samples / whole.samples

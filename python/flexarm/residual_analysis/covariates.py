@@ -1,19 +1,19 @@
-r"""What a gap follows: how much of it a curve over each state of the motion explains.
+r"""Dependence of a residual on states of the motion, by correlation ratios.
 
-With samples in groups g, such as the intervals of a state, and n_g of them in each,
+The correlation ratio of y is the share of its squares that lies in the means of groups g of n_g samples, such
+as the intervals of a state:
 
-    share = sum_g n_g mean_g^2 / sum_i y_i^2                                                         (1)
+    eta^2 = sum_g n_g mean_g^2 / sum_i y_i^2                                                         (1)
 
-is the part of the squares that lies in the groups' means. Of it, c is in one constant; of the rest, which has
-n - 1 freedoms, k groups explain
+A constant explains c of the squares. Of the rest, y less its mean with n - 1 degrees of freedom, k groups
+explain, less what they explain of noise,
 
-    r = (share - c)/(1 - c),      less what they get from noise:   1 - (1 - r) (n - 1)/(n - k)         (2)
+    r = 1 - (1 - eta^2) (n - 1)/(n - k)                                                              (2)
 
-A curve over any state explains a step, and two curves explain more than one, so states are tried in order of
-how much they claim: the sign of a state, a curve over it, two curves (one for each sense of the motion) or
-time. A claim must gain `GAIN` of the rest over those before it, and of the whole to have a name at all.
-
-Time is given intervals no shorter than the motion's cycles: any slow gap follows finer ones.
+A curve over any state explains a step, and two curves explain more than one. Covariates are therefore tried
+in order of complexity: 1 the sign of a state, 2 a curve over it, 3 two curves (one for each sense of the
+motion) or time. A more complex covariate must gain `covariate_gain` over the simpler ones, and explain as
+much of the whole.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ def curve_share(state: Floats, values: Floats, bins: int = BINS) -> float:
 
 
 def intervals(state: Floats, bins: int) -> Groups:
-    """Number of the interval, of `bins` equally wide ones, in which each sample of a state lies."""
+    """Return the number of the interval, of `bins` equally wide ones, in which each sample lies."""
     edges = np.linspace(state.min(), state.max(), bins + 1)
     return np.clip(np.digitize(state, edges) - 1, 0, bins - 1)
 
 
 def correlation_ratio(groups: Groups, values: Floats) -> float:
-    """Share (1) of the squares of values, shape (n, k), in the means of groups of samples."""
+    """Return the share (1) of the squares of values, shape (n, k), in the means of groups of samples."""
     count = np.bincount(groups)
     sums = np.stack([np.bincount(groups, column) for column in values.T], axis=1)
     explained = np.sum(sums[count > 0] ** 2 / count[count > 0, None])
@@ -84,7 +84,7 @@ class CovariateDependence:
 
     @property
     def share(self) -> float:
-        """Of the best."""
+        """Share of all squares that the best covariate explains, the constant included."""
         return self.shares[self.best]
 
     def __str__(self) -> str:
@@ -99,15 +99,7 @@ class CovariateDependence:
 
 
 def covariate_dependence(covariates: Mapping[str, tuple[int, Groups]], values: Floats) -> CovariateDependence:
-    """What values follow best.
-
-    Parameters
-    ----------
-    covariates : dict of str to (int, ndarray of int, shape (n,))
-        By name: how much it claims, and the samples' groups.
-    values : ndarray, shape (n, k)
-        Over their noise.
-    """
+    """Return the dependence of values over their noise, shape (n, k), on covariates."""
     rest = values - values.mean(axis=0)
     constant = 1 - float(np.sum(rest**2) / max(np.sum(values**2), 1e-300))
     beyond = {name: _adjusted(groups, rest) for name, (_, groups) in covariates.items()}

@@ -1,16 +1,16 @@
-r"""Frequency and damping of a free vibration against its amplitude: whether the law behind it is linear.
+r"""Frequency and damping of a free decay against its amplitude: they are constant under a linear law.
 
-While the drive stands, an arm swings by itself. Over each few periods of it
+While the drive is at rest, an arm vibrates freely. Over each few periods
 
 .. math:: y(t) = c_0 + c_1 t + A e^{-\zeta \omega t} \cos(\omega t + \varphi)                          (1)
 
-is fitted by least squares. Of a linear law omega and zeta are the same in every piece. A dry friction that
-holds F of a spring k takes 4 F/k from the amplitude in each period, so that
+is fitted by least squares. Under a linear law omega and zeta are the same in every segment. A dry friction
+that holds F of a spring k takes 4 F/k from the amplitude in each period, so that
 
 .. math:: \zeta(A) = \frac{2}{\pi} \frac{F}{k A}                                                      (2)
 
 grows as the vibration dies, and a spring k (1 + beta x^2) has omega^2 = omega_0^2 (1 + 3 beta A^2/4)
-[Nayfeh1979]. What is measured is looked at, not a gap: no model need be near for it.
+[Nayfeh1979]. The measured signal itself is analysed, not its residual: no model is needed.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class FreeDecay:
 
     @property
     def frequency_moves(self) -> bool:
-        """Whether the frequency of `ends` differs beyond its errors."""
+        """True if the frequencies of `ends` differ beyond their errors."""
         high, low = self.ends
         apart = abs(high.frequency_hz - low.frequency_hz)
         return apart > SURE * float(np.hypot(high.frequency_std, low.frequency_std)) and (
@@ -91,7 +91,7 @@ class FreeDecay:
 
     @property
     def damping_moves(self) -> bool:
-        """The same of the damping ratio."""
+        """True if the damping ratios of `ends` differ beyond their errors."""
         high, low = self.ends
         apart = abs(high.damping_ratio - low.damping_ratio)
         return apart > SURE * float(np.hypot(high.damping_std, low.damping_std)) and (
@@ -100,7 +100,7 @@ class FreeDecay:
 
     @property
     def ends(self) -> tuple[DecaySegment, DecaySegment]:
-        """The piece of the greatest amplitude, and the mean of those below half of it or of the least."""
+        """The segment of the greatest amplitude, and the mean of those below half of it or of the least."""
         ranked = sorted(self.pieces, key=lambda piece: -piece.amplitude)
         small = [piece for piece in ranked[1:] if piece.amplitude < ranked[0].amplitude / 2]
         return ranked[0], mean(small or ranked[-1:])
@@ -127,7 +127,7 @@ def mean(pieces: Sequence[DecaySegment]) -> DecaySegment:
 
 
 def free_decays(pairs: Mapping[str, AlignedRecord]) -> list[FreeDecay]:
-    """Of every record that goes on while its drive stands, the channel of each signal that swings most."""
+    """Return the decay of the strongest channel of each signal that goes on while the drive is at rest."""
     found = []
     for name, pair in pairs.items():
         if pair.record.kind == "static":
@@ -146,7 +146,7 @@ def free_decays(pairs: Mapping[str, AlignedRecord]) -> list[FreeDecay]:
 
 
 def describe_free_decays(found: Sequence[FreeDecay]) -> str:
-    """A sentence if frequency or damping move with the amplitude somewhere; else nothing."""
+    """Return a sentence if frequency or damping change with the amplitude somewhere; else an empty one."""
     moving = [each for each in found if each.frequency_moves or each.damping_moves]
     if not moving:
         return ""

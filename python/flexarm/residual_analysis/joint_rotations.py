@@ -1,19 +1,20 @@
-r"""The gap of positions as equivalent small rotations of the joints.
+r"""Equivalent rotations: the residual of positions as small rotations of the joints.
 
-At every instant, with the points' gap y (n_y,), the rigid Jacobian J (n_y, joint) and a rotation d of each
-joint, on top of the angle that its drive has,
+At every instant, with the points' residual y (n_y,), the rigid Jacobian J (n_y, joint) and a rotation d of
+each joint, on top of the angle that its drive has,
 
     y = J d + e,    d_j ~ N(0, s_j^2),    e ~ N(0, sigma^2)                                          (1)
     C = (J^T J/sigma^2 + diag(1/s^2))^-1,    d = C J^T y/sigma^2                                      (2)
 
-The sizes s_j and sigma of (1) are those that make the data most likely (empirical Bayes), found by
+The sizes s_j and sigma maximise the likelihood of (1) (empirical Bayes). Expectation maximisation
+[Dempster1977] repeats
 
     s_j^2 = mean over instants of d_j^2 + C_jj,    sigma^2 = mean of (y - J d)^2 + tr(J C J^T)/n_y      (3)
 
-repeatedly [Dempster1977], from rotations that would each show the whole gap. A joint whose rotation the data
-do not need shrinks to nothing; joints that move all points alike in all poses share a gap alike, and what one
-of them could explain alone says that they cannot be told apart. What each rotation follows hints at what is
-missing at that joint (`HINTS`). Joints that slide shift instead of turning.
+from rotations that would each show the whole residual. A rotation that the data do not need shrinks to
+nothing. Joints that move all points alike in all poses share a residual alike; the share that each explains
+alone shows that they cannot be told apart. The covariate that a rotation follows hints at what is missing at
+its joint (`HINTS`). Prismatic joints shift instead of turning.
 """
 
 from __future__ import annotations
@@ -80,12 +81,12 @@ class JointRotation:
 
     @property
     def rms(self) -> float:
-        """Of the angle."""
+        """Root mean square of the angle."""
         return float(np.sqrt(np.mean(self.angle**2)))
 
     @property
     def hint(self) -> str:
-        """What would do that."""
+        """Effect that shows such a dependence."""
         return HINTS.get(self.follows.best, "")
 
 
@@ -111,7 +112,7 @@ class JointRotations:
     states: tuple[JointStates, ...]
 
     def summary(self) -> str:
-        """A table that a person reads."""
+        """Return a table that a person reads."""
         head = f"{'joint':<14}{'rms':>12}{'alone':>8}{'share':>8}   follows"
         lines = [f"as rotations of the joints, which explain {100 * self.explained:.0f} %", head]
         for each in self.joints:
@@ -137,7 +138,7 @@ class _Rows:
 
 
 def joint_rotations(pairs: Mapping[str, AlignedRecord]) -> JointRotations | None:
-    """The gap of the positions of all records by (1); None where no position is measured, or none differs."""
+    """Return the equivalent rotations (1) over all records; None without positions or without residual."""
     arm = next(iter(pairs.values())).simulated.arm
     joints = [joint.name for joint in arm.moving_joints]
     pieces = [rows for pair in pairs.values() if (rows := _rows(pair, joints)) is not None]
@@ -216,7 +217,7 @@ def _stacked(pieces: Sequence[_Rows]) -> _Rows:
 
 
 def _rotations(rows: _Rows) -> tuple[Floats, Floats]:
-    """d and C_jj at every instant, shapes (n, joint), by (2) and (3)."""
+    """Return d and C_jj at every instant, shapes (n, joint), by (2) and (3)."""
     n, joints = len(rows.time), rows.jacobian.shape[1]
     normal, right = np.zeros((n, joints, joints)), np.zeros((n, joints))
     np.add.at(normal, rows.instant, rows.jacobian[:, :, None] * rows.jacobian[:, None, :])

@@ -1,7 +1,7 @@
-"""Where simulation and measurement disagree: by signal, direction, band and state, against the noise.
+"""Localisation of the residual: by signal, direction, band and state of the motion, against the noise.
 
-No simulation is run here. Records are looked at together, each beside its own simulation after alignment
-(`flexarm.comparison.aligned_record`), with the nominal model or any other.
+Localisation runs no simulation. It analyses all records together, each with its own simulation after
+alignment (`flexarm.comparison.aligned_record`), of the nominal model or any other.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Localisation:
     notes: tuple[str, ...] = ()
 
     def cell(self, signal: str, direction: str, band: str, when: str = WHOLE) -> Cell:
-        """One cell.
+        """Return one cell.
 
         Raises
         ------
@@ -72,7 +72,7 @@ class Localisation:
         )
 
     def summary(self) -> str:
-        """Tables that a person reads: parts of the gap, where it is, what it follows."""
+        """Return tables that a person reads: parts of the residual, where it lies, which state it follows."""
         lines = [*self._part_table(), "", *self._where_table(), ""]
         lines.append(f"{'signal':<18}what the gap follows, by share")
         for name, found in self.follows.items():
@@ -109,7 +109,7 @@ class Localisation:
         return lines if self.where else ["nowhere does the gap exceed the noise"]
 
     def plot(self, signal: str | None = None) -> Figure:
-        """The gap of a signal against angle, rate, torque and time; default: the signal that holds most."""
+        """Draw the residual of a signal (default: the largest) against angle, rate, torque and time."""
         from flexarm.report.gap_figure import gap_figure
 
         return gap_figure(self, signal=signal)
@@ -119,22 +119,18 @@ class Localisation:
 
 
 def localise(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Localisation:
-    """Where the gap is, over all records together.
+    """Return where the residual lies, over all records together.
 
     Parameters
     ----------
     pairs : dict of str to AlignedRecord, or AlignedRecord
-        Records by name, each beside its simulation, as `flexarm.comparison.aligned_record.simulate_record`
-        gives it; all of one kind, motions or poses.
-
-    Returns
-    -------
-    Localisation
+        Records by name, as `flexarm.comparison.aligned_record.simulate_record` gives them; all of one kind,
+        motions or poses.
 
     Raises
     ------
     InvalidParameter
-        If there is nothing to look at.
+        If there is no record, or motions and poses are mixed: they have no bands in common.
 
     Examples
     --------

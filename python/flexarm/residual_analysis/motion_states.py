@@ -1,8 +1,7 @@
-"""What the arm did at each sample: angle, rate, acceleration and torque of its joints, and time.
+"""States of the motion at the samples of a residual: angle, rate, acceleration, torque, and time.
 
-States are those of the simulation beside the record, which knows torques that nothing measured.
-
-How states sort the samples of a gap: conditions for a table, and groups of what a gap may follow.
+The states are those of the simulation, which also knows torques that nothing measured. They sort the samples:
+into conditions for a table of cells, and into groups for covariates.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ class JointStates:
 
     @property
     def units(self) -> dict[str, str]:
-        """By state."""
+        """Unit by state."""
         length, force = ("m", "N") if self.slides else ("rad", "N m")
         return {
             "angle": length,
@@ -63,7 +62,7 @@ class JointStates:
         }
 
     def label(self, state: str) -> str:
-        """Of an axis: the state as a joint that turns or slides has it, with its unit."""
+        """Return the label of an axis: the state of a joint that turns or slides, with its unit."""
         word = {"angle": "position", "torque": "force"}.get(state, state) if self.slides else state
         return f"{word} of {self.joint} [{self.units[state]}]"
 
@@ -74,7 +73,7 @@ class JointStates:
 
     @property
     def moves(self) -> bool:
-        """Whether it moves in time, as in no record of poses."""
+        """True if the joint moves in time, as in no record of poses."""
         return bool(np.any(self.rate != 0))
 
 
@@ -82,13 +81,13 @@ _ARRAYS = ("angle", "rate", "acceleration", "torque", "since_motion", "since_tor
 
 
 def joined_states(parts: Sequence[JointStates]) -> JointStates:
-    """The samples of several records, one after the other."""
+    """Return the states at the samples of several records, one after the other."""
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
     return JointStates(parts[0].joint, **arrays, slides=parts[0].slides)
 
 
 def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
-    """Joints that at least one of the records moves; all uncertain_clock_and_frame ones if none does."""
+    """Return the joints that at least one of the records moves; all movable ones if none does."""
     found: dict[str, None] = {}
     for pair in pairs:
         run = pair.simulated.simulation
@@ -99,7 +98,7 @@ def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
 
 
 def joint_states(pair: AlignedRecord, joint: str, instants: Floats) -> JointStates:
-    """States of a joint at instants of the simulation."""
+    """Return the states of a joint at instants of the simulation."""
     run = pair.simulated.simulation
     time, j = np.asarray(run.time), run.joints.index(joint)
     rate = np.asarray(run.drive_rate)[:, j]
@@ -152,7 +151,7 @@ ZONES = 5
 def conditions(
     states: Sequence[JointStates], time: Floats, record: Groups, labels: Sequence[str], window: float
 ) -> Iterator[tuple[str, str, Mask]]:
-    """State, wording and samples of every condition; those of one state share out all samples.
+    """Yield state, wording and samples of every condition; those of one state share out all samples.
 
     Parameters
     ----------
@@ -164,8 +163,8 @@ def conditions(
         Number of the record of each sample.
     labels : sequence of str
         Names of the records.
-    window : float
-        How long after a reversal counts as one [s].
+    first_mode : float or None
+        Its frequency [Hz]: a reversal lasts for one period of it, or three samples.
     """
     yield "all", "throughout", np.ones(len(time), dtype=bool)
     for each in states:
@@ -177,7 +176,7 @@ def conditions(
 
 
 def _of_joint(states: JointStates, of: str, window: float) -> Iterator[tuple[str, str, Mask]]:
-    """Conditions of one joint."""
+    """Yield the conditions of one joint."""
     zone, unit = intervals(states.angle, ZONES), states.units["angle"]
     width = np.ptp(states.angle) / ZONES
     for i in range(ZONES if width > 0 else 0):
@@ -218,7 +217,7 @@ def _of_time(time: Floats, record: Groups, labels: Sequence[str]) -> Iterator[tu
 def covariate_groups(
     states: Sequence[JointStates], time: Floats, record: Groups
 ) -> Mapping[str, tuple[int, Groups]]:
-    """What a gap may follow: by name how much it claims, and the groups of the samples."""
+    """Return the covariates that a residual may follow, with 12 samples an interval or more, 4 poses."""
     n = len(time)
     found: dict[str, tuple[int, Groups]] = {}
     if record.max(initial=0) > 0:
@@ -243,7 +242,10 @@ def covariate_groups(
 
 
 def _slow_time(states: Sequence[JointStates], time: Floats, record: Groups, bins: int) -> Groups:
-    """Intervals of time in which every joint's angle comes and goes at least once, by record."""
+    """Return intervals of time, by record, no shorter than cycles of the motion.
+
+    Any slow residual follows finer ones.
+    """
     groups, first = np.zeros(len(time), dtype=np.intp), 0
     for k in np.unique(record):
         inside = record == k

@@ -1,15 +1,15 @@
-r"""Noise of a signal told from its own samples.
+r"""Noise of a signal estimated from its own samples.
 
-    quiet bands   of a gap: its frequencies in `BANDS` bands, k freedoms each,
+    quiet bands   of a residual: its frequencies in 16 bands with k degrees of freedom each,
                   sigma^2 = lower quartile of their sums of squares / that of chi-square             (1)
     differences   of a drive: third differences of its samples have the variance 20 sigma^2,
                   sigma = 1.4826 median |D^3 y| / sqrt(20)                                           (2)
     repeats       of poses: the scatter of rows about the mean of their pose, pooled                 (3)
 
-A slow gap, and a vibration that rings, touch few of the bands of (1) and do not count; the strongest sines,
-which leak into others, are taken away before (orthogonal matching pursuit [Pati1993]), and so is what an
-outlier spreads over all of them. A gap that is fast and broad, as from impacts, does count: (1) is then more
-than the noise.
+A slow residual and a vibration touch few of the bands of (1) and do not count. The strongest sines, which
+leak into other bands, are removed first (orthogonal matching pursuit [Pati1993]), and so are outliers, which
+spread over all of them. A residual that is fast and broad, as from impacts, does count: (1) is then more than
+the noise.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LEAST = 8 * BANDS
 
 
 def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> float | None:
-    """1 sigma of a channel of a signal, from its gap by (1) or (3); None where too few samples tell."""
+    """Return 1 sigma of a channel by (1) or (3), from the residual; None given too few samples."""
     keep = np.isfinite(residual).all(axis=1)
     if pair.record.kind == "static":
         return repeated_noise(np.asarray(signal.pose)[keep], residual[keep])
@@ -47,7 +47,7 @@ def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> fl
 
 
 def quiet_band_noise(time: Floats, values: Floats) -> float | None:
-    """1 sigma of a channel by (1), values of shape (n, channels)."""
+    """Return 1 sigma of a channel by (1), given values of shape (n, channels)."""
     n, channels = values.shape
     if n < LEAST:
         return None
@@ -62,7 +62,7 @@ def quiet_band_noise(time: Floats, values: Floats) -> float | None:
 
 
 def _without_sines(time: Floats, values: Floats) -> tuple[Floats, int]:
-    """Values without their strongest sines, and the freedoms that these took from each channel."""
+    """Return values without their strongest sines, and the degrees of freedom taken from each channel."""
     step = float(np.median(np.diff(time)))
     place = np.round((time - time[0]) / step).astype(np.intp)
     grid = np.zeros((place[-1] + 1, values.shape[1]))
@@ -81,7 +81,7 @@ def _without_sines(time: Floats, values: Floats) -> tuple[Floats, int]:
 
 
 def drive_noise(samples: Floats) -> float | None:
-    """1 sigma of evenly spaced samples of a smooth motion by (2), shape (n,)."""
+    """Return 1 sigma of evenly spaced samples of a smooth motion by (2), shape (n,)."""
     third = np.diff(samples, 3)
     third = third[np.isfinite(third)]
     if len(third) < LEAST:
@@ -90,7 +90,7 @@ def drive_noise(samples: Floats) -> float | None:
 
 
 def repeated_noise(pose: NDArray[np.str_], values: Floats) -> float | None:
-    """1 sigma of a channel by (3); None where no pose was measured twice."""
+    """Return 1 sigma of a channel by (3); None where no pose was measured twice."""
     names, number = np.unique(pose, return_inverse=True)
     freedoms = len(pose) - len(names)
     if freedoms < 1:
@@ -101,7 +101,7 @@ def repeated_noise(pose: NDArray[np.str_], values: Floats) -> float | None:
 
 
 def effective_samples(values: Floats) -> float:
-    r"""Number of independent samples that have as sure a mean as these, of shape (n, channels).
+    r"""Return the effective sample size of values, shape (n, channels).
 
         n_eff = n/(1 + 2 sum_k rho_k),                                                               (4)
 

@@ -1,18 +1,15 @@
-"""The floor of every signal as a table: noise, independent samples, and the simulation's error beside it.
+"""Noise floor of every signal: how small a residual could be, and the error of the simulation relative to it.
 
-The floor: how small a gap could be, and whether the simulation is good enough to be compared.
-
-Per signal: the noise that its record states, the noise that its own samples show (`residual_analysis.noise`),
-and what the simulation is wrong by, as the rms change of the predicted signal, all channels together, when
+Per signal: the noise that its record states, the noise that its samples show (`residual_analysis.noise`), and
+the error of the simulation as the rms change of the predicted signal, all channels together, when
 
     step     is halved: the method is of order two, so this is 3/4 of the error                      (1)
     mesh     of every beam is twice as fine: of order four, 15/16 of the error                       (2)
     alpha    is 0, without numerical damping, instead of its default                                 (3)
 
-Each should be below the noise. (1) is found for every record, the others for that with the liveliest drive,
-or for all. A gap is
-correlated from sample to sample unless it is white noise; the number of independent samples in it is what an
-information criterion may count.
+Each should be below the noise. (1) is found for every record, the others for that with the fastest drive, or
+for all. A residual is correlated from sample to sample unless it is white noise; its effective sample size is
+what an information criterion may count.
 """
 
 from __future__ import annotations
@@ -83,17 +80,17 @@ class SignalFloor:
 
     @property
     def total(self) -> float | None:
-        """Noise of all channels together, as `compare` has it."""
+        """Noise of all channels together: the stated one, else the estimated one."""
         return None if self.noise is None else self.noise * float(np.sqrt(self.channels))
 
     @property
     def below(self) -> Mapping[str, bool]:
-        """By error: whether it is below the noise; without noise, whether it is nothing."""
+        """By error: True if it is below the noise; without noise, if it is zero."""
         return {name: error <= (self.total or 0.0) for name, error in self.errors.items()}
 
     @property
     def contradicts(self) -> bool:
-        """Whether the samples show another noise than is stated."""
+        """True if the samples show another noise than is stated."""
         if not self.stated or not self.estimated:
             return False
         return not 1 / CONTRADICTS < self.estimated / self.stated < CONTRADICTS
@@ -116,12 +113,12 @@ class NoiseFloor:
 
     @property
     def is_below_noise(self) -> bool:
-        """Whether step, mesh and alpha change every prediction by less than its noise."""
+        """True if step, mesh and alpha change every prediction by less than its noise."""
         return all(below for each in self.signals for below in each.below.values())
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know."""
+        """Contradictions of the stated noise, and errors above the noise, in words."""
         found = []
         for each in self.signals:
             at = f"{each.signal} of {each.record}"
@@ -145,7 +142,7 @@ class NoiseFloor:
         return tuple(found)
 
     def summary(self) -> str:
-        """A table that a person reads: noise of a channel, errors over the noise of all."""
+        """Return a table that a person reads: noise of a channel, errors over the noise of all."""
         names = list(dict.fromkeys(name for each in self.signals for name in each.errors))
         head = f"{'record':<12}{'signal':<18}{'unit':<7}{'stated':>11}{'estimated':>11}"
         head += "".join(f"{name + '/noise':>13}" for name in names) + f"{'samples':>9}{'independent':>13}"
@@ -162,7 +159,7 @@ class NoiseFloor:
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Errors of the simulation over the noise, one bar each; below 1 they do not matter."""
+        """Draw the errors of the simulation over the noise, one bar each; below 1 they do not matter."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax
@@ -197,16 +194,16 @@ def noise_floor(
     step: float = 2e-3,
     alpha: float = -0.05,
 ) -> NoiseFloor:
-    """How small a gap could be: noise of every record, and error of the simulation.
+    """Return the noise of every record, and the error of its simulation.
 
-    Takes a simulation of twice the work for each motion, and two more of the liveliest; of poses one.
+    Takes a simulation of twice the work for each motion, and two more of the fastest; of poses one.
 
     Parameters
     ----------
     pairs : dict of str to AlignedRecord, or AlignedRecord
-        Records by name, each beside its simulation, as for `localise`.
+        Records by name, as for `localise`.
     thorough : bool
-        Find (2) and (3) of every record, not only of the one with the liveliest drive.
+        Find (2) and (3) of every record, not only of the one with the fastest drive.
     step, alpha : float
         Of the simulations in `pairs` [s], [-].
 
@@ -227,7 +224,7 @@ def noise_floor(
 
 
 def refined(arm: Arm) -> Arm:
-    """The arm with twice as many elements in every beam."""
+    """Return the arm with twice as many elements in every beam."""
     links = [link.replace(elements=2 * link.elements) if link.type == "beam" else link for link in arm.links]
     return arm.replace(links=tuple(links))
 
@@ -280,7 +277,7 @@ def _estimated(pair: AlignedRecord, signal: Signal, residual: Floats, is_drive: 
 
 
 def _variants(pair: AlignedRecord, step: float, alpha: float, whole: bool) -> dict[str, AlignedRecord | None]:
-    """The record beside other simulations, (1) or all; None where one comes to no end."""
+    """Return the record with other simulations, (1) or the whole; None where one does not converge."""
     arm, record = pair.simulated.arm, replace(pair.record, links={})  # the arm is drawn out already
     wanted: dict[str, tuple[Arm, float, float]] = {}
     if whole and any(link.type == "beam" for link in arm.links):

@@ -1,18 +1,18 @@
-r"""The part of a gap that repeats with every turn of a motor, told in its angle instead of in time.
+r"""Order tracking: the part of a residual that repeats with every turn of a motor.
 
 With the motor's angle n q, n the gear ratio, and the share w of a turn of the joint that the direction shows,
 
     h = w sum_m a_m u_m + sum_r (b_mr x_mr + c_mr x'_mr/omega_r),     u_m = cos(m n q), sin(m n q)    (1)
     x'' + 2 zeta_r omega_r x' + omega_r^2 x = omega_r^2 u_m                                          (2)
 
-x_mr is how a mode r of the model answers the wave: near resonance most of the gap. An angle does not alias:
-waves and answers are computed at the simulation's steps and read at the samples' own instants, however fast
-the motor turns.
+x_mr is the response of mode r of the model to the wave of order m: near resonance most of the residual. An
+angle does not alias: waves and responses are computed at the simulation's steps and read at the samples'
+instants, however fast the motor turns.
 
-Slow parts of the gap are kept out: the columns of (1) are made orthogonal to polynomials in angle, rate and
-acceleration. Any columns catch something; m is taken only if it catches `TIMES` what the columns with m a
-little higher or lower catch (`BESIDE`), if that is more than noise and `LEAST` of the squares, and if the
-motor turns often enough.
+The columns of (1) are made orthogonal to the slow part of the residual, polynomials in angle, rate and
+acceleration. Any columns explain something. An order m is taken only if it explains `order_contrast` times
+what the columns of slightly higher or lower orders explain, more than noise and `order_share` of the squares,
+and if the motor turns often enough.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class MotorHarmonics:
     _found: dict[tuple[str, float], Floats] = field(default_factory=dict)
 
     def at(self, joint: str, multiple: float, instants: Floats) -> Floats:
-        """u, x and x'/omega of (1)-(2) for `multiple` radians a radian of the joint, shape (m, columns)."""
+        """Return u, x, x'/omega of (1)-(2), shape (m, columns), for `multiple` rad a radian of the joint."""
         key = (joint, multiple)
         if key not in self._found:
             self._found[key] = self._computed(joint, multiple)
@@ -120,12 +120,12 @@ def detected_harmonics(
     ratios: Sequence[float],
     shares: Sequence[Floats | float],
 ) -> list[Harmonic]:
-    """Harmonics of the motors that values hold.
+    """Return the motor orders 1 to 4 that values hold.
 
     Parameters
     ----------
     values, time : ndarray, shape (n,)
-        The gap of one signal along one direction, and its instants [s].
+        The residual of one signal along one direction, and its instants [s].
     sigma : float
         Its noise.
     waves : MotorHarmonics
@@ -164,7 +164,7 @@ def detected_harmonics(
 
 
 def harmonic_parts(values: Floats, harmonics: Iterable[Harmonic]) -> tuple[list[Floats], Floats]:
-    """What each harmonic adds to those before it, and the rest; all orthogonal to each other."""
+    """Return what each harmonic adds to those before it, and the rest; all orthogonal to each other."""
     parts, basis, rest = [], np.empty((len(values), 0)), values
     for each in harmonics:
         own = orthonormal(each.columns - basis @ (basis.T @ each.columns))

@@ -1,12 +1,10 @@
-"""The parts of a gap: harmonics of the motors first, then bands of frequency.
+"""The residual of one signal over all records, and its parts: motor orders first, then bands of frequency.
 
-    gap = harmonics of the motors + parts by band,   orthogonal to each other in every record         (1)
+    residual = motor orders + parts by band,    orthogonal to each other in every record              (1)
 
-so squares of parts add up to those of the gap. Harmonics come first: told in the motor's angle they are few
-columns, whatever their frequencies (`residual_analysis.order_tracking`, `residual_analysis.spectrum`).
-A part with k of n freedoms has the share k/n of white noise.
-
-The gap of one signal, over all records: its parts by direction and band, beside what the arm did.
+so the squares of the parts add up to those of the residual. Motor orders come first: in the motor's angle
+they are few columns, whatever their frequencies (`residual_analysis.order_tracking`,
+`residual_analysis.spectrum`). A part with k of n degrees of freedom has the share k/n of white noise.
 """
 
 from __future__ import annotations
@@ -184,7 +182,7 @@ class SignalResidual:
 
     @property
     def whitened(self) -> Floats:
-        """The gap over its noise, shape (n, directions)."""
+        """Residual over its noise, shape (n, directions)."""
         return np.stack([self.directions[name] / self.noise[name] for name in self.directions], axis=1)
 
 
@@ -196,7 +194,7 @@ def signal_residual(
     joint: str | None,
     noise: float,
 ) -> SignalResidual | None:
-    """The gap of a signal in every record that holds it; None if no row of it can be compared.
+    """Return the residual of a signal in every record that holds it; None if no row of it can be compared.
 
     Parameters
     ----------
@@ -247,7 +245,7 @@ def _of_record(
     joint: str | None,
     noise: float,
 ) -> SignalResidual:
-    """The gap of a signal in one record."""
+    """Return the residual of a signal in one record."""
     subject, signal = pair.simulated, pair.simulated.signals[name]
     gap = signal_gap(subject, signal, pair.aligned.placement, joint, ())
     directions = _directions(pair, signal, gap)
@@ -268,7 +266,7 @@ def _of_record(
 
 
 def _directions(pair: AlignedRecord, signal: Signal, gap: SignalGap) -> dict[str, Floats]:
-    """The gap along every measured direction; along the sensor's axes where these span too few."""
+    """Return the residual along every measured direction, else along the sensor's axes."""
     found = {name: part for name, part in gap.parts.items() if part is not None}
     channels = 3 if signal.quantity == "orientation" else signal.values.shape[1]
     if len(found) >= channels:

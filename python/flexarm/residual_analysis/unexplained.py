@@ -1,14 +1,13 @@
-r"""What a gap looks like that nothing explained: size, frequency, state, and where it is greatest.
+r"""The unexplained residual: its size, dominant frequency, covariate, and where it is greatest.
 
 The dominant frequency f is the peak of the generalised Lomb-Scargle periodogram [Zechmeister2009] in the band
-from f/1.1 to 1.1 f that holds most of it: a vibration that comes and goes, or whose frequency moves with the
-pose, is no sharp line. Samples may fall as they like. Bands end at half the sampling rate: a faster vibration
-appears folded, and the same samples then fit any of
+from f/1.1 to 1.1 f that holds most of the squares: a vibration that comes and goes, or whose frequency moves
+with the pose, is no sharp line. Bands end at half the sampling rate. A faster vibration appears folded, and
+the same samples then fit any of
 
     f, rate - f, rate + f, ...                                                                      (1)
 
-A gap is a burst if half of its squares lie in the shortest interval of one record that holds a small part of
-all samples.
+A residual is a burst if half of its squares lie in an interval of one record that holds few of all samples.
 """
 
 from __future__ import annotations
@@ -125,13 +124,7 @@ class UnexplainedResidual:
 
 
 def unexplained_residual(located: Localisation) -> UnexplainedResidual | None:
-    """The signal that stands furthest out of its noise, described; None if nothing was measured.
-
-    Parameters
-    ----------
-    located : Localisation
-        With the best model.
-    """
+    """Return the residual of the signal furthest above its noise; None if there is none."""
     if not located.gaps:
         return None
     rows = max(located.gaps.values(), key=lambda each: float(np.mean(each.whitened**2)))
@@ -195,7 +188,7 @@ def _widest(time: Floats, values: Floats) -> tuple[float, float]:
 
 
 def _burst(time: Floats, record: NDArray[np.intp], squares: Floats, k: int) -> tuple[float, float] | None:
-    """The shortest interval of record k that holds half of all squares, if it holds few samples."""
+    """Return the shortest interval of record k that holds half of all squares, if it holds few samples."""
     own, at = squares[record == k], time[record == k]
     sums = np.concatenate([[0.0], np.cumsum(own)])
     ends = np.searchsorted(sums, sums[:-1] + 0.5 * squares.sum())  # samples up to there hold half
