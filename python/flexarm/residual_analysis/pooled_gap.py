@@ -27,7 +27,7 @@ class PooledGap:
     before_rms, after_rms : float or None
         Eq. (1) of the nominal and of the updated model.
     noise_rms : float or None
-        What a model without a gap would leave.
+        Gap that a model without an error would leave.
     before_max, after_max : float or None
         Greatest gap.
     """

@@ -30,15 +30,16 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.comparison.bands import alias
+from flexarm.residual_analysis.policy import POLICY
 
-GRID = 16
-"""Places of the grid in the shortest period: a stamp is off by at most a 32nd of it."""
-SINGULAR = 1e-6
-"""Least CC SS - CS^2 of (1): below it cosine and sine are one wave, as near half a regular rate."""
+SLOW = "quasi-static"
+
+Named = tuple[float, float, str]
+"""Lower and upper edge [Hz], name."""
 
 
 def periodogram(
-    time: Floats, values: Floats, oversampling: float, highest: float | None = None
+    time: Floats, values: Floats, oversampling: float = 4.0, highest: float | None = None
 ) -> tuple[Floats, Floats]:
     """Return frequencies [Hz] up to the highest, by default half the rate, and p of (1).
 
@@ -48,10 +49,11 @@ def periodogram(
 
     if highest is None:
         highest = 0.5 / float(np.median(np.diff(time)))
-    step = 1.0 / (GRID * highest)
+    grid = 16  # places in the shortest period
+    step = 1.0 / (grid * highest)
     place = np.round((time - time[0]) / step).astype(int)
     size = next_fast_len(int(np.ceil(oversampling * (place[-1] + 1))))
-    count = size // GRID
+    count = size // grid
     frequency = np.arange(1, count + 1) / (size * step)
 
     def means(y: Floats) -> tuple[Floats, Floats]:
@@ -66,19 +68,9 @@ def periodogram(
     yc, ys = yc - y * c, ys - y * s
     cc, ss, cs = (1 + c2) / 2 - c**2, (1 - c2) / 2 - s**2, s2 / 2 - c * s
     d = cc * ss - cs**2
-    found = (ss * yc**2 + cc * ys**2 - 2 * cs * yc * ys) / np.maximum(d, SINGULAR)  # eq. (1)
-    return frequency, np.where(d > SINGULAR, found, 0.0)
-
-
-NEAR = 0.1
-"""Half the width of a folded mode's band, over its frequency."""
-FOLDED = 2
-"""Modes that are looked for where they appear folded: higher ones hold little of a motion."""
-QUIET = "above the modes"
-SLOW = "quasi-static"
-
-Named = tuple[float, float, str]
-"""Lower and upper edge [Hz], name."""
+    least = 1e-6  # below it cosine and sine are one wave, as near half a regular rate
+    found = (ss * yc**2 + cc * ys**2 - 2 * cs * yc * ys) / np.maximum(d, least)  # eq. (1)
+    return frequency, np.where(d > least, found, 0.0)
 
 
 def named_bands(modes_hz: Sequence[float], rate: float) -> tuple[list[Named], list[str]]:
@@ -102,47 +94,45 @@ def named_bands(modes_hz: Sequence[float], rate: float) -> tuple[list[Named], li
             continue
         appears = alias(frequency, rate)
         notes.append(f"at {rate:.3g} Hz, mode {k} of {frequency:.3g} Hz appears at {appears:.3g} Hz")
-        for low, high in folded if k <= FOLDED else []:
-            bands = [piece for band in bands for piece in _overlaid(band, low, high, f"mode {k} aliased")]
+        for low, high in folded if k <= POLICY.modes else []:
+            bands = [
+                piece
+                for start, end, own in bands
+                for piece in (
+                    (start, min(end, low), own),
+                    (max(start, low), min(end, high), f"{own} or mode {k} aliased"),
+                    (max(start, high), end, own),
+                )
+                if piece[1] > piece[0]
+            ]
     return bands, notes
 
 
 def _unfolded(modes_hz: Sequence[float], nyquist: float) -> list[Named]:
     """Return the bands of the modes below half the rate."""
+    above = "above the modes"
     if not len(modes_hz):
-        return [(0.0, nyquist / 8, SLOW), (nyquist / 8, nyquist, QUIET)]
-    seen = [f for f in modes_hz if f < nyquist]
-    edges = [0.0, modes_hz[0] / 2]
-    for k, frequency in enumerate(seen):
+        return [(0.0, nyquist / 8, SLOW), (nyquist / 8, nyquist, above)]
+    edges, names = [0.0, modes_hz[0] / 2], [SLOW]
+    for k, frequency in enumerate(f for f in modes_hz if f < nyquist):
         between = np.sqrt(frequency * modes_hz[k + 1]) if k + 1 < len(modes_hz) else np.inf
         edges.append(float(min(2 * frequency, between)))
-    names = [SLOW, *(f"mode {k}" for k in range(1, len(seen) + 1)), QUIET]
+        names.append(f"mode {k + 1}")
     edges = [min(edge, nyquist) for edge in edges] + [nyquist]
-    return [
-        (low, high, name) for low, high, name in zip(edges[:-1], edges[1:], names, strict=True) if high > low
-    ]
+    pairs = zip(pairwise(edges), [*names, above], strict=True)
+    return [(low, high, name) for (low, high), name in pairs if high > low]
 
 
 def _folded(frequency: float, rate: float) -> list[tuple[float, float]]:
     """Return the disjoint intervals in which the frequencies about one appear, eq. (2)."""
-    low, high, nyquist = (1 - NEAR) * frequency, (1 + NEAR) * frequency, rate / 2
+    width, nyquist = POLICY.band_half_width, rate / 2
+    low, high = (1 - width) * frequency, (1 + width) * frequency
     turns = np.arange(np.ceil(low / nyquist), np.floor(high / nyquist) + 1) * nyquist
-    ends = [alias(float(f), rate) for f in (low, *turns, high)]  # between two turns (1) is monotonic
-    pieces = sorted((min(pair), max(pair)) for pair in pairwise(ends))
+    ends = [alias(float(f), rate) for f in (low, *turns, high)]  # between two turns (2) is monotonic
     joined: list[tuple[float, float]] = []
-    for start, end in pieces:
+    for start, end in sorted((min(pair), max(pair)) for pair in pairwise(ends)):
         if joined and start <= joined[-1][1]:
             joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
         elif end > start:
             joined.append((start, end))
     return joined
-
-
-def _overlaid(band: Named, low: float, high: float, name: str) -> list[Named]:
-    """A band cut where another one lies over it."""
-    start, end, own = band
-    inner = (max(start, low), min(end, high))
-    if inner[0] >= inner[1]:
-        return [band]
-    pieces = [(start, inner[0], own), (*inner, f"{own} or {name}"), (inner[1], end, own)]
-    return [piece for piece in pieces if piece[1] > piece[0]]
