@@ -24,7 +24,7 @@ from scipy.io import mmwrite
 from scipy.sparse import coo_array
 
 from flexarm import InvalidFile, InvalidParameter, SuperElement, accept_matrices
-from flexarm.superelement.checks import doubts
+from flexarm.superelement.checks import implausible_values
 from flexarm.superelement.foreign.matrix_market import read_matrix_market
 from flexarm.superelement.foreign.order import read_order
 
@@ -142,7 +142,7 @@ def test_points_at_one_place_are_doubted(tmp_path, part, market):
     """Of two of them no rigid motion tells which is which."""
     found = accept(tmp_path, part, *market[:2], order=ORDER)
     twins = found.replace(positions=np.repeat(found.positions[:1], 3, axis=0))
-    assert "order" in [doubt.where for doubt in doubts(twins)]
+    assert "order" in [problem.where for problem in implausible_values(twins)]
 
 
 @pytest.mark.parametrize("axes", [a for a in permutations("123") if a != ("1", "2", "3")])

@@ -138,9 +138,9 @@ class SolidMesh:
     @property
     def warnings(self) -> tuple[Problem, ...]:
         """Notes of the reader, and values that are allowed and yet look wrong."""
-        from flexarm.solids.doubts import doubts
+        from flexarm.solids.plausibility import validate
 
-        return (*self.notes, *doubts(self))
+        return (*self.notes, *validate(self))
 
     def point_set(self, name: str) -> Ints:
         """Return the indices of the points of a set.

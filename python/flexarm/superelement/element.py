@@ -184,11 +184,11 @@ class SuperElement:
         InvalidParameter
             With everything that no elastic part could have.
         """
-        from flexarm.superelement.checks import TOLERANCE, doubts, refusals
+        from flexarm.superelement.checks import TOLERANCE, implausible_values, violations
 
         limit = TOLERANCE if tolerance is None else tolerance
-        self._refuse(refusals(self, mass, limit))
-        return doubts(self)
+        self._refuse(violations(self, mass, limit))
+        return implausible_values(self)
 
     def _refuse(self, problems: list[Problem]) -> None:
         """Raise an error with all problems, if there are any."""

@@ -97,7 +97,7 @@ def accept_matrices(
     wanted = {
         key: [value] if isinstance(value, int) else list(value) for key, value in (interfaces or {}).items()
     }
-    with blamed_on(stiffness):
+    with naming_file(stiffness):
         element = from_matrices(
             K,
             M,
@@ -215,7 +215,7 @@ def _aligned(
         _refuse_asymmetric(source, role, matrix.matrix, labels)
         named.append(Labelled(matrix.matrix, labels))
     freedoms = stated or union(named)
-    with blamed_on(source):
+    with naming_file(source):
         full = [
             ordered(m, freedoms, r) for m, r in zip(named, ("stiffness", "mass", "damping"), strict=False)
         ]
@@ -262,7 +262,7 @@ def _provenance(
 
 
 @contextmanager
-def blamed_on(file: str | Path) -> Iterator[None]:
+def naming_file(file: str | Path) -> Iterator[None]:
     """Name the file in errors that do not."""
     try:
         yield
