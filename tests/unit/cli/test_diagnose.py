@@ -93,7 +93,7 @@ def test_records_of_one_name_are_told_apart_by_their_parents(bench, tmp_path, ca
     assert list(calls[0][1]) == ["monday/slow", "friday/slow"]
 
 
-# ---------------------------------------------------------------------------- violations
+# ---------------------------------------------------------------------------- refusals
 
 
 def refused(arguments, capsys):

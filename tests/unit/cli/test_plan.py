@@ -83,7 +83,7 @@ def test_several_motions_follow_one_drive_or_several(bench, tmp_path, monkeypatc
     assert seen == [["swing", "slow", "fast"]] * 2
 
 
-# ---------------------------------------------------------------------------- violations
+# ---------------------------------------------------------------------------- refusals
 
 
 def refused(arguments, capsys):

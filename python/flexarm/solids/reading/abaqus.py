@@ -13,13 +13,13 @@ from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
+from flexarm.decks.keywords import Keyword, keywords
 from flexarm.errors import Problem
 from flexarm.solids.cell_types import BY_MESHIO_NAME
 from flexarm.solids.reading.abaqus_cells import kind_of, rows_of
 from flexarm.solids.reading.abaqus_flat import Flat
 from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope, Section, placement
 from flexarm.solids.reading.content import Content
-from flexarm.solids.reading.keywords import Keyword, keywords
 
 #: What makes nodes or cells out of others, or moves them: leaving it out would change the part.
 _REFUSED = ("SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")

@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.solids.reading.keywords import Keyword
+from flexarm.decks.keywords import Keyword
 
 Key = tuple[str, int]
 #: A range of more numbers than this is looked up among the nodes or cells that there are.

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from flexarm.decks.cards import Card, cards
+from flexarm.decks.coordinate_systems import Frame, basic, frame_of
 from flexarm.errors import Problem
-from flexarm.solids.reading.cards import Card, cards
 from flexarm.solids.reading.content import Block, Content, Elastic
-from flexarm.solids.reading.nastran_frames import Frame, basic, frame_of
 
 _SOLIDS = {"CTETRA": (4, 10, "tetra"), "CHEXA": (8, 20, "hexahedron")}
 _OTHER_SOLIDS = {"CPENTA": "wedge", "CPYRAM": "pyramid", "CPYRA": "pyramid"}

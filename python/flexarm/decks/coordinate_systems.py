@@ -16,7 +16,7 @@ from math import cos, radians, sin
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.solids.reading.cards import Card
+from flexarm.decks.cards import Card
 
 
 @dataclass
