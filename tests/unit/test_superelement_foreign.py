@@ -495,16 +495,16 @@ def test_axes_of_curvilinear_systems_point_where_the_coordinates_grow(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("GRID,1,7,0.,0.,0.\n", "coordinate system 7: is not defined"),
+        ("GRID,1,7,0.,0.,0.\n", "line 1, GRID: is in coordinate system 7, which is not in the file"),
         (
             "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,1,0.,0.,0.\n",
-            "coordinate system 1: refers to itself",
+            "coordinate system 1 is defined by itself",
         ),
-        ("CORD2R,1,0,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,1,1,0.,0.,0.\n", "must not stand in a line"),
-        ("GRID,one,,0.,0.,0.\n", r"GRID \(line 1\): field 2 must be a whole number, got 'one'"),
-        ("GRID,1,,0.,x,0.\n", r"GRID \(line 1\): field 5 must be a real number, got 'x'"),
+        ("CORD2R,1,0,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,1,1,0.,0.,0.\n", "its three points lie on one line"),
+        ("GRID,one,,0.,0.,0.\n", "line 1, GRID: field 2 must be a whole number, got 'one'"),
+        ("GRID,1,,0.,x,0.\n", "line 1, GRID: field 5 must be a number, got 'x'"),
         ("SPOINT,1\n", "holds no GRID entry"),
-        ("*NODE\n1, 2, x, 3\n", r"\*NODE \(line 2\): must be number, x, y, z"),
+        ("*NODE\n1, 2, x, 3\n", r"line 2, \*NODE: must be numbers, got 2, x, 3"),
         ("*NODE\n1, 2, 3, 3\n*TRANSFORM, NSET=A\n", "turned freedoms are not read"),
     ],
 )

@@ -1,17 +1,22 @@
-"""Coordinate systems of Nastran: CORD2R, CORD2C, CORD2S, and grids given in them.
+r"""Coordinate systems of Nastran (CORD1, CORD2; rectangular, cylindrical, spherical) and grids given in them.
 
-A system is three points in another one: A its origin, B on its z axis, C in its xz plane,
+Three points, given in another system (CORD2) or as grids (CORD1), define a system: A is its origin, B lies on
+its z axis, C in its xz plane:
 
-    z = (B - A)/|B - A| ,   y = z x (C - A) / |..| ,   x = y x z                                    (1)
+.. math:: z = \frac{B - A}{|B - A|}, \quad y = \frac{z \times (C - A)}{|..|}, \quad x = y \times z   (1)
 
-Coordinates in it are x, y, z; or r, theta, z; or r, theta (from z), phi, angles in degrees.       (2)
+With R = (x, y, z) the point of coordinates r, theta, z or r, theta (from z), phi stands at
+
+.. math:: p = A + R \, (r \cos\theta, r \sin\theta, z) \quad\text{or}\quad
+          A + R \, (r \sin\theta \cos\phi, r \sin\theta \sin\phi, r \cos\theta)                      (2)
+
+Angles are in degrees. Source: MSC Nastran Quick Reference Guide, entries CORD1R, CORD2R, GRID, GRDSET.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
 from dataclasses import dataclass
-from math import cos, radians, sin
 
 import numpy as np
 
@@ -19,52 +24,107 @@ from flexarm.arrays import Floats
 from flexarm.decks.cards import Card
 
 
-@dataclass
-class Frame:
-    """A system as its card defines it; it may refer to one that comes later."""
+@dataclass(frozen=True, eq=False)
+class System:
+    """A system with its origin and, as columns, its axes; `kind` is R, C or S."""
 
-    card: Card
     kind: str
-    reference: int
+    origin: Floats
+    axes: Floats
+
+    def point(self, coordinates: Floats) -> Floats:
+        """Return a point of the system in the basic one, eq. (2)."""
+        a, b, c = coordinates
+        t, f = np.deg2rad(b), np.deg2rad(c)
+        local = {
+            "R": np.array([a, b, c]),
+            "C": np.array([a * np.cos(t), a * np.sin(t), c]),
+            "S": a * np.array([np.sin(t) * np.cos(f), np.sin(t) * np.sin(f), np.cos(t)]),
+        }[self.kind]
+        return np.asarray(self.origin + self.axes @ local)
+
+    def axes_at(self, position: Floats) -> Floats:
+        """Return the directions of the three coordinates at a point of the basic system."""
+        x, y, z = self.axes.T @ (position - self.origin)
+        if self.kind == "R" or (x == 0 and y == 0 and self.kind == "C"):
+            return self.axes
+        f = np.arctan2(y, x)
+        around = np.array([-np.sin(f), np.cos(f), 0.0])
+        if self.kind == "C":
+            local = np.column_stack([[np.cos(f), np.sin(f), 0.0], around, [0.0, 0.0, 1.0]])
+        else:
+            t = np.arctan2(np.hypot(x, y), z)
+            out = np.array([np.sin(t) * np.cos(f), np.sin(t) * np.sin(f), np.cos(t)])
+            local = np.column_stack([out, np.cross(around, out), around])
+        return np.asarray(self.axes @ local)
 
 
-def frame_of(card: Card, frames: dict[int, Frame]) -> None:
-    """Add the system of a card to `frames`."""
-    if card.name not in ("CORD2R", "CORD2C", "CORD2S"):
-        raise card.error("is not read; allowed are CORD2R, CORD2C, CORD2S")
-    frames[card.integer(0)] = Frame(card, card.name[-1], card.integer(1, 0))
+class Grids:
+    """The grids of a bulk data file, and its coordinate systems, which may refer to one another.
 
+    Attributes
+    ----------
+    cards : dict
+        GRID by number.
+    """
 
-def basic(grid: Card, frames: Mapping[int, Frame]) -> Floats:
-    """Return the coordinates of a GRID in the basic system."""
-    xyz = np.array([grid.number(i) for i in (2, 3, 4)])
-    return _to_basic(xyz, grid.integer(1, 0), frames, grid, 0)
+    def __init__(self) -> None:
+        self.cards: dict[int, Card] = {}
+        self._default: Card | None = None
+        self._definitions: dict[int, tuple[Card, int]] = {}
+        self._built = {0: System("R", np.zeros(3), np.eye(3))}
+        self._pending: list[int] = []
 
+    def take(self, card: Card) -> None:
+        """Read a GRID, GRDSET or CORD card; others are ignored."""
+        if card.name == "GRID":
+            self.cards[card.integer(0)] = card
+        elif card.name == "GRDSET":
+            self._default = card
+        elif card.name.startswith("CORD"):
+            if not re.fullmatch("CORD[12][RCS]", card.name):
+                raise card.error("is not read; allowed are CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S")
+            for first in (0, 4) if card.name.startswith("CORD1") else (0,):
+                if first == 0 or card.text(first):
+                    self._definitions[card.integer(first)] = (card, first)
 
-def _to_basic(xyz: Floats, system: int, frames: Mapping[int, Frame], of: Card, depth: int) -> Floats:
-    if system == 0:
-        return xyz
-    if system not in frames:
-        raise of.error(f"is in coordinate system {system}, which is not in the file")
-    if depth > len(frames):
-        raise of.error(f"coordinate system {system} is defined by itself")
-    frame = frames[system]
-    corners = [np.array([frame.card.number(2 + 3 * k + i) for i in range(3)]) for k in range(3)]
-    a, b, c = (_to_basic(p, frame.reference, frames, frame.card, depth + 1) for p in corners)
-    normal = np.cross(b - a, c - a)
-    if not np.linalg.norm(normal) > 0:
-        raise frame.card.error("its three points lie on one line")
-    z, y = (b - a) / np.linalg.norm(b - a), normal / np.linalg.norm(normal)  # eq. (1)
-    local = _cartesian(xyz, frame.kind)
-    return np.asarray(a + local[0] * np.cross(y, z) + local[1] * y + local[2] * z)
+    def position(self, number: int) -> Floats:
+        """Return a grid's position in the basic system, in the file's unit."""
+        card = self.cards[number]
+        return self._of(card, 1).point(card.vector(2))
 
+    def axes(self, number: int) -> Floats:
+        """Return the axes of a grid's freedoms, as columns."""
+        return self._of(self.cards[number], 5).axes_at(self.position(number))
 
-def _cartesian(q: Floats, kind: str) -> Floats:
-    """Return Cartesian coordinates, eq. (2)."""
-    if kind == "R":
-        return q
-    angle = radians(q[1])
-    if kind == "C":
-        return np.array([q[0] * cos(angle), q[0] * sin(angle), q[2]])
-    around = radians(q[2])
-    return np.array([q[0] * sin(angle) * cos(around), q[0] * sin(angle) * sin(around), q[0] * cos(angle)])
+    def _of(self, card: Card, field: int) -> System:
+        """Return the system that a GRID names in a field, or GRDSET, or the basic one."""
+        named_by = card if card.text(field) or self._default is None else self._default
+        return self._system(named_by.integer(field, 0), card)
+
+    def _system(self, number: int, user: Card) -> System:
+        if number in self._built:
+            return self._built[number]
+        if number not in self._definitions:
+            raise user.error(f"is in coordinate system {number}, which is not in the file")
+        if number in self._pending:
+            raise user.error(f"coordinate system {number} is defined by itself")
+        card, first = self._definitions[number]
+        self._pending.append(number)
+        if card.name.startswith("CORD2"):
+            reference = self._system(card.integer(1, 0), card)
+            A, B, C = (reference.point(card.vector(i)) for i in (2, 5, 8))
+        else:
+            A, B, C = (self._corner(card, card.integer(first + i)) for i in (1, 2, 3))
+        self._pending.pop()
+        z, across = B - A, np.cross(B - A, C - A)
+        if not np.linalg.norm(across) > 1e-9 * np.linalg.norm(z) * np.linalg.norm(C - A):
+            raise card.error("its three points lie on one line")
+        z, y = z / np.linalg.norm(z), across / np.linalg.norm(across)  # eq. (1)
+        self._built[number] = System(card.name[5], A, np.column_stack([np.cross(y, z), y, z]))
+        return self._built[number]
+
+    def _corner(self, card: Card, grid: int) -> Floats:
+        if grid not in self.cards:
+            raise card.error(f"names grid {grid}, which is not in the file")
+        return self.position(grid)

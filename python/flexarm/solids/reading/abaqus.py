@@ -88,13 +88,9 @@ class _Reader:
             raise keyword.error(
                 f"SYSTEM={keyword.parameters['SYSTEM']} is not read; give rectangular coordinates"
             )
-        keys = []
-        for line, values in keyword.rows:
-            (number,) = keyword.numbers(line, values[:1]) or [0]
-            xyz = keyword.floats(line, values[1:4])
-            self.scope.nodes["", number] = xyz + [0.0] * (3 - len(xyz))
-            keys.append(("", number))
-        _extend(self.scope.node_sets, keyword.parameters.get("NSET", ""), keys)
+        nodes = {("", number): xyz for number, xyz in keyword.nodes()}
+        self.scope.nodes.update(nodes)
+        _extend(self.scope.node_sets, keyword.parameters.get("NSET", ""), nodes)
 
     def _cells(self, keyword: Keyword) -> None:
         name = keyword.needed("TYPE").upper()

@@ -3,7 +3,7 @@
 Read are GRID, CTETRA, CHEXA, PSOLID with MAT1, and what names grids: SPC, SPC1, RBE2, RBE3, SET1, ASET1, and
 SET of the case control. The cells of a property are a group `psolid-1`; sets of points are `spc-1`, `rbe2-7`
 (its dependent grids), `rbe3-7` (the grids it averages), `set-3`, `aset`, `shell-4` (the grids of a shell's
-property). Grids in coordinate systems other than the basic one need CORD2R, CORD2C or CORD2S.
+property). GRDSET and the coordinate systems CORD1 and CORD2 hold for grids.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from flexarm.decks.cards import Card, cards
-from flexarm.decks.coordinate_systems import Frame, basic, frame_of
+from flexarm.decks.coordinate_systems import Grids
 from flexarm.errors import Problem
 from flexarm.solids.reading.content import Block, Content, Elastic
 
@@ -36,15 +36,15 @@ def content(path: Path) -> Content:
 
 class _Reader:
     def __init__(self) -> None:
-        self.grids: dict[int, Card] = {}
-        self.frames: dict[int, Frame] = {}
+        self.grids = Grids()
         self.cells: dict[str, list[tuple[int, int, list[int], Card]]] = {}
         self.properties: dict[int, Card] = {}
         self.materials: dict[int, Card] = {}
         self.sets: dict[str, list[range]] = {}
         self.left: dict[str, int] = {}
         self.steps: Mapping[str, Callable[[Card], None]] = {
-            "GRID": self._grid,
+            "GRID": self.grids.take,
+            "GRDSET": self.grids.take,
             "PSOLID": self._property,
             "MAT1": self._material,
             "SPC": self._spc,
@@ -68,14 +68,11 @@ class _Reader:
             row = (card.integer(0), 0, [card.integer(2)], card)
             self.cells.setdefault(_OTHER_SOLIDS[card.name], []).append(row)
         elif card.name.startswith("CORD"):
-            frame_of(card, self.frames)
+            self.grids.take(card)
         elif card.name in self.steps:
             self.steps[card.name](card)
         elif card.name.startswith(("C", "RB", "MPC")) and card.text(0).isdecimal():
             self.left[card.name] = self.left.get(card.name, 0) + 1
-
-    def _grid(self, card: Card) -> None:
-        self.grids[card.integer(0)] = card
 
     def _solid(self, card: Card) -> None:
         few, many, kind = _SOLIDS[card.name]
@@ -133,11 +130,11 @@ class _Reader:
 
     def finished(self, path: Path) -> Content:
         """Return all that was read."""
-        index = {number: i for i, number in enumerate(self.grids)}
-        points = [basic(card, self.frames) for card in self.grids.values()]
+        index = {number: i for i, number in enumerate(self.grids.cards)}
+        points = [self.grids.position(number) for number in index]
         found = Content(
             points=np.array(points, float).reshape(-1, 3),
-            numbers=np.array(list(self.grids), int),
+            numbers=np.array(list(index), int),
             blocks=[self._block(kind, rows, index) for kind, rows in self.cells.items()],
         )
         for i, rows in enumerate(self.cells.values()):
