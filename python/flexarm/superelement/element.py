@@ -15,21 +15,10 @@ from flexarm.arguments import ARRAY, FLAG, NAMES, PATH, POSITIVE, SHARE, TABLES,
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
-from flexarm.superelement.shape import problems_of_shape
+from flexarm.superelement.shape import VARIABLES, problems_of_shape
 
 if TYPE_CHECKING:
     from flexarm.solids import SolidMesh
-
-_ARRAYS = (
-    "positions",
-    "rotations",
-    "stiffness",
-    "mass",
-    "damping",
-    "frequency_hz",
-    "inertia_load",
-    "recovery",
-)
 
 
 @holds(
@@ -105,11 +94,11 @@ class SuperElement:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "interfaces", tuple(str(name) for name in self.interfaces))
-        for name in _ARRAYS:
+        for name in (*VARIABLES, "recovery"):
             given = getattr(self, name)
-            if name == "inertia_load" and given is None:
+            if given is None and name == "inertia_load":
                 given = inertia_load(self.mass, len(self.interfaces))
-            if name != "recovery" or given is not None:
+            if given is not None:
                 object.__setattr__(self, name, frozen(given))
         self._refuse(problems_of_shape(self))
 
