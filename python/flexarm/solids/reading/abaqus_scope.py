@@ -55,16 +55,6 @@ class Section:
 
 
 @dataclass
-class AbaqusMaterial:
-    """A `*MATERIAL`, as far as it has been read."""
-
-    where: str
-    youngs_modulus: float | None = None
-    poisson_ratio: float | None = None
-    density: float | None = None
-
-
-@dataclass
 class Scope:
     """The content of one part, of the assembly, or of a file without parts."""
 

@@ -45,15 +45,15 @@ class _Reader:
         self.steps: Mapping[str, Callable[[Card], None]] = {
             "GRID": self.grids.take,
             "GRDSET": self.grids.take,
-            "PSOLID": self._property,
-            "MAT1": self._material,
+            "PSOLID": lambda card: self.properties.update({card.integer(0): card}),
+            "MAT1": lambda card: self.materials.update({card.integer(0): card}),
             "SPC": self._spc,
-            "SPC1": self._spc1,
-            "ASET1": self._aset1,
+            "SPC1": lambda card: self._extend(f"spc-{card.integer(0)}", _range(card, 2)),
+            "ASET1": lambda card: self._extend("aset", _range(card, 1)),
             "RBE2": self._rbe2,
             "RBE3": self._rbe3,
-            "SET1": self._set,
-            "SET": self._set,
+            "SET1": lambda card: self._extend(f"set-{card.text(0)}", _range(card, 1)),
+            "SET": lambda card: self._extend(f"set-{card.text(0)}", _range(card, 1)),
         }
 
     def take(self, card: Card) -> None:
@@ -89,22 +89,10 @@ class _Reader:
             (card.integer(0), card.integer(1, card.integer(0)), nodes, card)
         )
 
-    def _property(self, card: Card) -> None:
-        self.properties[card.integer(0)] = card
-
-    def _material(self, card: Card) -> None:
-        self.materials[card.integer(0)] = card
-
     def _spc(self, card: Card) -> None:
         """Read set, then grid, components, displacement, twice."""
         for i in (1, 4):
             self._extend(f"spc-{card.integer(0)}", _range(replace(card, fields=card.fields[i : i + 1]), 0))
-
-    def _spc1(self, card: Card) -> None:
-        self._extend(f"spc-{card.integer(0)}", _range(card, 2))
-
-    def _aset1(self, card: Card) -> None:
-        self._extend("aset", _range(card, 1))
 
     def _rbe2(self, card: Card) -> None:
         """Read number, independent grid, components, dependent grids, [thermal expansion]."""
@@ -121,9 +109,6 @@ class _Reader:
             else:
                 grids.append(text)
         self._extend(f"rbe3-{card.integer(0)}", _range(replace(card, fields=grids), 0))
-
-    def _set(self, card: Card) -> None:
-        self._extend(f"set-{card.text(0)}", _range(card, 1))
 
     def _extend(self, name: str, grids: Iterable[range]) -> None:
         self.sets.setdefault(name, []).extend(grids)
@@ -187,7 +172,7 @@ def _mat1(card: Card) -> Elastic:
     if ratio is None and modulus is not None and shear:
         ratio = modulus / (2 * shear) - 1
     density = card.number(4) if card.text(4) else None
-    return Elastic(modulus, ratio, density, f"line {card.line}, MAT1 {card.text(0)}")
+    return Elastic(f"line {card.line}, MAT1 {card.text(0)}", modulus, ratio, density)
 
 
 def _range(card: Card, first: int) -> list[range]:
