@@ -25,11 +25,12 @@ from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.comparison.start import first_guesses
-from flexarm.comparison.subject import Placement, Subject
-from flexarm.comparison.unknowns import stated
+from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.initial_guess import initial_guesses
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.diagnosis.initial_conditions import Start, start_slopes, starts_of
 from flexarm.diagnosis.jacobian import differences, pose_slopes
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.residual_rows import Rows, evidence_rows, has_corners, put_over_noise, rows_left
 from flexarm.diagnosis.simulation_cache import Runs
 from flexarm.errors import InvalidParameter, NotConverged
@@ -58,6 +59,8 @@ class Observed:
         Of all simulations [s], [-].
     jobs : int
         Number of simulations at once.
+    policy : SelectionPolicy
+        Thresholds of a search for effects.
     placement : dict of str to Placement
         Clocks and frames by record.
     rows : tuple of Rows
@@ -75,6 +78,7 @@ class Observed:
     step: float = 2e-3
     alpha: float = -0.05
     jobs: int = 1
+    policy: SelectionPolicy = field(default_factory=SelectionPolicy)
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)
@@ -88,7 +92,7 @@ class Observed:
         self.runs = Runs(self.records, self.step, self.alpha)
         rows: list[Rows] = []
         pairs = [self.runs.beside(name, self.arm) for name in self.records]
-        guesses = first_guesses(pairs, [stated(record) for record in self.records.values()])
+        guesses = initial_guesses(pairs, [stated_placement(record) for record in self.records.values()])
         self.placement = dict(zip(self.records, guesses, strict=True))
         for name, pair in zip(self.records, pairs, strict=True):
             self.skipped |= {f"{name}: {signal}": why for signal, why in pair.skipped.items()}
@@ -177,7 +181,9 @@ class Observed:
         while len(self._residuals) > KEPT_RESIDUALS:
             self._residuals.popitem(last=False)
 
-    def put(self, found: Floats, name: str, pair: Subject, rows: Iterable[Rows] | None = None) -> None:
+    def put(
+        self, found: Floats, name: str, pair: SimulatedRecord, rows: Iterable[Rows] | None = None
+    ) -> None:
         """Writes the rows of one record into a residual, or some of them."""
         seen = self._seen.setdefault(pair.simulation, {})
 

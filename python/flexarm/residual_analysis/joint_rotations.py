@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.gap import drive_angles
 from flexarm.measurement.kinematics import point_jacobian
-from flexarm.residual_analysis.covariates import Followed, followed
-from flexarm.residual_analysis.motion_states import States, joined, states_of, tiers
+from flexarm.residual_analysis.covariates import CovariateDependence, covariate_dependence
+from flexarm.residual_analysis.motion_states import JointStates, covariate_groups, joined_states, joint_states
 from flexarm.wording import with_unit
 
 ITERATIONS = 60
@@ -66,7 +66,7 @@ class JointRotation:
         Share of the squared gap that this joint's rotation explains if no other joint turns.
     share : float
         What it holds of the squared gap beside the others, sum of (J_j d_j)^T y.
-    follows : Followed
+    follows : CovariateDependence
         What it follows: of its own torque, rate, angle, acceleration, and time.
     """
 
@@ -76,7 +76,7 @@ class JointRotation:
     std: Floats
     alone: float
     share: float
-    follows: Followed
+    follows: CovariateDependence
 
     @property
     def rms(self) -> float:
@@ -101,14 +101,14 @@ class JointRotations:
         Share of the squared gap that all rotations explain together.
     time : ndarray, shape (n,)
         Instants [s].
-    states : tuple of States
+    states : tuple of JointStates
         Of every joint, in the same order.
     """
 
     joints: tuple[JointRotation, ...]
     explained: float
     time: Floats
-    states: tuple[States, ...]
+    states: tuple[JointStates, ...]
 
     def summary(self) -> str:
         """A table that a person reads."""
@@ -133,12 +133,12 @@ class _Rows:
     noise: float
     time: Floats
     record: NDArray[np.intp]
-    states: tuple[States, ...]
+    states: tuple[JointStates, ...]
 
 
-def joint_rotations(pairs: Mapping[str, Beside]) -> JointRotations | None:
+def joint_rotations(pairs: Mapping[str, AlignedRecord]) -> JointRotations | None:
     """The gap of the positions of all records by (1); None where no position is measured, or none differs."""
-    arm = next(iter(pairs.values())).subject.arm
+    arm = next(iter(pairs.values())).simulated.arm
     joints = [joint.name for joint in arm.moving_joints]
     pieces = [rows for pair in pairs.values() if (rows := _rows(pair, joints)) is not None]
     rows = _stacked(pieces) if pieces else None
@@ -156,7 +156,7 @@ def joint_rotations(pairs: Mapping[str, Beside]) -> JointRotations | None:
             np.sqrt(variance[:, j]),
             _alone(rows, j) / total,
             float(seen[:, j] @ rows.gap) / total,
-            followed(tiers([rows.states[j]], rows.time, rows.record), angle[:, [j]]),
+            covariate_dependence(covariate_groups([rows.states[j]], rows.time, rows.record), angle[:, [j]]),
         )
         for j, joint in enumerate(joints)
     ]
@@ -169,9 +169,9 @@ def joint_rotations(pairs: Mapping[str, Beside]) -> JointRotations | None:
     )
 
 
-def _rows(pair: Beside, joints: Sequence[str]) -> _Rows | None:
+def _rows(pair: AlignedRecord, joints: Sequence[str]) -> _Rows | None:
     """Channels of one record."""
-    subject, placement = pair.subject, pair.aligned.placement
+    subject, placement = pair.simulated, pair.aligned.placement
     instants, jacobians, gaps, noise = [], [], [], []
     for signal in subject.evidence.values():
         if signal.quantity != "position" or signal.point is None:
@@ -197,7 +197,7 @@ def _rows(pair: Beside, joints: Sequence[str]) -> _Rows | None:
         float(np.sqrt(np.mean(np.concatenate(noise) ** 2))),
         time,
         np.zeros(len(time), dtype=np.intp),
-        tuple(states_of(pair, joint, time) for joint in joints),
+        tuple(joint_states(pair, joint, time) for joint in joints),
     )
 
 
@@ -211,7 +211,7 @@ def _stacked(pieces: Sequence[_Rows]) -> _Rows:
         float(np.sqrt(np.mean([each.noise**2 for each in pieces]))),
         np.concatenate([each.time for each in pieces]),
         np.repeat(np.arange(len(pieces)), [len(each.time) for each in pieces]),
-        tuple(joined([each.states[j] for each in pieces]) for j in range(len(pieces[0].states))),
+        tuple(joined_states([each.states[j] for each in pieces]) for j in range(len(pieces[0].states))),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.residual_analysis.covariates import BINS, SAMPLES, Groups, intervals
 
 Mask = NDArray[np.bool_]
@@ -24,7 +24,7 @@ STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class JointStates:
     """States of one joint at the samples, each of shape (n,).
 
     Attributes
@@ -81,26 +81,26 @@ class States:
 _ARRAYS = ("angle", "rate", "acceleration", "torque", "since_motion", "since_torque", "sense")
 
 
-def joined(parts: Sequence[States]) -> States:
+def joined_states(parts: Sequence[JointStates]) -> JointStates:
     """The samples of several records, one after the other."""
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
-    return States(parts[0].joint, **arrays, slides=parts[0].slides)
+    return JointStates(parts[0].joint, **arrays, slides=parts[0].slides)
 
 
-def moved_joints(pairs: Sequence[Beside]) -> list[str]:
-    """Joints that at least one of the records moves; all movable ones if none does."""
+def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
+    """Joints that at least one of the records moves; all uncertain_clock_and_frame ones if none does."""
     found: dict[str, None] = {}
     for pair in pairs:
-        run = pair.subject.simulation
+        run = pair.simulated.simulation
         spans = np.ptp(np.asarray(run.drive_angle), axis=0)
         found |= dict.fromkeys(name for name, span in zip(run.joints, spans, strict=True) if span > 1e-9)
-    movable = [joint.name for joint in pairs[0].subject.arm.moving_joints]
-    return [name for name in movable if name in found] or movable
+    uncertain_clock_and_frame = [joint.name for joint in pairs[0].simulated.arm.moving_joints]
+    return [name for name in uncertain_clock_and_frame if name in found] or uncertain_clock_and_frame
 
 
-def states_of(pair: Beside, joint: str, instants: Floats) -> States:
+def joint_states(pair: AlignedRecord, joint: str, instants: Floats) -> JointStates:
     """States of a joint at instants of the simulation."""
-    run = pair.subject.simulation
+    run = pair.simulated.simulation
     time, j = np.asarray(run.time), run.joints.index(joint)
     rate = np.asarray(run.drive_rate)[:, j]
     torque = np.asarray(getattr(run, "joint_torque", run.motor_torque))[:, j]
@@ -110,7 +110,7 @@ def states_of(pair: Beside, joint: str, instants: Floats) -> States:
         return np.interp(instants, time, values)
 
     never = np.full(len(instants), np.inf)
-    return States(
+    return JointStates(
         joint,
         at(np.asarray(run.drive_angle)[:, j]),
         at(rate),
@@ -119,7 +119,7 @@ def states_of(pair: Beside, joint: str, instants: Floats) -> States:
         _since(time, rate, instants) if moving else never,
         _since(time, torque, instants) if moving else never,
         _last_sign(time, rate, instants),
-        pair.subject.arm.joint(joint).type == "prismatic",
+        pair.simulated.arm.joint(joint).type == "prismatic",
     )
 
 
@@ -150,13 +150,13 @@ ZONES = 5
 
 
 def conditions(
-    states: Sequence[States], time: Floats, record: Groups, labels: Sequence[str], window: float
+    states: Sequence[JointStates], time: Floats, record: Groups, labels: Sequence[str], window: float
 ) -> Iterator[tuple[str, str, Mask]]:
     """State, wording and samples of every condition; those of one state share out all samples.
 
     Parameters
     ----------
-    states : sequence of States
+    states : sequence of JointStates
         Of the joints that move.
     time : ndarray, shape (n,)
         Instants [s].
@@ -176,7 +176,7 @@ def conditions(
         yield from ((("record", name, record == i)) for i, name in enumerate(labels))
 
 
-def _of_joint(states: States, of: str, window: float) -> Iterator[tuple[str, str, Mask]]:
+def _of_joint(states: JointStates, of: str, window: float) -> Iterator[tuple[str, str, Mask]]:
     """Conditions of one joint."""
     zone, unit = intervals(states.angle, ZONES), states.units["angle"]
     width = np.ptp(states.angle) / ZONES
@@ -215,7 +215,9 @@ def _of_time(time: Floats, record: Groups, labels: Sequence[str]) -> Iterator[tu
             yield "time", f"{edges[i]:.3g} to {edges[i + 1]:.3g} s{of}", inside & (zone == i)
 
 
-def tiers(states: Sequence[States], time: Floats, record: Groups) -> Mapping[str, tuple[int, Groups]]:
+def covariate_groups(
+    states: Sequence[JointStates], time: Floats, record: Groups
+) -> Mapping[str, tuple[int, Groups]]:
     """What a gap may follow: by name how much it claims, and the groups of the samples."""
     n = len(time)
     found: dict[str, tuple[int, Groups]] = {}
@@ -240,7 +242,7 @@ def tiers(states: Sequence[States], time: Floats, record: Groups) -> Mapping[str
     return found
 
 
-def _slow_time(states: Sequence[States], time: Floats, record: Groups, bins: int) -> Groups:
+def _slow_time(states: Sequence[JointStates], time: Floats, record: Groups, bins: int) -> Groups:
     """Intervals of time in which every joint's angle comes and goes at least once, by record."""
     groups, first = np.zeros(len(time), dtype=np.intp), 0
     for k in np.unique(record):

@@ -18,24 +18,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.sizes import doubted_sizes
+from flexarm.arm.sizes import implausible_sizes
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
-from flexarm.record.against_arm import doubted_values
-from flexarm.record.doubts import INPUTS, doubted_units
-from flexarm.record.lasting import spans_apart
+from flexarm.record.compatibility import implausible_values
+from flexarm.record.plausibility import INPUTS, unit_problems
+from flexarm.record.time_unit import mismatched_durations
 from flexarm.wording import listed
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.comparison.subject import Subject
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record, Signal
 
 
-def remarks_on_few_poses(subjects: Mapping[str, Subject]) -> Iterator[str]:
+def remarks_on_few_poses(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for each signal of a static record that holds values in too few poses."""
-    for name, subject in subjects.items():
-        for signal in subject.evidence.values():
+    for name, simulated in simulations.items():
+        for signal in simulated.evidence.values():
             if signal.pose is None:
                 continue
             count = len(np.unique(signal.pose[signal.valid]))
@@ -44,12 +44,12 @@ def remarks_on_few_poses(subjects: Mapping[str, Subject]) -> Iterator[str]:
                 yield f"{many}; outliers are looked for among {LEAST_POSES} or more"
 
 
-def remarks_on_skipped(subjects: Mapping[str, Subject]) -> Iterator[str]:
+def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for each signal that is not compared, with the records and the reason."""
     found: dict[tuple[str, str], list[str]] = {}
-    for name, subject in subjects.items():
-        record = subject.record
-        for signal, why in subject.skipped.items():
+    for name, simulated in simulations.items():
+        record = simulated.record
+        for signal, why in simulated.skipped.items():
             if record.kind == "motion" or not is_input(record, record.signals[signal]):
                 found.setdefault((signal, why), []).append(name)
     for (signal, why), names in found.items():
@@ -71,11 +71,11 @@ def doubted(
     borne_out : dict of str to collection of str, optional
         By record the drives whose angles places bear out, however far they turn.
     """
-    found = [f"model: {problem}" for problem in doubted_sizes(arm)]
+    found = [f"model: {problem}" for problem in implausible_sizes(arm)]
     for name, record in records.items():
         sure = {f"signals.{drive}" for drive in (borne_out or {}).get(name, ())}
-        units = [problem for problem in doubted_units(record, arm) if problem.where not in sure]
-        problems = [*units, *spans_apart(record), *doubted_values(record, arm)]
+        units = [problem for problem in unit_problems(record, arm) if problem.where not in sure]
+        problems = [*units, *mismatched_durations(record), *implausible_values(record, arm)]
         found += [f"{name}: {problem}" for problem in problems]
     return tuple(found)
 

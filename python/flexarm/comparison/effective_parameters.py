@@ -1,0 +1,55 @@
+"""How many values of a clock or a frame were aligned to how many readings: few show little of a model.
+
+Whitened readings with derivatives J by the unknowns, and their priors, determine the unknown i by the share
+
+    R_ii,   R = (J^T J + diag(1/sigma^2))^-1 J^T J                                                     (1)
+
+which is 0 where its prior holds it and 1 where the readings do [MacKay1992]. With p the sum of (1) over the
+unknowns of a place, N readings that are noise leave sqrt(1 - p/N) of themselves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FEW = 3.0
+"""Readings for each aligned value below which that is said: a fifth of the noise is then aligned away."""
+
+ROUNDING = 1e-6
+"""Of p."""
+
+
+@dataclass(frozen=True)
+class EffectiveParameters:
+    """A clock or frame after an alignment.
+
+    Attributes
+    ----------
+    name : str
+        Of the clock or frame.
+    count : float
+        p of (1).
+    readings : int
+        Values of its signals that counted.
+    signals : tuple of str
+        Their names.
+    """
+
+    name: str
+    count: float
+    readings: int
+    signals: tuple[str, ...]
+
+    @property
+    def overfitted(self) -> bool:
+        """Whether so few readings were aligned that what is left says little of a model."""
+        return self.readings < FEW * self.count * (1 - ROUNDING)
+
+    def __str__(self) -> str:
+        left = max(0.0, 1.0 - self.count / self.readings) ** 0.5 if self.readings else 0.0
+        values = f"{self.count:.2g} value{'s' * (self.count > 1)}"
+        return (
+            f"{self.readings} readings of {', '.join(self.signals)} are few for the {values} of {self.name} "
+            f"that were aligned to them: of noise {100 * left:.0f} % would be left, and a gap may be "
+            "aligned away"
+        )
