@@ -1,6 +1,7 @@
 """One channel of one record beside the nominal model: readings, prediction, and what a model misses of it.
 
-A part of the motion is missed by any nominal model: `floor`. What is no fault is in `validation.regression`.
+A part of the motion is missed by any nominal model: `model_error`. Faultless deviations are in
+`validation.regression`.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.quantities import channel_names
-from flexarm.validation.regression import Fit, columns_of, fit_at, slope_of, values_at
+from flexarm.validation.regression import GainFit, fit_at_gain, fit_gain, nuisance_regressors, predicted_at
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
@@ -46,11 +47,11 @@ class Channel:
         Instants in the simulation's time [s], or numbers of poses.
     measured, predicted : ndarray, shape (n,)
         Readings and what the nominal model says.
-    columns, sizes : ndarray, shapes (n, k) and (k,)
+    regressors, prior_std : ndarray, shapes (n, k) and (k,)
         c and S.
-    noise, floor : float
+    noise, model_error : float
         1 sigma of the readings, as stated, if they scatter by as much; what the nominal model misses [SI].
-    size : float
+    length_scale : float
         The reach of the arm for lengths [m], else 1.
     driven : ndarray of bool, shape (n,)
         Whether a drive moves; where none does, an arm may be at rest, and a model without damping rings on.
@@ -63,11 +64,11 @@ class Channel:
     time: Floats
     measured: Floats
     predicted: Floats
-    columns: Floats
-    sizes: Floats
+    regressors: Floats
+    prior_std: Floats
     noise: float
-    floor: float
-    size: float
+    model_error: float
+    length_scale: float
     driven: NDArray[np.bool_]
 
     @property
@@ -80,24 +81,26 @@ class Channel:
         """For a person: the signal, and which channel of several."""
         return f"{self.signal.name} {self.name}".rstrip()
 
-    def fit(self) -> Fit:
+    def fit(self) -> GainFit:
         """How the readings follow the prediction."""
-        return slope_of(self.measured, self.predicted, self.columns, self.sizes, self.noise, self.floor)
+        return fit_gain(
+            self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error
+        )
 
-    def fit_at(self, slope: float) -> Fit:
+    def fit_at_gain(self, gain: float) -> GainFit:
         """The same by a slope that is given."""
-        args = (self.measured, self.predicted, self.columns, self.sizes, self.noise, self.floor)
-        return fit_at(slope, *args)
+        args = (self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error)
+        return fit_at_gain(gain, *args)
 
     @property
-    def least(self) -> float:
+    def least_scatter(self) -> float:
         """What any hypothesis leaves: noise, and the share of what its signal shows that models miss [SI]."""
         shown = float(np.max(np.nanstd(self.signal.values, axis=0)))
-        return float(np.hypot(self.noise, missed(self.signal) * shown))
+        return float(np.hypot(self.noise, missed_share(self.signal) * shown))
 
-    def left(self) -> Floats:
-        """Residual of the best slope and columns without priors; a tenth of the rows does not count."""
-        A = np.column_stack([self.predicted, self.columns])
+    def robust_residual(self) -> Floats:
+        """Residual of the best slope and regressors without priors; a tenth of the rows does not count."""
+        A = np.column_stack([self.predicted, self.regressors])
         A = A / np.maximum(np.linalg.norm(A, axis=0), 1e-300)
         keep = np.ones(len(A), dtype=bool)
         for _ in range(3):
@@ -105,11 +108,11 @@ class Channel:
             keep = np.abs(found) <= np.quantile(np.abs(found), 0.9)
         return np.asarray(found)
 
-    def part(self, keep: NDArray[np.bool_]) -> Channel:
+    def select(self, keep: NDArray[np.bool_]) -> Channel:
         """Some of its rows."""
         arrays = {
             key: getattr(self, key)[keep]
-            for key in ("rows", "time", "measured", "predicted", "columns", "driven")
+            for key in ("rows", "time", "measured", "predicted", "regressors", "driven")
         }
         return replace(self, **arrays)
 
@@ -119,7 +122,7 @@ STANDS = 0.05
 """Part of a drive's greatest rate below which it stands."""
 
 
-def missed(signal: Signal) -> float:
+def missed_share(signal: Signal) -> float:
     """Share of a motion that a nominal model misses of a signal [-]."""
     return MISSED.get(signal.quantity, MISSED_ELSE)
 
@@ -135,16 +138,16 @@ def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> lis
 
 
 def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, signal: Signal) -> list[Channel]:
-    predicted = values_at(simulated, signal, placement)
-    measured = _nearer_sign(signal, predicted)
+    predicted = predicted_at(simulated, signal, placement)
+    measured = _matching_quaternions(signal, predicted)
     instants = simulated.instants(signal, placement)
     found = []
     for k in range(measured.shape[1]):
         keep = np.isfinite(measured[:, k]) & np.isfinite(predicted[:, k])
-        columns, sizes = columns_of(simulated, signal, placement, predicted, k)
+        regressors, prior_std = nuisance_regressors(simulated, signal, placement, predicted, k)
         moving = float(np.std(predicted[keep, k])) if keep.any() else 0.0
         stated = float(simulated.effects(signal).noise(signal.noise_std or 0.0)[k])
-        noise = min(stated, _step_to_step(measured[keep, k]))
+        noise = min(stated, _successive_scatter(measured[keep, k]))
         found.append(
             Channel(
                 name,
@@ -154,10 +157,10 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
                 instants[keep],
                 measured[keep, k],
                 predicted[keep, k],
-                columns[keep],
-                sizes,
+                regressors[keep],
+                prior_std,
                 noise or 1e-6 * moving,
-                _floor(simulated, signal, moving),
+                _model_error(simulated, signal, moving),
                 reach(simulated.arm) if signal.unit == "m" else 1.0,
                 _driven(simulated, instants[keep]),
             )
@@ -176,12 +179,12 @@ def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
     return found
 
 
-def _step_to_step(y: Floats) -> float:
+def _successive_scatter(y: Floats) -> float:
     """Scatter from one reading to the next: no sensor has more noise, whatever is stated."""
     return float(np.std(np.diff(y)) / np.sqrt(2)) if len(y) > 2 else 0.0
 
 
-def _nearer_sign(signal: Signal, predicted: Floats) -> Floats:
+def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
     """Readings; of the two quaternions of one orientation the one nearer to the prediction."""
     if signal.quantity != "orientation":
         return signal.values
@@ -189,9 +192,9 @@ def _nearer_sign(signal: Signal, predicted: Floats) -> Floats:
     return signal.values * np.where(sign == 0, 1.0, sign)[:, None]
 
 
-def _floor(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
+def _model_error(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
     """What a nominal model misses of a channel [SI]."""
     absolute = AMISS.get(signal.quantity, 0.0)
     if signal.unit == "m":
         absolute = AMISS["position"] * reach(simulated.arm)
-    return float(np.hypot(absolute, missed(signal) * moving))
+    return float(np.hypot(absolute, missed_share(signal) * moving))

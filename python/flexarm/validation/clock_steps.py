@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.initial_alignment import placing
-from flexarm.validation.saturation import SLOW
+from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.saturation import QUASI_STATIC
 
 if TYPE_CHECKING:
     from flexarm.comparison.simulated_record import SimulatedRecord
@@ -50,9 +50,9 @@ def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
         if simulated.record.kind == "static":
             continue
         best: dict[str, tuple[float, float, float, str]] = {}
-        for channel in channels(name, simulated, placing(simulated)):
+        for channel in channels(name, simulated, initial_alignment(simulated)):
             clock = channel.signal.clock
-            if channel.signal.quantity in SLOW and len(channel.rows) > 30:
+            if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
                 best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
         found += [
             f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
@@ -64,8 +64,8 @@ def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
 
 def _step(channel: Channel) -> tuple[float, float, float, str]:
     """Share of the squares that a step of the delay explains, the step [s], its time, the channel."""
-    rate = channel.columns[:, -1]  # of a place or angle the last column is -dp/dt
-    A = np.column_stack([channel.predicted, channel.columns])
+    rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
+    A = np.column_stack([channel.predicted, channel.regressors])
     A = A[:, np.any(A != 0, axis=0)]
     Q = np.linalg.qr(A)[0]
     e = channel.measured - Q @ (Q.T @ channel.measured)

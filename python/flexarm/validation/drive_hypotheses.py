@@ -20,8 +20,8 @@ from flexarm.arm.sizes import LONGEST
 from flexarm.measurement.torque import gear_ratio
 from flexarm.record.doubts import FARTHEST
 from flexarm.record.lasting import LIVELY, motion_of
-from flexarm.validation.finding import Finding
-from flexarm.validation.gain_faults import unit_named
+from flexarm.validation.finding import ChannelFinding
+from flexarm.validation.gain_faults import name_conversion
 from flexarm.wording import listed
 
 if TYPE_CHECKING:
@@ -47,12 +47,12 @@ NEAR = 12.0
 """Ratio of factors within which one may pass for another: little is known of motions a tenth too small."""
 
 
-def hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> list[Hypothesis]:
+def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding] | None) -> list[Hypothesis]:
     """Faults of drives that would disturb what is disturbed, and leave a motion that arms make.
 
     Parameters
     ----------
-    without : sequence of Finding or None
+    channels : sequence of ChannelFinding or None
         The channels along the drives as they are; None: the model cannot follow these.
     """
     from flexarm.effects import SignError
@@ -63,70 +63,70 @@ def hypotheses(arm: Arm, record: Record, without: Sequence[Finding] | None) -> l
         signal
         for signal in drives
         if _spread(signal) > 3 * (signal.noise_std or 0.0)
-        and (without is None or disturbed(arm, str(signal.joint), without))
+        and (channels is None or is_disturbed(arm, str(signal.joint), channels))
     ]
     found: list[Hypothesis] = [(SignError(at=signal.name),) for signal in moving]
-    found += [each for signal in moving for each in _units([signal], arm, FACTORS)]
+    found += [each for signal in moving for each in _unit_hypotheses([signal], arm, FACTORS)]
     turning = [signal for signal in drives if signal.unit == "rad"]
     if moving and len(turning) > 1:
-        found += _units(turning, arm, OF_ALL)
-    beyond = wild_drives(arm, record)
-    found = [each for each in found if beyond <= factors_of(each).keys()]
-    wild = {signal.name for signal in drives if _over(signal, arm) > 1}
+        found += _unit_hypotheses(turning, arm, OF_ALL)
+    beyond = implausible_drives(arm, record)
+    found = [each for each in found if beyond <= unit_factors(each).keys()]
+    wild = {signal.name for signal in drives if _relative_range(signal, arm) > 1}
     return sorted(found, key=lambda each: not wild <= {effect.at for effect in each})
 
 
-def wild_drives(arm: Arm, record: Record) -> set[str]:
+def implausible_drives(arm: Arm, record: Record) -> set[str]:
     """Return the drives that turn their joint further than `WILD` and faster than joints do, as they stand.
 
     Drives with an effect of the model are left out: it says what their values are.
     """
     known = {effect.at for effect in arm.effects if effect.place.startswith("signal")}
     drives = [record.signals[name] for name in record.drive if name not in known]
-    return {signal.name for signal in drives if is_wild(signal, arm)}
+    return {signal.name for signal in drives if is_implausible(signal, arm)}
 
 
-def is_wild(signal: Signal, arm: Arm) -> bool:
+def is_implausible(signal: Signal, arm: Arm) -> bool:
     """Return True if a drive of a motion turns its joint further than `WILD`, and faster than joints do."""
     turns = signal.unit == "rad" and signal.joint is not None and signal.pose is None
-    if not turns or FARTHEST * _over(signal, arm) <= WILD:
+    if not turns or FARTHEST * _relative_range(signal, arm) <= WILD:
         return False
     motion = motion_of(signal.name, signal.time, signal.values[:, 0], signal.unit)
     return motion.rate > LIVELY * shaft_ratio(signal.joint, arm.gears)
 
 
-def _units(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
+def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
     """Drives in one wrong unit, or not divided by their ratios, or twice."""
     from flexarm.effects import UnitError
 
     ratios = [gear_ratio(arm, str(signal.joint)) for signal in drives]
     alike = [[factor] * len(drives) for factor in factors]
     own = [ratios, [1 / ratio for ratio in ratios]]
-    if all(is_wild(signal, arm) for signal in drives):
+    if all(is_implausible(signal, arm) for signal in drives):
         own.append([180 / pi * ratio for ratio in ratios])  # degrees of the motor
     own = own if any(ratio != 1 for ratio in ratios) else []
     return [
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
         for each in [*alike, *own]
-        if all(_over(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
+        if all(_relative_range(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
         and any(_spread(signal) / f > LEAST for signal, f in zip(drives, each, strict=True))
     ]
 
 
-def near(one: Hypothesis, other: Hypothesis) -> bool:
+def similar_factors(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether two hypotheses put a drive in units that may pass for one another."""
-    mine, its = factors_of(one), factors_of(other)
+    mine, its = unit_factors(one), unit_factors(other)
     return any(abs(log(mine[at] / its[at])) < log(NEAR) for at in mine.keys() & its.keys())
 
 
-def factors_of(hypothesis: Hypothesis) -> dict[str, float]:
+def unit_factors(hypothesis: Hypothesis) -> dict[str, float]:
     """Factors of unit errors by signal."""
     return {
         effect.at: value for effect in hypothesis for key, value, _ in effect.parameters() if key == "factor"
     }
 
 
-def _over(signal: Signal, arm: Arm) -> float:
+def _relative_range(signal: Signal, arm: Arm) -> float:
     """How far a drive goes, over what arms do: a hypothesis that leaves more is not tried."""
     most = FARTHEST * shaft_ratio(signal.joint, arm.gears) if signal.unit == "rad" else LONGEST
     return float(np.nanmax(np.abs(signal.values), initial=0.0)) / most
@@ -136,17 +136,17 @@ def _spread(signal: Signal) -> float:
     return float(np.nanstd(signal.values))
 
 
-def disturbed(arm: Arm, joint: str, found: Sequence[Finding]) -> bool:
+def is_disturbed(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> bool:
     """Whether at least half of the signals that a joint moves do not follow the model."""
     odd: dict[str, bool] = {}
     for each in found:
         signal = each.channel.signal
-        if moves(arm, joint, signal):
-            odd[signal.name] = odd.get(signal.name, False) or bool(each.name) or each.strange
+        if is_moved_by(arm, joint, signal):
+            odd[signal.name] = odd.get(signal.name, False) or bool(each.name) or each.unexplained
     return bool(odd) and sum(odd.values()) >= len(odd) / 2
 
 
-def moves(arm: Arm, joint: str, signal: Signal) -> bool:
+def is_moved_by(arm: Arm, joint: str, signal: Signal) -> bool:
     """Whether a joint, with what gears move along, moves a signal's place; torques are of their own joint."""
     if signal.joint is not None:
         return signal.joint == joint
@@ -164,10 +164,10 @@ OFF_RATIO = 0.01
 """Logarithm to which a factor is told from a gear's ratio."""
 
 
-def said_of(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
+def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
     """What the drives do, and what follows the model once that is taken back."""
     others = ", ".join(name for name in record.signals if name not in record.drive)
-    factors = factors_of(hypothesis)
+    factors = unit_factors(hypothesis)
     if not factors:
         [effect] = hypothesis
         return (
@@ -182,11 +182,11 @@ def said_of(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
     parts = listed(list(dict.fromkeys(f"1/{factor:.5g}" for factor in factors.values())))
     at, factor = next(iter(factors.items()))
     what = "angle" if all(record.signals[each].unit == "rad" for each in factors) else "length"
-    why = _of_ratios(arm, record, factors) or unit_named(factor, 0.0, record.signals[at].unit)
+    why = _name_ratios(arm, record, factors) or name_conversion(factor, 0.0, record.signals[at].unit)
     return f"{drives} {times} times the {what}{why}: driven by {parts} of it the model follows {others}"
 
 
-def _of_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
+def _name_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
     """That factors are those of gears, if they are; for a sentence."""
     ratios = {at: gear_ratio(arm, str(record.signals[at].joint)) for at in factors}
     if all(ratio == 1 for ratio in ratios.values()):

@@ -32,7 +32,7 @@ import numpy as np
 from flexarm.measurement.outliers import told
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.channel import Channel
-from flexarm.validation.regression import independent
+from flexarm.validation.regression import effective_samples
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ NOTHING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Finding:
+class ChannelFinding:
     """One channel under its best hypothesis.
 
     Attributes
@@ -64,9 +64,9 @@ class Finding:
         The fault's parameters.
     sentence : str
         For a person: how, by how much.
-    strange : bool
+    unexplained : bool
         Whether no hypothesis explains what the channel shows.
-    frozen : tuple of int
+    frozen_rows : tuple of int
         Rows of the signal that repeat a value; too few for a fault.
     """
 
@@ -76,8 +76,8 @@ class Finding:
     cost: float = 0.0
     values: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
     sentence: str = ""
-    strange: bool = False
-    frozen: tuple[int, ...] = ()
+    unexplained: bool = False
+    frozen_rows: tuple[int, ...] = ()
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -89,15 +89,18 @@ def log_bayes(count: int, before: float, after: float) -> float:
     """(1)."""
     if not before > 0:
         return PRIOR  # there was nothing to explain
-    return independent(count) * float(np.log(before / after)) + PRIOR
+    return effective_samples(count) * float(np.log(before / after)) + PRIOR
 
 
-def cost(channel: Channel, left: float, strain: float = 0.0) -> float:
+def cost(channel: Channel, rms: float, penalty: float = 0.0) -> float:
     """(2) of a hypothesis that leaves so much, and strains what is no fault by so much."""
-    return independent(len(channel.rows)) * float(np.log(max(left, channel.least, NOTHING))) + strain
+    return (
+        effective_samples(len(channel.rows)) * float(np.log(max(rms, channel.least_scatter, NOTHING)))
+        + penalty
+    )
 
 
-def cost_of_all(found: Sequence[Finding]) -> float:
+def total_cost(found: Sequence[ChannelFinding]) -> float:
     """(2) of all channels; those of one sensor that have one fault share its prior."""
     named = [(each.name, each.channel.signal.name) for each in found if each.name]
     return sum(each.cost for each in found) + PRIOR * (len(named) - len(set(named)))
@@ -129,7 +132,7 @@ class Fault(NamedEffect):
 
 
 @dataclass(frozen=True)
-class Removed:
+class RemovedOutliers:
     """Outliers that were taken out of a signal.
 
     Attributes
@@ -161,7 +164,7 @@ class Removed:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Checked:
+class ValidationResult:
     """What `check` found.
 
     Attributes
@@ -170,7 +173,7 @@ class Checked:
         The records without outliers and without rows that repeat a frozen value.
     faults : tuple of Fault
         Sensors whose data contradict the rest, most probable first; empty: the data can be used.
-    outliers : tuple of Removed
+    outliers : tuple of RemovedOutliers
         What was taken out of the records.
     remarks : tuple of str
         What a person should know: clocks that jump, pauses, scatter unlike the stated noise, records that
@@ -184,7 +187,7 @@ class Checked:
 
     records: Mapping[str, Record]
     faults: tuple[Fault, ...] = ()
-    outliers: tuple[Removed, ...] = ()
+    outliers: tuple[RemovedOutliers, ...] = ()
     remarks: tuple[str, ...] = field(default=())
     compared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.sizes import reach
-from flexarm.validation.initial_alignment import placing
+from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ TOLD = 0.05
 """Part of the shift that an axis must have to be told."""
 
 
-def remarks_on_shifts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
+def remarks_on_unstated_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for each position without a frame for which (1) holds."""
     for name, simulated in simulations.items():
         for signal in simulated.evidence.values():
@@ -55,7 +55,7 @@ def remarks_on_shifts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[st
 
 
 def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
-    placement = placing(simulated)
+    placement = initial_alignment(simulated)
     gap = simulated.residual(signal, placement, hold=True)
     known = np.isfinite(gap).all(axis=1)
     if known.sum() < 3:
@@ -99,7 +99,7 @@ def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
 
 def _mean_gaps(simulated: SimulatedRecord) -> dict[tuple[str, str, str], float]:
     """Mean gap of every position, by frame, signal and axis."""
-    placement = placing(simulated)
+    placement = initial_alignment(simulated)
     found = {}
     for signal in simulated.evidence.values():
         if signal.quantity == "position" and not simulated.record.frame_of(signal).unknown:

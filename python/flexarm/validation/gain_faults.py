@@ -20,10 +20,10 @@ import numpy as np
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.torque import gear_ratio
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.finding import PRIOR, Finding, cost, log_bayes
-from flexarm.validation.initial_alignment import placing
-from flexarm.validation.regression import Fit, values_at
-from flexarm.validation.saturation import dead_from, frozen, saturated
+from flexarm.validation.finding import PRIOR, ChannelFinding, cost, log_bayes
+from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.regression import GainFit, predicted_at
+from flexarm.validation.saturation import find_frozen, find_saturation, frozen_as_dead
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
@@ -73,58 +73,60 @@ UNITS: dict[str, tuple[float, tuple[str, ...]]] = {
 """Conversions by the factor that a reading gets, and the SI units of what is measured so; of anything: ()."""
 
 
-def judged(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> Finding:
+def judge_gain(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> ChannelFinding:
     """The channel under its best hypothesis of slope."""
-    fit, own = channel.fit(), channel.fit_at(1.0)
+    fit, own = channel.fit(), channel.fit_at_gain(1.0)
     here = in_order(channel, own)
-    firm = abs(fit.slope) > CERTAIN * fit.std and fit.missed < FOLLOWS
+    firm = abs(fit.gain) > CERTAIN * fit.std and fit.unexplained_share < FOLLOWS
     if not firm:
-        return _dead(channel, own) or replace(here, strange=_strange(channel, own))
+        return _dead_channel(channel, own) or replace(here, unexplained=_is_unexplained(channel, own))
     loose = LOOSE.get(channel.signal.quantity, IN_ORDER)
-    another_unit = not 1 / loose < abs(fit.slope) < loose
-    if fit.slope > 0 and not another_unit:
-        return replace(here, strange=_strange(channel, own))
-    if fit.slope < 0 and _late(channel, simulated, placement, fit):
-        return replace(here, strange=True)
-    return _flipped(channel, fit, own) if not another_unit else _scaled(channel, fit, own, simulated.arm)
+    another_unit = not 1 / loose < abs(fit.gain) < loose
+    if fit.gain > 0 and not another_unit:
+        return replace(here, unexplained=_is_unexplained(channel, own))
+    if fit.gain < 0 and _explained_by_delay(channel, simulated, placement, fit):
+        return replace(here, unexplained=True)
+    return (
+        _sign_error(channel, fit, own) if not another_unit else _unit_error(channel, fit, own, simulated.arm)
+    )
 
 
-def in_order(channel: Channel, own: Fit) -> Finding:
+def in_order(channel: Channel, own: GainFit) -> ChannelFinding:
     """The channel as one that is what it says."""
-    return Finding(channel, cost=cost(channel, own.left, own.strain))
+    return ChannelFinding(channel, cost=cost(channel, own.rms, own.penalty))
 
 
-def _flipped(channel: Channel, fit: Fit, own: Fit) -> Finding:
-    turned = channel.fit_at(-1.0)
+def _sign_error(channel: Channel, fit: GainFit, own: GainFit) -> ChannelFinding:
+    turned = channel.fit_at_gain(-1.0)
     bayes = log_bayes(len(channel.rows), own.scatter, turned.scatter)
     sentence = (
-        f"{channel.label} moves against the model: measured = {fit.slope:.3f} x predicted "
-        f"(+- {fit.std:.1g}); with the sign turned {with_unit(fit.left, channel.signal.unit, 2)} are left "
+        f"{channel.label} moves against the model: measured = {fit.gain:.3f} x predicted "
+        f"(+- {fit.std:.1g}); with the sign turned {with_unit(fit.rms, channel.signal.unit, 2)} are left "
         f"of {with_unit(own.scatter, channel.signal.unit, 2)}"
     )
-    return _found(channel, own, "sign_error", bayes, turned, {}, sentence)
+    return _if_better(channel, own, "sign_error", bayes, turned, {}, sentence)
 
 
-def _scaled(channel: Channel, fit: Fit, own: Fit, arm: Arm) -> Finding:
-    factor = abs(fit.slope)
+def _unit_error(channel: Channel, fit: GainFit, own: GainFit, arm: Arm) -> ChannelFinding:
+    factor = abs(fit.gain)
     bayes = log_bayes(len(channel.rows), own.scatter, fit.scatter)
-    turned = "against the model and " if fit.slope < 0 else ""
+    turned = "against the model and " if fit.gain < 0 else ""
     relative = fit.std / factor
-    why = of_gear(channel.signal, factor, relative, arm)
-    why = why or unit_named(factor, relative, channel.signal.unit)
+    why = gear_side(channel.signal, factor, relative, arm)
+    why = why or name_conversion(factor, relative, channel.signal.unit)
     times = f"{channel.label} moves {turned}{factor:.5g} times as far as the model says"
-    if not why and fit.slope > 0 and channel.signal.quantity in LOOSE and 1 / HEAVIER < factor < HEAVIER:
+    if not why and fit.gain > 0 and channel.signal.quantity in LOOSE and 1 / HEAVIER < factor < HEAVIER:
         load = "does the arm carry what model and record state?"
         return replace(in_order(channel, own), sentence=f"{times}, which no unit gives: {load}")
     sentence = (
         f"{times} (+- {100 * relative:.1f} %){why}; "
-        f"with that taken back {100 * fit.missed:.2g} % of its motion is left"
+        f"with that taken back {100 * fit.unexplained_share:.2g} % of its motion is left"
     )
     values = {"factor": (factor, fit.std, "-")}
-    return _found(channel, own, "unit_error", bayes, fit, values, sentence)
+    return _if_better(channel, own, "unit_error", bayes, fit, values, sentence)
 
 
-def of_gear(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
+def gear_side(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
     """That a torque's factor is its gear's ratio, or the inverse, for a sentence."""
     ratio = gear_ratio(arm, str(signal.joint)) if signal.quantity == "motor_torque" else 1.0
     for own, side, other in ((ratio, "output", "motor"), (1 / ratio, "motor", "output")):
@@ -133,7 +135,7 @@ def of_gear(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
     return ""
 
 
-def unit_named(factor: float, relative: float, unit: str) -> str:
+def name_conversion(factor: float, relative: float, unit: str) -> str:
     """The conversion that a factor may be of readings in an SI unit, for a sentence."""
     fits = {name: own for name, (own, units) in UNITS.items() if unit in units or not units}
     near = min(fits, key=lambda name: abs(log(factor / fits[name])))
@@ -141,13 +143,13 @@ def unit_named(factor: float, relative: float, unit: str) -> str:
     return f", which is what {near} give ({fits[near]:.5g})" if off < max(0.1, 3 * relative) else ""
 
 
-def _dead(channel: Channel, own: Fit) -> Finding | None:
+def _dead_channel(channel: Channel, own: GainFit) -> ChannelFinding | None:
     """A channel that shows one value, but for its noise, while the model says that it moves."""
     seen, said = float(np.std(channel.measured)), float(np.std(channel.predicted))
     noise = channel.signal.noise_std or 0.0
     quiet = seen <= max(3 * noise, STILL * said) or seen == 0
-    lively = said > 10 * max(noise, 0.1 * channel.floor) if seen == 0 else said > 10 * max(noise, seen)
-    enough = channel.floor < 0.3 * said
+    lively = said > 10 * max(noise, 0.1 * channel.model_error) if seen == 0 else said > 10 * max(noise, seen)
+    enough = channel.model_error < 0.3 * said
     if not (quiet and lively and enough):
         return None
     value = float(np.median(channel.measured))
@@ -159,46 +161,52 @@ def _dead(channel: Channel, own: Fit) -> Finding | None:
     )
     std = max(seen, noise) / np.sqrt(len(channel.rows))
     bayes = log_bayes(len(channel.rows), own.scatter, after)
-    return _found(channel, own, "dead_channel", bayes, after, {"value": (value, float(std), unit)}, sentence)
+    return _if_better(
+        channel, own, "dead_channel", bayes, after, {"value": (value, float(std), unit)}, sentence
+    )
 
 
-def _found(
+def _if_better(
     channel: Channel,
-    own: Fit,
+    own: GainFit,
     name: str,
     bayes: float,
-    after: Fit | float,
+    after: GainFit | float,
     values: dict[str, tuple[float, float, str]],
     sentence: str,
-) -> Finding:
+) -> ChannelFinding:
     """The fault if it wins, else the channel in order."""
     if bayes <= 0:
         return in_order(channel, own)
-    left, strain = (after.left, after.strain) if isinstance(after, Fit) else (after, 0.0)
-    return Finding(channel, name, bayes, cost(channel, left, strain) - PRIOR, values, sentence)
+    rms, penalty = (after.rms, after.penalty) if isinstance(after, GainFit) else (after, 0.0)
+    return ChannelFinding(channel, name, bayes, cost(channel, rms, penalty) - PRIOR, values, sentence)
 
 
-def _strange(channel: Channel, own: Fit) -> bool:
+def _is_unexplained(channel: Channel, own: GainFit) -> bool:
     """Whether no hypothesis explains it.
 
     It leaves more of its motion than one that follows, and much more than any noise; or what is no fault is
     strained.
     """
     moving = max(float(np.std(channel.predicted)), 10 * channel.noise)
-    far = own.scatter > FOLLOWS * moving and own.scatter > 5 * np.hypot(channel.noise, channel.floor)
-    return far or own.strain > STRAINED
+    far = own.scatter > FOLLOWS * moving and own.scatter > 5 * np.hypot(channel.noise, channel.model_error)
+    return far or own.penalty > STRAINED
 
 
-def _late(channel: Channel, simulated: SimulatedRecord, placement: Placement, flipped: Fit) -> bool:
+def _explained_by_delay(
+    channel: Channel, simulated: SimulatedRecord, placement: Placement, flipped: GainFit
+) -> bool:
     """Whether a delay explains a turned sign as well: vibration at 5 Hz turns over in 0.1 s."""
     if simulated.record.kind == "static":
         return False
     for delay in np.linspace(-FAR_DELAY, FAR_DELAY, 31):
-        there = values_at(simulated, channel.signal, placement, float(delay))[channel.rows, channel.index]
+        there = predicted_at(simulated, channel.signal, placement, float(delay))[channel.rows, channel.index]
         if not np.isfinite(there).all():
             continue
         fit = replace(channel, predicted=there).fit()
-        if fit.slope > CERTAIN * fit.std and fit.missed < max(FOLLOWS, 3 * flipped.missed):
+        if fit.gain > CERTAIN * fit.std and fit.unexplained_share < max(
+            FOLLOWS, 3 * flipped.unexplained_share
+        ):
             return True
     return False
 
@@ -207,21 +215,21 @@ AT_ITS_ENDS = 0.8
 """Share of the repeated values that lie at the ends of the range, where a channel is cut off, not frozen."""
 
 
-def findings(name: str, simulated: SimulatedRecord) -> list[Finding]:
+def find_channel_faults(name: str, simulated: SimulatedRecord) -> list[ChannelFinding]:
     """What every channel of a record looks like beside one simulation of it."""
-    placement = placing(simulated)
-    return [_finding(channel, simulated, placement) for channel in channels(name, simulated, placement)]
+    placement = initial_alignment(simulated)
+    return [_judge_channel(channel, simulated, placement) for channel in channels(name, simulated, placement)]
 
 
-def _finding(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> Finding:
+def _judge_channel(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> ChannelFinding:
     """One channel: its slope first, then its plateaus."""
-    slope = judged(channel, simulated, placement)
+    slope = judge_gain(channel, simulated, placement)
     if slope.name:
         return slope
-    held, cut = frozen(channel), saturated(channel)
+    held, cut = find_frozen(channel), find_saturation(channel)
     if cut is not None and (held is None or np.mean(cut[1][held[0]]) > AT_ITS_ENDS):
         return cut[0]
     if held is None:
         return slope
     repeated = tuple(map(int, channel.rows[held[0]]))
-    return dead_from(channel, *held) or replace(slope, frozen=repeated, sentence=held[1])
+    return frozen_as_dead(channel, *held) or replace(slope, frozen_rows=repeated, sentence=held[1])

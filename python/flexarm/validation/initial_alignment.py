@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flexarm.simulation import Progress
 
 
-def placing(simulated: SimulatedRecord) -> Placement:
+def initial_alignment(simulated: SimulatedRecord) -> Placement:
     """Clocks and frames of a record."""
     start = stated_placement(simulated.record)
     found = initial_guess(simulated, start)
@@ -41,11 +41,11 @@ def placing(simulated: SimulatedRecord) -> Placement:
         for signal in seen:
             alone = initial_guess(replace(simulated, signals={signal.name: signal}), start)
             guesses.append(Placement(found.clocks, {**found.frames, name: alone.frames[name]}))
-        found = min(guesses, key=lambda placement: _misfit(simulated, placement, name))
+        found = min(guesses, key=lambda placement: _relative_scatter(simulated, placement, name))
     return found
 
 
-def _misfit(simulated: SimulatedRecord, placement: Placement, frame: str) -> float:
+def _relative_scatter(simulated: SimulatedRecord, placement: Placement, frame: str) -> float:
     """Of the median signal of a frame: scatter over motion, offsets aside."""
     shares = []
     for signal in simulated.evidence.values():
@@ -56,7 +56,7 @@ def _misfit(simulated: SimulatedRecord, placement: Placement, frame: str) -> flo
     return float(np.median(shares))
 
 
-def run(
+def simulate_records(
     arm: Arm,
     records: Mapping[str, Record],
     step: float,

@@ -38,7 +38,7 @@ from flexarm.measurement.outliers import (
 )
 from flexarm.measurement.predict import read
 from flexarm.validation.channel import channels
-from flexarm.validation.finding import Removed
+from flexarm.validation.finding import RemovedOutliers
 
 if TYPE_CHECKING:
     from flexarm.comparison.simulated_record import Placement, SimulatedRecord
@@ -65,23 +65,23 @@ COUNTS = 2.0
 """Steps of an encoder that a drive may jump by: rounding moves it off the middle parabola by up to 4/3."""
 
 
-def clean_drives(name: str, record: Record) -> tuple[Record, list[Removed]]:
+def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutliers]]:
     """The record without the outliers of its drives."""
-    found: list[Removed] = []
+    found: list[RemovedOutliers] = []
     for drive in record.drive:
         signal = record.signals[drive]
         if signal.pose is not None or signal.quantity == "joint_command" or len(signal) < 20:
             continue
         rows = _isolated(drive_spikes(signal.values[:, 0], signal.noise_std or 0.0))
         if rows.any() and rows.mean() < MOST:
-            record = without(record, signal, rows)
+            record = blank_rows(record, signal, rows)
             found.append(_removed(name, signal, rows, signal.values))
     return record, found
 
 
 def clean_evidence(
     name: str, simulated: SimulatedRecord, placement: Placement
-) -> tuple[Record, list[Removed]]:
+) -> tuple[Record, list[RemovedOutliers]]:
     """The record without outliers of its other signals."""
     record, found = simulated.record, []
     if record.kind == "static":
@@ -90,31 +90,31 @@ def clean_evidence(
     for channel in channels(name, simulated, placement):
         signal = channel.signal
         residual = residuals.setdefault(signal.name, np.full(signal.values.shape, np.nan))
-        residual[channel.rows, channel.index] = channel.left()
+        residual[channel.rows, channel.index] = channel.robust_residual()
     for signal_name, residual in residuals.items():
         signal = record.signals[signal_name]
         residual[~signal.valid] = np.nan
         noise = simulated.effects(signal).noise(signal.noise_std or 0.0)
-        rows = _isolated(spikes(residual, noise, ringing(simulated, signal, placement)))
+        rows = _isolated(spikes(residual, noise, predicted_vibration(simulated, signal, placement)))
         if signal.quantity not in SMOOTH:
             rows &= beyond_all(residual, rows)
         if rows.any() and rows.mean() < MOST:
-            record = without(record, signal, rows)
+            record = blank_rows(record, signal, rows)
             found.append(_removed(name, signal, rows, residual))
     return record, found
 
 
 def _without_poses(
     name: str, simulated: SimulatedRecord, placement: Placement
-) -> tuple[Record, list[Removed]]:
+) -> tuple[Record, list[RemovedOutliers]]:
     """The record of poses without the outliers among them."""
     record, found = simulated.record, []
     for signal_name, far in pose_outliers(simulated, placement).items():
         signal, rows = record.signals[signal_name], np.flatnonzero(far.rows)
         size = float(np.sqrt(np.mean(far.size[rows] ** 2)))
         poses = tuple(map(str, np.asarray(signal.pose)[rows]))
-        record = without(record, signal, far.rows)
-        found.append(Removed(name, signal_name, tuple(map(int, rows)), size, signal.unit, poses))
+        record = blank_rows(record, signal, far.rows)
+        found.append(RemovedOutliers(name, signal_name, tuple(map(int, rows)), size, signal.unit, poses))
     return record, found
 
 
@@ -127,11 +127,11 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
         usual = 2 * SPREAD * float(np.median(nearest))
         least = LEAST * float(np.ptp(samples[rows]))
         limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * lattice_step(samples))
-        found[rows] = nearest > np.maximum(limit, BENDS * _bends_beside(samples[rows]))
+        found[rows] = nearest > np.maximum(limit, BENDS * _neighbouring_third_differences(samples[rows]))
     return found
 
 
-def _bends_beside(y: Floats) -> Floats:
+def _neighbouring_third_differences(y: Floats) -> Floats:
     """Median of the third differences (1) on both sides of every sample that do not hold it, shape (n,)."""
     third = np.pad(np.abs(np.diff(y, 3)), AROUND + 4, constant_values=np.nan)  # k is now k + AROUND + 4
     windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
@@ -139,7 +139,7 @@ def _bends_beside(y: Floats) -> Floats:
     return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
 
 
-def ringing(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
+def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
     """Greatest vibration that the model predicts around each row, shape (n, channels)."""
     from scipy.ndimage import maximum_filter1d
     from scipy.signal import savgol_filter
@@ -180,7 +180,7 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     return found
 
 
-def without(record: Record, signal: Signal, rows: NDArray[np.bool_]) -> Record:
+def blank_rows(record: Record, signal: Signal, rows: NDArray[np.bool_]) -> Record:
     """The record with rows of a signal lost."""
     values = np.where(rows[:, None], np.nan, record.signals[signal.name].values)
     changed = record.signals[signal.name].replace(values=values)
@@ -197,23 +197,23 @@ def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return found
 
 
-def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> Removed:
+def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> RemovedOutliers:
     """With the root mean square distance of `values`, all axes together, from the line through neighbours."""
     good = ~rows & np.isfinite(values).all(axis=1)
-    off = [y[rows] - _line(signal.time[rows], signal.time[good], y[good]) for y in values.T]
+    off = [y[rows] - _interpolate_neighbours(signal.time[rows], signal.time[good], y[good]) for y in values.T]
     size = float(np.sqrt(np.nanmean(np.sum(np.square(off), axis=0))))
-    return Removed(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)
+    return RemovedOutliers(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)
 
 
-def _line(at: Floats, time: Floats, y: Floats) -> Floats:
+def _interpolate_neighbours(at: Floats, time: Floats, y: Floats) -> Floats:
     """The line between neighbours; before the first and after the last the one through two of them."""
     first = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)
     return np.asarray(y[first] + (y[first + 1] - y[first]) * (at - time[first]) / np.diff(time)[first])
 
 
-def without_rows(record: Record, name: str, rows: tuple[int, ...]) -> Record:
+def blank_listed_rows(record: Record, name: str, rows: tuple[int, ...]) -> Record:
     """The record with rows of a signal lost, given by their numbers."""
     signal = record.signals[name]
     lost = np.zeros(len(signal), dtype=bool)
     lost[list(rows)] = True
-    return without(record, signal, lost)
+    return blank_rows(record, signal, lost)

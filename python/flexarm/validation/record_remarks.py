@@ -57,7 +57,7 @@ def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[s
         yield f"{listed(names)}: {signal} is not compared: {reason}"
 
 
-def doubted(
+def plausibility_doubts(
     arm: Arm, records: Mapping[str, Record], borne_out: Mapping[str, Collection[str]] | None = None
 ) -> tuple[str, ...]:
     """A sentence for each, of the model and by record.
@@ -80,7 +80,7 @@ def doubted(
     return tuple(found)
 
 
-def without_lost_channels(name: str, record: Record) -> tuple[Record, list[str]]:
+def drop_missing_channels(name: str, record: Record) -> tuple[Record, list[str]]:
     """The record without the empty axes of vectors that are evidence, and a remark on each such signal."""
     kept, notes = dict(record.signals), []
     for signal in record.signals.values():

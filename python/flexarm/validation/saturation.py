@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.validation.channel import Channel
-from flexarm.validation.finding import PRIOR, Finding, cost, log_bayes
-from flexarm.validation.regression import fit_at
+from flexarm.validation.finding import PRIOR, ChannelFinding, cost, log_bayes
+from flexarm.validation.regression import fit_at_gain
 
 Rows = NDArray[np.bool_]
 
@@ -41,7 +41,7 @@ MOVES = 0.2
 """Of (1), in standard deviations of the prediction."""
 FAR = 1.0
 """The same for a noisy plateau that is not at the end of the range."""
-SLOW = ("position", "deflection", "joint_angle", "inclination", "orientation")
+QUASI_STATIC = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities that do not ring by as much as they move."""
 LOST = 0.1
 """Share of the rows from which on a frozen channel is dead."""
@@ -60,12 +60,12 @@ def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> 
     moves = max(10 * noise, MOVES * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
-    if noise > 0 and stays(y, 6 * noise, fewest).any():
+    if noise > 0 and stays_within(y, 6 * noise, fewest).any():
         taken = np.zeros(len(y) + 1, dtype=int)
         for run in exact:
             taken[run.first + 1 : run.last + 1] = 1
         taken = np.cumsum(taken)
-        noisy = runs(y, 6 * noise)
+        noisy = constant_runs(y, 6 * noise)
         found = [*exact, *(run for run in noisy if taken[run.last] == taken[run.first])]
     return [run for run in found if run.last - run.first >= fewest and moved(p, driven, run) >= moves]
 
@@ -84,7 +84,7 @@ def moved(p: Floats, driven: Rows, run: Plateau) -> float:
     return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
 
-def stays(y: Floats, width: float, rows: int) -> Rows:
+def stays_within(y: Floats, width: float, rows: int) -> Rows:
     """Return True at each row from which on `rows` rows stay within `width`; shape (n - rows + 1,)."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
@@ -103,11 +103,11 @@ def repeats(y: Floats) -> list[Plateau]:
     return [Plateau(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
 
 
-def runs(y: Floats, width: float) -> list[Plateau]:
+def constant_runs(y: Floats, width: float) -> list[Plateau]:
     """Longest runs of rows that stay within `width`, from the left."""
     if width == 0:
         return repeats(y)
-    begins = np.flatnonzero(stays(y, width, FEWEST))
+    begins = np.flatnonzero(stays_within(y, width, FEWEST))
     found: list[Plateau] = []
     k = 0
     while k < len(begins):
@@ -131,13 +131,13 @@ def _end_of_run(y: Floats, first: int, width: float) -> int:
         rows *= 2
 
 
-def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
+def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
     """The channel if it is cut off at the upper or lower end, or both, and its rows there."""
     y, p = channel.measured, channel.predicted
     noise = channel.signal.noise_std or 0.0
     found = []
     for side in (1.0, -1.0):
-        cut = _cut(side * y, side * p, noise, channel.floor)
+        cut = _cut(side * y, side * p, noise, channel.model_error)
         if cut is not None:
             found.append((side, *cut))
     if not found:
@@ -146,7 +146,7 @@ def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
     ends = " and ".join(
         f"{side * level:.5g} {channel.signal.unit} ({rows.sum()} rows)" for side, rows, level in found
     )
-    bayes, after, beyond = _weighed(channel, at)
+    bayes, after, beyond = _compare_cut(channel, at)
     if bayes <= 0:
         return None
     limit = float(np.mean([abs(level) for _, _, level in found]))
@@ -156,8 +156,8 @@ def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
         f"{beyond:.2g} {channel.signal.unit} there"
     )
     values = {"limit": (limit, float(std), channel.signal.unit)}
-    price = cost(channel, max(after, _left_of(channel.part(~at)))) - PRIOR
-    return Finding(channel, "saturation", bayes, price, values, sentence), at
+    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - PRIOR
+    return ChannelFinding(channel, "saturation", bayes, price, values, sentence), at
 
 
 def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float] | None:
@@ -169,7 +169,7 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
         return None
     if width and not _piled_up(y, level, noise):
         return None
-    shift, left = _about(y[inner] - p[inner], floor)
+    shift, left = _centre_and_scatter(y[inner] - p[inner], floor)
     moving = float(np.std(p))
     least = max(10 * noise, MOVES * moving, floor) if width else max(5 * noise, 0.02 * moving)
     enough = max(least, 3 * left)
@@ -195,7 +195,7 @@ def _piled_up(y: Floats, level: float, noise: float) -> bool:
     return bool(about.sum() > 2 * below.sum())
 
 
-def _about(gap: Floats, floor: float) -> tuple[float, float]:
+def _centre_and_scatter(gap: Floats, floor: float) -> tuple[float, float]:
     """Median of a gap and its scatter; of few rows, what the nominal model may miss."""
     if len(gap) < FEWEST:
         return 0.0, floor
@@ -203,11 +203,11 @@ def _about(gap: Floats, floor: float) -> tuple[float, float]:
     return middle, float(np.sqrt(np.mean((gap - middle) ** 2)))
 
 
-def _weighed(channel: Channel, at: Rows) -> tuple[float, float, float]:
+def _compare_cut(channel: Channel, at: Rows) -> tuple[float, float, float]:
     """Bayes factor of a cut at these rows, the scatter left, how far the prediction goes beyond."""
     y, p = channel.measured[at], channel.predicted[at]
     noise = channel.signal.noise_std or 0.0
-    gap = _about(channel.measured[~at] - channel.predicted[~at], channel.floor)[0]
+    gap = _centre_and_scatter(channel.measured[~at] - channel.predicted[~at], channel.model_error)[0]
     before = float(np.sqrt(np.mean((y - p - gap) ** 2)))
     groups = y > np.median(channel.measured)
     spread = max((float(np.std(y[g])) for g in (groups, ~groups) if g.any()), default=0.0)
@@ -215,12 +215,12 @@ def _weighed(channel: Channel, at: Rows) -> tuple[float, float, float]:
     return log_bayes(int(at.sum()), before, after), after, float(np.max(np.abs(p + gap - y)))
 
 
-def _left_of(rest: Channel) -> float:
+def _rms_of(rest: Channel) -> float:
     """What the other rows leave, none if there are none."""
-    return rest.fit_at(1.0).left if len(rest.rows) else 0.0
+    return rest.fit_at_gain(1.0).rms if len(rest.rows) else 0.0
 
 
-def frozen(channel: Channel) -> tuple[Rows, str] | None:
+def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
     """Rows where the channel repeats a value while the prediction moves on, and a sentence."""
     noise = channel.signal.noise_std or 0.0
     y, p = channel.measured, channel.predicted
@@ -228,7 +228,10 @@ def frozen(channel: Channel) -> tuple[Rows, str] | None:
     rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
     for run in plateaus(y, p, channel.driven, noise, rounding):
         part = slice(run.first, run.last)
-        far = moved(p, channel.driven, run) >= FAR * float(np.std(p)) and channel.signal.quantity in SLOW
+        far = (
+            moved(p, channel.driven, run) >= FAR * float(np.std(p))
+            and channel.signal.quantity in QUASI_STATIC
+        )
         if far or np.ptp(y[part]) == 0:
             at[part] = True
     if not at.any():
@@ -237,19 +240,19 @@ def frozen(channel: Channel) -> tuple[Rows, str] | None:
     return at, f"{channel.label} repeats a value in {at.sum()} rows from t = {first:.4g} s on"
 
 
-def dead_from(channel: Channel, at: Rows, sentence: str) -> Finding | None:
+def frozen_as_dead(channel: Channel, at: Rows, sentence: str) -> ChannelFinding | None:
     """A channel that is frozen for so long that it is dead."""
     if at.mean() < LOST:
         return None
     y, p = channel.measured[at], channel.predicted[at]
-    columns = channel.columns[at]
-    before = fit_at(1.0, y, p, columns, channel.sizes, channel.noise, 0.0).scatter
+    columns = channel.regressors[at]
+    before = fit_at_gain(1.0, y, p, columns, channel.prior_std, channel.noise, 0.0).scatter
     after = max(channel.noise, 1e-3 * before)
     bayes = log_bayes(int(at.sum()), before, after)
     if bayes <= 0:
         return None
     value = float(np.median(y))
-    price = cost(channel, max(after, _left_of(channel.part(~at)))) - PRIOR
+    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - PRIOR
     values = {"value": (value, channel.noise / np.sqrt(at.sum()), channel.signal.unit)}
     moved = f"{sentence}, while the model moves by {np.ptp(p):.3g} {channel.signal.unit}"
-    return Finding(channel, "dead_channel", bayes, price, values, moved)
+    return ChannelFinding(channel, "dead_channel", bayes, price, values, moved)
