@@ -16,17 +16,17 @@ from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.quantities import channel_names
+from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import GainFit, fit_at_gain, fit_gain, nuisance_regressors, predicted_at
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
 
-MISSED = {"motor_torque": 0.1, "motor_voltage": 0.1, "strain": 0.1, "acceleration": 0.1, "angular_rate": 0.1}
-"""Share of the motion that a nominal model misses, by quantity; else `MISSED_ELSE`."""
-MISSED_ELSE = 0.03
-AMISS = {"position": 1e-3, "deflection": 1e-3, "joint_angle": 1e-3, "inclination": 1e-3, "orientation": 1e-3}
-"""What it misses whatever the motion: a share of the reach of the arm, or an angle [rad]."""
+QUASI_STATIC = ("position", "deflection", "joint_angle", "inclination", "orientation")
+"""Quantities that do not ring by as much as they move."""
+RINGING = ("motor_torque", "motor_voltage", "strain", "acceleration", "angular_rate")
+"""Quantities of which a nominal model misses more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,14 +117,9 @@ class Channel:
         return replace(self, **arrays)
 
 
-LEAST_ROWS = 6
-STANDS = 0.05
-"""Part of a drive's greatest rate below which it stands."""
-
-
 def missed_share(signal: Signal) -> float:
     """Share of a motion that a nominal model misses of a signal [-]."""
-    return MISSED.get(signal.quantity, MISSED_ELSE)
+    return POLICY.missed_ringing if signal.quantity in RINGING else POLICY.missed_share
 
 
 def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> list[Channel]:
@@ -133,7 +128,7 @@ def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> lis
         channel
         for signal in simulated.evidence.values()
         for channel in _of_signal(name, simulated, placement, signal)
-        if len(channel.rows) >= LEAST_ROWS
+        if len(channel.rows) >= POLICY.min_rows
     ]
 
 
@@ -169,12 +164,12 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
 
 
 def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
-    """Where some drive moves by more than a part `STANDS` of its greatest rate; everywhere in poses."""
+    """Where some drive moves by more than a part `moving_rate` of its greatest rate; everywhere in poses."""
     if simulated.record.kind == "static":
         return np.ones(len(instants), dtype=bool)
     run = simulated.simulation
     rate = np.abs(np.asarray(run.drive_rate))
-    moving = np.any(rate > STANDS * np.max(rate, axis=0), axis=1)
+    moving = np.any(rate > POLICY.moving_rate * np.max(rate, axis=0), axis=1)
     found: NDArray[np.bool_] = np.interp(instants, run.time, moving.astype(float)) > 0
     return found
 
@@ -194,7 +189,5 @@ def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
 
 def _model_error(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
     """What a nominal model misses of a channel [SI]."""
-    absolute = AMISS.get(signal.quantity, 0.0)
-    if signal.unit == "m":
-        absolute = AMISS["position"] * reach(simulated.arm)
-    return float(np.hypot(absolute, missed_share(signal) * moving))
+    size = reach(simulated.arm) if signal.unit == "m" else float(signal.quantity in QUASI_STATIC)
+    return float(np.hypot(POLICY.missed_at_rest * size, missed_share(signal) * moving))

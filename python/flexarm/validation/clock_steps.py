@@ -3,17 +3,17 @@
     y = s p + sum a c - d H(t - T) dp/dt + e                                                           (1)
 
 d is the step of the delay at the time T, H Heaviside's step, the rest as in
-`validation.regression`. A step is said if it takes away `EXPLAINED` of the squares of e for one
+`validation.regression`. A step is said if it takes away `predominant_share` of the squares of e for one
 of the channels of that clock; a missing effect acts before T as after it.
 
 What a person should know of samples: pauses, drop-outs, and noise unlike the stated one.
 
-A pause is an interval of more than `PAUSE` usual ones; drop-outs are said from `LOST` of the rows on. The
-noise of angles, which are smooth from sample to sample, shows in their third differences,
+A pause is an interval of more than `pause_ratio` usual ones; drop-outs are said from `lost_share` of the rows
+on. The noise of angles, which are smooth from sample to sample, shows in their third differences,
 
     std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise                                        (1)
 
-and is said where it is `UNLIKE` times the stated one, or as many times less.
+and is said where it is `unusual_ratio` times the stated one, or as many times less.
 
 Records that say they begin at rest, and a drive that moves in their first sample.
 
@@ -27,20 +27,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.validation.channel import Channel, channels
+from flexarm.validation.channel import QUASI_STATIC, Channel, channels
 from flexarm.validation.initial_alignment import initial_alignment
-from flexarm.validation.saturation import QUASI_STATIC
+from flexarm.validation.policy import POLICY
 
 if TYPE_CHECKING:
     from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record, Signal
-
-
-EXPLAINED = 0.8
-SHORTEST = 3e-3
-"""Steps of the delay that are said [s]."""
-TIMES = 60
-"""Instants T that are tried."""
 
 
 def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
@@ -57,7 +50,7 @@ def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
         found += [
             f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
             for clock, (share, step, at, label) in best.items()
-            if share > EXPLAINED and abs(step) > SHORTEST
+            if share > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
         ]
     return found
 
@@ -71,7 +64,7 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
     e = channel.measured - Q @ (Q.T @ channel.measured)
     whole = float(e @ e) or 1.0
     best = (0.0, 0.0, 0.0, channel.label)
-    for at in np.linspace(channel.time[0], channel.time[-1], TIMES + 2)[2:-2]:
+    for at in np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]:
         late = np.where(channel.time > at, rate, 0.0)
         late = late - Q @ (Q.T @ late)
         size = float(late @ late)
@@ -79,11 +72,6 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
             step = float(late @ e) / size
             best = max(best, (step**2 * size / whole, step, float(at), channel.label))
     return best
-
-
-PAUSE, LOST, UNLIKE = 20.0, 0.1, 3.0
-SMOOTH_RATE = 50.0
-"""Rate from which on (1) holds [Hz]."""
 
 
 def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
@@ -99,17 +87,17 @@ def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
 def _remarks(signal: Signal) -> list[str]:
     found = []
     lost = 1.0 - float(np.mean(signal.valid)) if len(signal) else 1.0
-    if LOST < lost < 1:  # that a signal holds nothing is why it is not compared, which is said
+    if POLICY.lost_share < lost < 1:  # that a signal holds nothing is why it is not compared, which is said
         found.append(f"{signal.name} holds no value in {lost:.0%} of its {len(signal)} rows")
     if len(signal.time) > 2:
         steps = np.diff(signal.time)
         worst = int(np.argmax(steps))
-        if steps[worst] > PAUSE * np.median(steps):
+        if steps[worst] > POLICY.pause_ratio * np.median(steps):
             found.append(
                 f"{signal.name} pauses for {steps[worst]:.3g} s after t = {signal.time[worst]:.6g} s; "
                 f"its samples are usually {np.median(steps):.3g} s apart"
             )
-    if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= SMOOTH_RATE:
+    if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= POLICY.smooth_rate_hz:
         found += _noise(signal, signal.noise_std)
     return found
 
@@ -119,13 +107,9 @@ def _noise(signal: Signal, stated: float) -> list[str]:
     third = np.diff(signal.values[:, 0], 3)
     third = np.abs(third[np.isfinite(third)])
     noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (1)
-    if noise == 0 or stated / UNLIKE < noise < stated * UNLIKE:
+    if noise == 0 or stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
         return []
     return [f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"]
-
-
-SUDDEN = 0.05
-"""Rate with which a drive begins, over its greatest one, above which it was moving before."""
 
 
 def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
@@ -139,7 +123,7 @@ def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[st
             if signal.quantity != "joint_angle":
                 continue
             rate = np.abs(run.drive_rate[:, run.joints.index(signal.joint)])
-            if len(rate) > 1 and rate[1] > SUDDEN * rate.max():
+            if len(rate) > 1 and rate[1] > POLICY.moving_rate * rate.max():
                 share = f"{100 * rate[1] / rate.max():.0f} % of its greatest rate"
                 yield (
                     f"{name}: {signal.name} moves in the first sample, at {share}, and the record says that "

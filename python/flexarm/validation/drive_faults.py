@@ -30,31 +30,16 @@ from flexarm.validation.drive_hypotheses import (
     similar_factors,
     unit_factors,
 )
-from flexarm.validation.finding import PRIOR, ChannelFinding, total_cost
-from flexarm.validation.gain_faults import CERTAIN, find_channel_faults
+from flexarm.validation.finding import ChannelFinding, total_cost
+from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import simulate_records
+from flexarm.validation.policy import POLICY
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record
 
 
-COARSE = 1e-2
-"""Step of hypotheses' runs [s]: enough to tell a factor of 57 or a sign."""
-CLEAR = 5.0
-"""Difference of costs from which a drive is at fault."""
-PLAIN = 15.0
-"""The same from which on, all channels being in order, only hypotheses near to this one are tried."""
-REPAIRED = 0.7
-"""Share of the channels that must be in order then; the others must have been at fault before, alike."""
-MOST = 1e3
-"""Logarithm of odds beyond which none are told apart, nor where the model cannot follow the drives at all."""
-OFF = 0.1
-"""Logarithm of (1) that needs another factor."""
-EXACT = 0.01
-"""Relative standard deviation of a factor at least; else what (1) is off by."""
-ROUNDS = 3
-"""Corrections (1) of a factor at most: where it is off by much the slopes shrink."""
 Values = Mapping[str, tuple[float, float, str]]
 
 
@@ -97,7 +82,7 @@ class _TestedHypothesis:
     channels : list of ChannelFinding
         The channels then.
     cost : float
-        What they cost, with the hypothesis itself; of several drives at fault the others cost `CLEAR` each.
+        Costs of the channels and of the hypothesis; further drives at fault cost `clear_log_odds` each.
     repairs : bool
         Whether it leaves enough of them in order, and none at fault that was not before.
     """
@@ -132,14 +117,16 @@ class _DriveTest:
             return None
         known = {each.key for each in self.channels or () if each.name}
         new = any(each.name and each.key not in known for each in rest)
-        repairs = not new and np.mean([not (each.name or each.unexplained) for each in rest]) >= REPAIRED
-        price = total_cost(rest) - PRIOR + CLEAR * (len(hypothesis) - 1)
+        repairs = (
+            not new and np.mean([not (each.name or each.unexplained) for each in rest]) >= POLICY.min_repaired
+        )
+        price = total_cost(rest) - POLICY.prior_log_odds + POLICY.clear_log_odds * (len(hypothesis) - 1)
         return _TestedHypothesis(hypothesis, rest, price, bool(repairs))
 
     def log_bayes(self, trial: _TestedHypothesis) -> float:
         """Of a hypothesis against the best explanation without it."""
         before = total_cost(self.channels) if self.channels is not None else np.inf
-        return float(min(before - trial.cost, MOST))
+        return float(min(before - trial.cost, POLICY.max_log_odds))
 
     def finding(self, trial: _TestedHypothesis | None) -> DriveFault | None:
         """What a hypothesis says, if it repairs."""
@@ -148,7 +135,7 @@ class _DriveTest:
         values = {}
         for effect in trial.hypothesis:
             gain = _mean_gain(self.arm, str(self.record.signals[effect.at].joint), trial.channels)
-            relative = max(EXACT, abs(log(gain)))
+            relative = max(POLICY.factor_accuracy, abs(log(gain)))
             values[effect.at] = {
                 key: (value, relative * value, unit) for key, value, unit in effect.parameters()
             }
@@ -169,18 +156,18 @@ def find_drive_fault(
     test = _DriveTest(arm, name, record, channels, alpha)
     best: _TestedHypothesis | None = None
     for hypothesis in drive_hypotheses(arm, record, channels):
-        plain = best is not None and best.all_in_order and test.log_bayes(best) > PLAIN
+        plain = best is not None and best.all_in_order and test.log_bayes(best) > POLICY.decisive_log_odds
         if plain and best is not None and not similar_factors(hypothesis, best.hypothesis):
             continue
-        best = _choose(best, test.simulate(hypothesis, COARSE))
-    for _ in range(ROUNDS):
+        best = _choose(best, test.simulate(hypothesis, POLICY.coarse_step))
+    for _ in range(POLICY.max_corrections):
         other = _corrected(arm, record, best)
-        trial = None if other is None else test.simulate(other, COARSE)
-        if trial is None or _choose(best, trial, CLEAR) is not trial:
+        trial = None if other is None else test.simulate(other, POLICY.coarse_step)
+        if trial is None or _choose(best, trial, POLICY.clear_log_odds) is not trial:
             break
         best = trial
     found = test.finding(best and test.simulate(best.hypothesis, step))
-    return found if found is not None and found.log_bayes > -CLEAR else None
+    return found if found is not None and found.log_bayes > -POLICY.clear_log_odds else None
 
 
 def _choose(
@@ -201,13 +188,13 @@ def _corrected(arm: Arm, record: Record, trial: _TestedHypothesis | None) -> Hyp
         return None
     [(at, factor)] = factors.items()
     gain = _mean_gain(arm, str(record.signals[at].joint), trial.channels)
-    return None if abs(log(gain)) < OFF else (UnitError(at=at, factor=factor / gain),)
+    return None if abs(log(gain)) < POLICY.factor_tolerance else (UnitError(at=at, factor=factor / gain),)
 
 
 def _mean_gain(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> float:
     """Slope (1) of the channels that a joint moves, 1 where none is known."""
     fits = [each.channel.fit() for each in found if is_moved_by(arm, joint, each.channel.signal)]
-    known = [fit for fit in fits if fit.gain > CERTAIN * fit.std]
+    known = [fit for fit in fits if fit.gain > POLICY.min_sigmas * fit.std]
     if not known:
         return 1.0
     weights = [(fit.gain / fit.std) ** 2 for fit in known]

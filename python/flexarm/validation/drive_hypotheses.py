@@ -22,6 +22,7 @@ from flexarm.record.doubts import FARTHEST
 from flexarm.record.lasting import LIVELY, motion_of
 from flexarm.validation.finding import ChannelFinding
 from flexarm.validation.gain_faults import name_conversion
+from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 
 if TYPE_CHECKING:
@@ -34,17 +35,6 @@ Hypothesis = tuple["ChannelEffect", ...]
 
 FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0.1, 2.0, 0.5, 4.0, 0.25)
 """Wrong units of angles and counts; the joint's own ratio and its inverse come on top."""
-OF_ALL = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3)
-"""The same of all drives together."""
-WILD = 20 * pi
-"""Angle of a drive [rad], at a joint's output, beyond which no model is driven by it if it is fast, too.
-
-It is five times as far as hardly any joint goes; such a run takes minutes and says no more.
-"""
-LEAST = 1e-3
-"""Standard deviation of a motion that a hypothesis must leave [rad or m]."""
-NEAR = 12.0
-"""Ratio of factors within which one may pass for another: little is known of motions a tenth too small."""
 
 
 def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding] | None) -> list[Hypothesis]:
@@ -69,7 +59,7 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
     found += [each for signal in moving for each in _unit_hypotheses([signal], arm, FACTORS)]
     turning = [signal for signal in drives if signal.unit == "rad"]
     if moving and len(turning) > 1:
-        found += _unit_hypotheses(turning, arm, OF_ALL)
+        found += _unit_hypotheses(turning, arm, FACTORS[:6])
     beyond = implausible_drives(arm, record)
     found = [each for each in found if beyond <= unit_factors(each).keys()]
     wild = {signal.name for signal in drives if _relative_range(signal, arm) > 1}
@@ -77,7 +67,7 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
 
 
 def implausible_drives(arm: Arm, record: Record) -> set[str]:
-    """Return the drives that turn their joint further than `WILD` and faster than joints do, as they stand.
+    """Return the drives that turn their joint beyond `implausible_angle`, and faster than joints do.
 
     Drives with an effect of the model are left out: it says what their values are.
     """
@@ -87,9 +77,9 @@ def implausible_drives(arm: Arm, record: Record) -> set[str]:
 
 
 def is_implausible(signal: Signal, arm: Arm) -> bool:
-    """Return True if a drive of a motion turns its joint further than `WILD`, and faster than joints do."""
+    """Return True if a drive turns its joint beyond `implausible_angle`, and faster than joints do."""
     turns = signal.unit == "rad" and signal.joint is not None and signal.pose is None
-    if not turns or FARTHEST * _relative_range(signal, arm) <= WILD:
+    if not turns or FARTHEST * _relative_range(signal, arm) <= POLICY.implausible_angle:
         return False
     motion = motion_of(signal.name, signal.time, signal.values[:, 0], signal.unit)
     return motion.rate > LIVELY * shaft_ratio(signal.joint, arm.gears)
@@ -109,14 +99,14 @@ def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
         for each in [*alike, *own]
         if all(_relative_range(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
-        and any(_spread(signal) / f > LEAST for signal, f in zip(drives, each, strict=True))
+        and any(_spread(signal) / f > POLICY.min_drive_motion for signal, f in zip(drives, each, strict=True))
     ]
 
 
 def similar_factors(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether two hypotheses put a drive in units that may pass for one another."""
     mine, its = unit_factors(one), unit_factors(other)
-    return any(abs(log(mine[at] / its[at])) < log(NEAR) for at in mine.keys() & its.keys())
+    return any(abs(log(mine[at] / its[at])) < log(POLICY.similar_factors) for at in mine.keys() & its.keys())
 
 
 def unit_factors(hypothesis: Hypothesis) -> dict[str, float]:
@@ -160,10 +150,6 @@ def is_moved_by(arm: Arm, joint: str, signal: Signal) -> bool:
     return False
 
 
-OFF_RATIO = 0.01
-"""Logarithm to which a factor is told from a gear's ratio."""
-
-
 def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
     """What the drives do, and what follows the model once that is taken back."""
     others = ", ".join(name for name in record.signals if name not in record.drive)
@@ -191,8 +177,8 @@ def _name_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
     ratios = {at: gear_ratio(arm, str(record.signals[at].joint)) for at in factors}
     if all(ratio == 1 for ratio in ratios.values()):
         return ""
-    if all(abs(log(factors[at] / ratio)) < OFF_RATIO for at, ratio in ratios.items()):
+    if all(abs(log(factors[at] / ratio)) < POLICY.factor_accuracy for at, ratio in ratios.items()):
         return ", the motor's own angle, not divided by the gear ratio"
-    if all(abs(log(factors[at] * ratio)) < OFF_RATIO for at, ratio in ratios.items()):
+    if all(abs(log(factors[at] * ratio)) < POLICY.factor_accuracy for at, ratio in ratios.items()):
         return ", the angle divided by the gear ratio twice"
     return ""

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +31,7 @@ import numpy as np
 from flexarm.measurement.outliers import told
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.channel import Channel
+from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import effective_samples
 from flexarm.wording import with_unit
 
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 
-PRIOR = log(1e-3)
-"""Of a channel to be at fault, in (1)."""
 NOTHING = 1e-12
 """What is left at least: readings and prediction may both stand at 0 [SI]."""
 
@@ -88,8 +86,8 @@ class ChannelFinding:
 def log_bayes(count: int, before: float, after: float) -> float:
     """(1)."""
     if not before > 0:
-        return PRIOR  # there was nothing to explain
-    return effective_samples(count) * float(np.log(before / after)) + PRIOR
+        return POLICY.prior_log_odds  # there was nothing to explain
+    return effective_samples(count) * float(np.log(before / after)) + POLICY.prior_log_odds
 
 
 def cost(channel: Channel, rms: float, penalty: float = 0.0) -> float:
@@ -103,7 +101,7 @@ def cost(channel: Channel, rms: float, penalty: float = 0.0) -> float:
 def total_cost(found: Sequence[ChannelFinding]) -> float:
     """(2) of all channels; those of one sensor that have one fault share its prior."""
     named = [(each.name, each.channel.signal.name) for each in found if each.name]
-    return sum(each.cost for each in found) + PRIOR * (len(named) - len(set(named)))
+    return sum(each.cost for each in found) + POLICY.prior_log_odds * (len(named) - len(set(named)))
 
 
 @dataclass(frozen=True)

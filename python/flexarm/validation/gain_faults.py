@@ -1,10 +1,10 @@
 """Sign and unit of a channel, from the slope by which it follows its prediction; dead channels.
 
-A sensor in order has slope 1 within what missing effects do to it (`IN_ORDER`): an arm 5 % too long, a
-payload twice as heavy. A slope counts only if the channel then follows the prediction to `FOLLOWS` of its
-motion and is known to five sigma. Factors near a conversion of units are named after it, of a torque also
-those of its joint's gear. What bears a load shows any other factor up to `HEAVIER` where the arm carries what
-no one stated: that is said, and no fault.
+A sensor in order has slope 1 within what missing effects do to it (`max_gain`): an arm 5 % too long, a
+payload twice as heavy. A slope counts only if the channel then follows the prediction to `max_unexplained` of
+its motion and is known to five sigma. Factors near a conversion of units are named after it, of a torque also
+those of its joint's gear. What bears a load shows any other factor up to `max_load_gain` where the arm
+carries what no one stated: that is said, and no fault.
 
 All channels of a record, each under its best hypothesis.
 """
@@ -20,8 +20,9 @@ import numpy as np
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.torque import gear_ratio
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.finding import PRIOR, ChannelFinding, cost, log_bayes
+from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import GainFit, predicted_at
 from flexarm.validation.saturation import find_frozen, find_saturation, frozen_as_dead
 from flexarm.wording import with_unit
@@ -31,22 +32,8 @@ if TYPE_CHECKING:
     from flexarm.record import Signal
 
 
-IN_ORDER = 1.6
-"""Slopes between its inverse and it need no other unit."""
-LOOSE = {"motor_torque": 3.0, "motor_voltage": 3.0, "strain": 3.0, "deflection": 3.0}
-"""The same for what bears loads, and the nominal model knows less well."""
-HEAVIER = 20.0
-"""Factor, or its inverse, that a load which is not stated may give to these."""
-FOLLOWS = 0.3
-"""Greatest share of the motion that a hypothesis may leave."""
-CERTAIN = 5.0
-"""Sigmas by which a slope must be known."""
-STILL = 0.02
-"""Share of the predicted motion below which a channel does not move."""
-STRAINED = 4.5
-"""Half of the squares of sigmas by which what is no fault may be off: an offset of three, say."""
-FAR_DELAY = 0.15
-"""Delays [s] that may turn a sign and are no sign error."""
+LOADED = ("motor_torque", "motor_voltage", "strain", "deflection")
+"""Quantities that bear loads, which the nominal model knows less well."""
 ANGLES, LENGTHS, RATES, ACCELERATIONS = ("rad",), ("m",), ("rad/s",), ("m/s2",)
 UNITS: dict[str, tuple[float, tuple[str, ...]]] = {
     "degrees for radians": (180 / pi, ANGLES + RATES),
@@ -77,10 +64,10 @@ def judge_gain(channel: Channel, simulated: SimulatedRecord, placement: Placemen
     """The channel under its best hypothesis of slope."""
     fit, own = channel.fit(), channel.fit_at_gain(1.0)
     here = in_order(channel, own)
-    firm = abs(fit.gain) > CERTAIN * fit.std and fit.unexplained_share < FOLLOWS
+    firm = abs(fit.gain) > POLICY.min_sigmas * fit.std and fit.unexplained_share < POLICY.max_unexplained
     if not firm:
         return _dead_channel(channel, own) or replace(here, unexplained=_is_unexplained(channel, own))
-    loose = LOOSE.get(channel.signal.quantity, IN_ORDER)
+    loose = POLICY.max_loaded_gain if channel.signal.quantity in LOADED else POLICY.max_gain
     another_unit = not 1 / loose < abs(fit.gain) < loose
     if fit.gain > 0 and not another_unit:
         return replace(here, unexplained=_is_unexplained(channel, own))
@@ -115,7 +102,12 @@ def _unit_error(channel: Channel, fit: GainFit, own: GainFit, arm: Arm) -> Chann
     why = gear_side(channel.signal, factor, relative, arm)
     why = why or name_conversion(factor, relative, channel.signal.unit)
     times = f"{channel.label} moves {turned}{factor:.5g} times as far as the model says"
-    if not why and fit.gain > 0 and channel.signal.quantity in LOOSE and 1 / HEAVIER < factor < HEAVIER:
+    if (
+        not why
+        and fit.gain > 0
+        and channel.signal.quantity in LOADED
+        and 1 / POLICY.max_load_gain < factor < POLICY.max_load_gain
+    ):
         load = "does the arm carry what model and record state?"
         return replace(in_order(channel, own), sentence=f"{times}, which no unit gives: {load}")
     sentence = (
@@ -147,7 +139,7 @@ def _dead_channel(channel: Channel, own: GainFit) -> ChannelFinding | None:
     """A channel that shows one value, but for its noise, while the model says that it moves."""
     seen, said = float(np.std(channel.measured)), float(np.std(channel.predicted))
     noise = channel.signal.noise_std or 0.0
-    quiet = seen <= max(3 * noise, STILL * said) or seen == 0
+    quiet = seen <= max(3 * noise, POLICY.negligible_share * said) or seen == 0
     lively = said > 10 * max(noise, 0.1 * channel.model_error) if seen == 0 else said > 10 * max(noise, seen)
     enough = channel.model_error < 0.3 * said
     if not (quiet and lively and enough):
@@ -179,7 +171,9 @@ def _if_better(
     if bayes <= 0:
         return in_order(channel, own)
     rms, penalty = (after.rms, after.penalty) if isinstance(after, GainFit) else (after, 0.0)
-    return ChannelFinding(channel, name, bayes, cost(channel, rms, penalty) - PRIOR, values, sentence)
+    return ChannelFinding(
+        channel, name, bayes, cost(channel, rms, penalty) - POLICY.prior_log_odds, values, sentence
+    )
 
 
 def _is_unexplained(channel: Channel, own: GainFit) -> bool:
@@ -189,8 +183,10 @@ def _is_unexplained(channel: Channel, own: GainFit) -> bool:
     strained.
     """
     moving = max(float(np.std(channel.predicted)), 10 * channel.noise)
-    far = own.scatter > FOLLOWS * moving and own.scatter > 5 * np.hypot(channel.noise, channel.model_error)
-    return far or own.penalty > STRAINED
+    far = own.scatter > POLICY.max_unexplained * moving and own.scatter > 5 * np.hypot(
+        channel.noise, channel.model_error
+    )
+    return far or own.penalty > POLICY.max_penalty
 
 
 def _explained_by_delay(
@@ -199,20 +195,16 @@ def _explained_by_delay(
     """Whether a delay explains a turned sign as well: vibration at 5 Hz turns over in 0.1 s."""
     if simulated.record.kind == "static":
         return False
-    for delay in np.linspace(-FAR_DELAY, FAR_DELAY, 31):
+    for delay in np.linspace(-POLICY.max_delay, POLICY.max_delay, 31):
         there = predicted_at(simulated, channel.signal, placement, float(delay))[channel.rows, channel.index]
         if not np.isfinite(there).all():
             continue
         fit = replace(channel, predicted=there).fit()
-        if fit.gain > CERTAIN * fit.std and fit.unexplained_share < max(
-            FOLLOWS, 3 * flipped.unexplained_share
+        if fit.gain > POLICY.min_sigmas * fit.std and fit.unexplained_share < max(
+            POLICY.max_unexplained, 3 * flipped.unexplained_share
         ):
             return True
     return False
-
-
-AT_ITS_ENDS = 0.8
-"""Share of the repeated values that lie at the ends of the range, where a channel is cut off, not frozen."""
 
 
 def find_channel_faults(name: str, simulated: SimulatedRecord) -> list[ChannelFinding]:
@@ -227,7 +219,7 @@ def _judge_channel(channel: Channel, simulated: SimulatedRecord, placement: Plac
     if slope.name:
         return slope
     held, cut = find_frozen(channel), find_saturation(channel)
-    if cut is not None and (held is None or np.mean(cut[1][held[0]]) > AT_ITS_ENDS):
+    if cut is not None and (held is None or np.mean(cut[1][held[0]]) > POLICY.predominant_share):
         return cut[0]
     if held is None:
         return slope

@@ -1,19 +1,20 @@
 """Gross outliers: samples far from their neighbours that are back in place one or two rows later.
 
 A row of evidence is one if its residual differs from the median of its seven neighbours, and from the
-parabolas through those before, after and on both sides (`flexarm.measurement.outliers`), by more than `NOISE`
-times the stated noise, `SPREAD` times the usual such difference, `NEARBY` times that of most rows around it,
-and `RINGING` times the vibration that the model predicts around it: a move that rings the arm does so for
-several rows, and a model seldom has the phase of its ringing right. Torques, accelerations and strains jump
-where teeth strike; of these only readings beyond `RANGES` ranges of the others are outliers. Drives have no
-residual: their samples are told apart by the parabolas alone; where a drive stops within a sample, one of the
-three is right. What a motion does by itself from sample to sample shows in third differences beside a row,
+parabolas through those before, after and on both sides (`flexarm.measurement.outliers`), by more than
+`spike_noises` times the stated noise, `spike_spread` times the usual such difference, `NEARBY` times that of
+most rows around it, and `unusual_ratio` times the vibration that the model predicts around it: a move that
+rings the arm does so for several rows, and a model seldom has the phase of its ringing right. Torques,
+accelerations and strains jump where teeth strike; of these only readings beyond `RANGES` ranges of the others
+are outliers. Drives have no residual: their samples are told apart by the parabolas alone; where a drive
+stops within a sample, one of the three is right. What a motion does by itself from sample to sample shows in
+third differences beside a row,
 
     |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
 
 by which the outer two parabolas miss: of a drive without noise these are all that is left, and a row must be
-off by more than `BENDS` times the median of those beside it. Poses have no neighbours and are laid beside one
-another (`flexarm.comparison.pose_outliers`).
+off by more than `edge_ratio` times the median of those beside it. Poses have no neighbours and are laid
+beside one another (`flexarm.comparison.pose_outliers`).
 """
 
 from __future__ import annotations
@@ -39,30 +40,11 @@ from flexarm.measurement.outliers import (
 from flexarm.measurement.predict import read
 from flexarm.validation.channel import channels
 from flexarm.validation.finding import RemovedOutliers
+from flexarm.validation.policy import POLICY
 
 if TYPE_CHECKING:
     from flexarm.comparison.simulated_record import Placement, SimulatedRecord
     from flexarm.record import Record, Signal
-
-
-NOISE, SPREAD = 15.0, 12.0
-RINGING, PERIOD = 3.0, 0.6
-"""Vibration is what differs from cubics through `PERIOD` [s], on a grid of `GRID` [s]."""
-GRID = 0.02
-AT_ENDS = 4.0
-"""Limit of the first and the last two rows over that of others: they have but one of the three parabolas."""
-LONGEST = 2
-"""Rows one after the other that may be outliers."""
-MOST = 0.15
-"""Share of the rows above which they are no outliers but what the signal shows."""
-DRIVE_NOISE = 30.0
-"""As `NOISE`, of drives; parabolas have up to 4.4 times the noise of a sample."""
-BENDS = 4.0
-"""As `NEARBY`, of drives, over (1): at the ends of a smooth motion a row is off by (1) itself."""
-LEAST = 1e-6
-"""Of a drive's range, by which a row must be off at least: less shows in no sensor, and may be rounding."""
-COUNTS = 2.0
-"""Steps of an encoder that a drive may jump by: rounding moves it off the middle parabola by up to 4/3."""
 
 
 def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutliers]]:
@@ -73,7 +55,7 @@ def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutlier
         if signal.pose is not None or signal.quantity == "joint_command" or len(signal) < 20:
             continue
         rows = _isolated(drive_spikes(signal.values[:, 0], signal.noise_std or 0.0))
-        if rows.any() and rows.mean() < MOST:
+        if rows.any() and rows.mean() < POLICY.max_spike_share:
             record = blank_rows(record, signal, rows)
             found.append(_removed(name, signal, rows, signal.values))
     return record, found
@@ -98,7 +80,7 @@ def clean_evidence(
         rows = _isolated(spikes(residual, noise, predicted_vibration(simulated, signal, placement)))
         if signal.quantity not in SMOOTH:
             rows &= beyond_all(residual, rows)
-        if rows.any() and rows.mean() < MOST:
+        if rows.any() and rows.mean() < POLICY.max_spike_share:
             record = blank_rows(record, signal, rows)
             found.append(_removed(name, signal, rows, residual))
     return record, found
@@ -124,10 +106,14 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) > NEIGHBOURS:
         nearest = off_the_parabolas(samples[rows][:, None])[:, 0]
-        usual = 2 * SPREAD * float(np.median(nearest))
-        least = LEAST * float(np.ptp(samples[rows]))
-        limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * lattice_step(samples))
-        found[rows] = nearest > np.maximum(limit, BENDS * _neighbouring_third_differences(samples[rows]))
+        usual = 2 * POLICY.spike_spread * float(np.median(nearest))
+        least = POLICY.rounding_share * float(np.ptp(samples[rows]))
+        limit = max(
+            POLICY.drive_spike_noises * noise, usual, least, POLICY.spike_counts * lattice_step(samples)
+        )
+        found[rows] = nearest > np.maximum(
+            limit, POLICY.edge_ratio * _neighbouring_third_differences(samples[rows])
+        )
     return found
 
 
@@ -145,10 +131,12 @@ def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: P
     from scipy.signal import savgol_filter
 
     run, instants = simulated.simulation, simulated.instants(signal, placement)
-    window = 2 * round(PERIOD / GRID / 2) + 1
-    first = max(instants[0] - PERIOD, run.time[0])
-    last = max(min(instants[-1] + PERIOD, run.time[-1]), first + window * GRID)
-    grid = np.arange(first, last, GRID)
+    window = 2 * round(POLICY.vibration_period / POLICY.vibration_step / 2) + 1
+    first = max(instants[0] - POLICY.vibration_period, run.time[0])
+    last = max(
+        min(instants[-1] + POLICY.vibration_period, run.time[-1]), first + window * POLICY.vibration_step
+    )
+    grid = np.arange(first, last, POLICY.vibration_step)
     on_grid = read(run, signal, np.minimum(grid, run.time[-1]), simulated.frame(signal, placement))
     vibration = np.abs(on_grid - savgol_filter(on_grid, window, 3, axis=0))
     greatest = maximum_filter1d(vibration, window, axis=0, mode="nearest")
@@ -172,10 +160,13 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     if not len(rows):
         return found
     size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
-    limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby(size))
-    limit[[0, 1, -2, -1]] *= AT_ENDS
+    limit = np.maximum(
+        np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual), NEARBY * nearby(size)
+    )
+    limit[[0, 1, -2, -1]] *= POLICY.edge_ratio
     found[rows] = np.any(
-        size > np.maximum(limit, RINGING * np.broadcast_to(ringing, residual.shape)[rows]), axis=1
+        size > np.maximum(limit, POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows]),
+        axis=1,
     )
     return found
 
@@ -188,11 +179,11 @@ def blank_rows(record: Record, signal: Signal, rows: NDArray[np.bool_]) -> Recor
 
 
 def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Runs of no more than `LONGEST` rows."""
+    """Runs of no more than `max_spike_rows` rows."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], rows.astype(int), [0]])))
     found = np.zeros_like(rows)
     for first, last in edges.reshape(-1, 2):
-        if last - first <= LONGEST:
+        if last - first <= POLICY.max_spike_rows:
             found[first:last] = True
     return found
 

@@ -41,13 +41,12 @@ from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import sample
+from flexarm.validation.policy import POLICY
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
 
-INDEPENDENT = 20
-"""N of (2) at most: a motion of half a minute swings about ten times to and fro."""
 ROUNDS = 8
 
 
@@ -88,7 +87,7 @@ class GainFit:
 
 def effective_samples(count: int) -> int:
     """N of (2)."""
-    return min(count, INDEPENDENT)
+    return min(count, POLICY.independent_samples)
 
 
 def fit_gain(
@@ -151,14 +150,8 @@ def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floa
     return inverse @ (w * (B.T @ y)) / scale, np.diag(inverse) / scale**2
 
 
-TURN = 0.05
-"""S of (2) [rad]."""
-LATE = 0.03
-"""S of (3) [s] where the clock is known better."""
 SHORT = 5e-3
 """Half the difference of time for dp/dt of (3) [s]."""
-OFFSETS = {"joint_angle": 0.1, "inclination": 0.05, "orientation": 0.05, "angular_rate": 0.05}
-"""S of (1) [SI]; positions: 2 % of the reach; accelerations: 0.5 m/s2; infinite where none is given."""
 
 
 def predicted_at(
@@ -179,11 +172,11 @@ def nuisance_regressors(
     regressors, prior_std = [np.ones(n)], [_offset(simulated, signal)]  # eq. (1)
     for other in _other_axes(simulated, signal, placement, k):
         regressors.append(other)
-        prior_std.append(TURN)  # eq. (2)
+        prior_std.append(POLICY.turn_std)  # eq. (2)
     if simulated.record.kind == "motion":
         ahead, behind = (predicted_at(simulated, signal, placement, shift)[:, k] for shift in (-SHORT, SHORT))
         regressors.append((behind - ahead) / (2 * SHORT))  # eq. (3)
-        prior_std.append(max(LATE, 3 * _clock_sigma(simulated, signal)))
+        prior_std.append(max(POLICY.delay_std, 3 * _clock_sigma(simulated, signal)))
         if signal.quantity in ("motor_torque", "motor_voltage"):
             regressors += _friction(simulated, signal, placement)  # eq. (4)
             prior_std += [3 * float(np.nanstd(predicted[:, k]))] * 2
@@ -194,11 +187,9 @@ def _offset(simulated: SimulatedRecord, signal: Signal) -> float:
     """S of (1)."""
     if signal.quantity == "position":
         frame = simulated.record.frame_of(signal)
-        own = 0.02 * reach(simulated.arm)
+        own = POLICY.frame_offset_std * reach(simulated.arm)
         return float("inf") if frame.unknown else max(own, 5 * float(np.max(frame.translation)))
-    if signal.quantity == "acceleration":
-        return 0.5
-    return float("inf") if signal.unit == "m" else OFFSETS.get(signal.quantity, float("inf"))
+    return float("inf") if signal.unit == "m" else POLICY.offset_std.get(signal.quantity, float("inf"))
 
 
 def _other_axes(simulated: SimulatedRecord, signal: Signal, placement: Placement, k: int) -> list[Floats]:

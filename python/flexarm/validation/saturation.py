@@ -15,8 +15,8 @@ upright, looks alike, but the model leaves it by little.
 A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
 or turns round too; where the drives stand, a model without damping may ring on, so that p counts in (1) only
 while one moves. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
-noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by `FAR` of
-its motion.
+noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by
+`noisy_plateau_motion` of its motion.
 """
 
 from __future__ import annotations
@@ -27,24 +27,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.validation.channel import Channel
-from flexarm.validation.finding import PRIOR, ChannelFinding, cost, log_bayes
+from flexarm.validation.channel import QUASI_STATIC, Channel
+from flexarm.validation.finding import ChannelFinding, cost, log_bayes
+from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import fit_at_gain
 
 Rows = NDArray[np.bool_]
-
-FEWEST = 5
-"""Rows of a plateau at least."""
-CROWDED = 0.02
-"""Share of all rows that a plateau with noise must hold: a few rows near the top are no end of a range."""
-MOVES = 0.2
-"""Of (1), in standard deviations of the prediction."""
-FAR = 1.0
-"""The same for a noisy plateau that is not at the end of the range."""
-QUASI_STATIC = ("position", "deflection", "joint_angle", "inclination", "orientation")
-"""Quantities that do not ring by as much as they move."""
-LOST = 0.1
-"""Share of the rows from which on a frozen channel is dead."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +45,7 @@ class Plateau:
 
 def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Plateau]:
     """All runs (1), exact repeats and noisy ones; a prediction that moves by less than `least` stands."""
-    moves = max(10 * noise, MOVES * float(np.std(p)), least)
+    moves = max(10 * noise, POLICY.plateau_motion * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
     if noise > 0 and stays_within(y, 6 * noise, fewest).any():
@@ -73,8 +61,8 @@ def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> 
 def rows_to_move(p: Floats, moves: float) -> int:
     """Return the rows below which no run of a prediction moves by `moves`, from its greatest step."""
     step = float(np.max(np.abs(np.diff(p)), initial=0.0))
-    if moves <= FEWEST * step:
-        return FEWEST
+    if moves <= POLICY.min_plateau_rows * step:
+        return POLICY.min_plateau_rows
     return len(p) + 1 if step * len(p) < moves else int(moves / step)
 
 
@@ -99,7 +87,7 @@ def repeats(y: Floats) -> list[Plateau]:
     """Longest runs of rows of one value."""
     ends = np.flatnonzero(np.diff(y) != 0) + 1
     firsts, lasts = np.append(0, ends), np.append(ends, len(y))
-    long = lasts - firsts >= FEWEST
+    long = lasts - firsts >= POLICY.min_plateau_rows
     return [Plateau(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
 
 
@@ -107,7 +95,7 @@ def constant_runs(y: Floats, width: float) -> list[Plateau]:
     """Longest runs of rows that stay within `width`, from the left."""
     if width == 0:
         return repeats(y)
-    begins = np.flatnonzero(stays_within(y, width, FEWEST))
+    begins = np.flatnonzero(stays_within(y, width, POLICY.min_plateau_rows))
     found: list[Plateau] = []
     k = 0
     while k < len(begins):
@@ -120,7 +108,7 @@ def constant_runs(y: Floats, width: float) -> list[Plateau]:
 
 def _end_of_run(y: Floats, first: int, width: float) -> int:
     """Return the first row after `first` beyond `width`, looked for in parts that double."""
-    rows = 4 * FEWEST
+    rows = 4 * POLICY.min_plateau_rows
     while True:
         part = y[first : first + rows]
         beyond = np.maximum.accumulate(part) - np.minimum.accumulate(part) > width
@@ -156,7 +144,7 @@ def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
         f"{beyond:.2g} {channel.signal.unit} there"
     )
     values = {"limit": (limit, float(std), channel.signal.unit)}
-    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - PRIOR
+    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - POLICY.prior_log_odds
     return ChannelFinding(channel, "saturation", bayes, price, values, sentence), at
 
 
@@ -164,14 +152,16 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
     """Rows at the upper end and its level, if (2) holds there."""
     at, level, width = _end(y, noise)
     inner = ~at & ~_end(-y, noise)[0]
-    fewest = max(FEWEST, CROWDED * len(y)) if width else FEWEST
+    fewest = (
+        max(POLICY.min_plateau_rows, POLICY.negligible_share * len(y)) if width else POLICY.min_plateau_rows
+    )
     if at.sum() < fewest or at.sum() > 0.9 * len(y):
         return None
     if width and not _piled_up(y, level, noise):
         return None
     shift, left = _centre_and_scatter(y[inner] - p[inner], floor)
     moving = float(np.std(p))
-    least = max(10 * noise, MOVES * moving, floor) if width else max(5 * noise, 0.02 * moving)
+    least = max(10 * noise, POLICY.plateau_motion * moving, floor) if width else max(5 * noise, 0.02 * moving)
     enough = max(least, 3 * left)
     goes_on = np.ptp(p[at]) >= enough and np.quantile(p[at] + shift - level, 0.8) >= enough / 2
     within = np.mean(p[~at] + shift <= level + max(3 * left, 5 * noise)) > 0.95
@@ -182,7 +172,7 @@ def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
     """Rows at the upper end, its level, and how far they scatter: not at all, or with the noise."""
     top = float(np.max(y))
     exact = y == top
-    if exact.sum() >= FEWEST:
+    if exact.sum() >= POLICY.min_plateau_rows:
         return exact, top, 0.0
     at = y >= top - 6 * noise
     return at, float(np.median(y[at])), 6 * noise
@@ -197,7 +187,7 @@ def _piled_up(y: Floats, level: float, noise: float) -> bool:
 
 def _centre_and_scatter(gap: Floats, floor: float) -> tuple[float, float]:
     """Median of a gap and its scatter; of few rows, what the nominal model may miss."""
-    if len(gap) < FEWEST:
+    if len(gap) < POLICY.min_plateau_rows:
         return 0.0, floor
     middle = float(np.median(gap))
     return middle, float(np.sqrt(np.mean((gap - middle) ** 2)))
@@ -229,7 +219,7 @@ def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
     for run in plateaus(y, p, channel.driven, noise, rounding):
         part = slice(run.first, run.last)
         far = (
-            moved(p, channel.driven, run) >= FAR * float(np.std(p))
+            moved(p, channel.driven, run) >= POLICY.noisy_plateau_motion * float(np.std(p))
             and channel.signal.quantity in QUASI_STATIC
         )
         if far or np.ptp(y[part]) == 0:
@@ -242,7 +232,7 @@ def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
 
 def frozen_as_dead(channel: Channel, at: Rows, sentence: str) -> ChannelFinding | None:
     """A channel that is frozen for so long that it is dead."""
-    if at.mean() < LOST:
+    if at.mean() < POLICY.lost_share:
         return None
     y, p = channel.measured[at], channel.predicted[at]
     columns = channel.regressors[at]
@@ -252,7 +242,7 @@ def frozen_as_dead(channel: Channel, at: Rows, sentence: str) -> ChannelFinding 
     if bayes <= 0:
         return None
     value = float(np.median(y))
-    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - PRIOR
+    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - POLICY.prior_log_odds
     values = {"value": (value, channel.noise / np.sqrt(at.sum()), channel.signal.unit)}
     moved = f"{sentence}, while the model moves by {np.ptp(p):.3g} {channel.signal.unit}"
     return ChannelFinding(channel, "dead_channel", bayes, price, values, moved)

@@ -18,13 +18,14 @@ from flexarm.record.doubts import clocks_apart
 from flexarm.simulation.endless import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
-from flexarm.validation.drive_faults import CLEAR, DriveFault, apply_known_fault, find_drive_fault
+from flexarm.validation.drive_faults import DriveFault, apply_known_fault, find_drive_fault
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import ChannelFinding, RemovedOutliers, ValidationResult
 from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_unstated_frames
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
 from flexarm.validation.outliers import blank_listed_rows, clean_drives, clean_evidence
+from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
     drop_missing_channels,
     plausibility_doubts,
@@ -272,7 +273,7 @@ def _choose(name: str, found: Sequence[ChannelFinding], drive: DriveFault | None
     """Whichever explains the record; both where they explain it alike."""
     if drive is None:
         return RecordFindings(name, found)
-    if drive.log_bayes > CLEAR:
+    if drive.log_bayes > POLICY.clear_log_odds:
         return RecordFindings(name, drive.channels, drive)
     return RecordFindings(name, found, drive, ambiguous=True)
 

@@ -23,12 +23,12 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.record.reached import span_by
-from flexarm.validation.channel import Channel
+from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.drive_faults import DriveFault
 from flexarm.validation.drive_hypotheses import is_disturbed, is_moved_by
 from flexarm.validation.finding import ChannelFinding
-from flexarm.validation.gain_faults import CERTAIN, FOLLOWS
-from flexarm.validation.saturation import QUASI_STATIC, constant_runs
+from flexarm.validation.policy import POLICY
+from flexarm.validation.saturation import constant_runs
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -36,17 +36,6 @@ if TYPE_CHECKING:
 
 
 Run = tuple[int, int]
-
-SHORTEST = 0.01
-"""Share of a record that a run of equal readings lasts at least."""
-WHOLE = 0.95
-"""Share from which on a drive stands all the time."""
-FURTHER = 3.0
-"""How many times further than usual the gap (1) must go."""
-FAR_OFF = 0.05
-"""Motion beside a drive that stands all the time, as a share of the reach or an angle [rad]."""
-SURE = 20.0
-"""Logarithm of the odds that are given to a drive that stands."""
 
 
 def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> DriveFault | None:
@@ -58,7 +47,7 @@ def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> Dr
         ]
         channels = [channel for channel in channels if channel.signal.quantity in QUASI_STATIC]
         standing = _constant_spans(time, angle, noise)
-        if any(last - first > WHOLE * len(angle) for first, last in standing):
+        if any(last - first > POLICY.whole_standstill * len(angle) for first, last in standing):
             who = (
                 next((c.label for c in channels if _moves_alone(c)), None) if len(record.drive) == 1 else None
             )
@@ -96,7 +85,7 @@ def _drives(record: Record) -> list[tuple[Signal, Floats, Floats]]:
 
 def _constant_spans(time: Floats, angle: Floats, noise: float) -> list[Run]:
     """Runs of readings that agree, exactly or else to within the noise."""
-    least = SHORTEST * float(time[-1] - time[0])
+    least = POLICY.min_standstill * float(time[-1] - time[0])
     for width in (0.0, 8 * noise):
         found = [(each.first, each.last) for each in constant_runs(angle, width)]
         found = [(i, j) for i, j in found if time[j - 1] - time[i] >= least]
@@ -122,17 +111,22 @@ def _goes_further(channel: Channel, times: Sequence[tuple[float, float]]) -> boo
     free = [t for t in starts if all(t > end or t + length < begin for begin, end in times)]
     usual = [_smoothed_range(channel, gap, t, t + length) for t in free]
     limit = max(
-        20 * channel.noise, 0.3 * channel.model_error, FURTHER * float(np.median(usual)) if usual else 0.0
+        20 * channel.noise,
+        0.3 * channel.model_error,
+        POLICY.unusual_ratio * float(np.median(usual)) if usual else 0.0,
     )
     return far > limit
 
 
 def _moves_alone(channel: Channel) -> bool:
-    """Whether a channel moves by `FAR_OFF`, and the model by much less."""
+    """Whether a channel moves by `min_swing`, and the model by much less."""
     first, last = channel.time[0], channel.time[-1]
     seen = _smoothed_range(channel, channel.measured, first, last)
     said = _smoothed_range(channel, channel.predicted, first, last)
-    return max(seen, float(np.std(channel.measured))) > FAR_OFF * channel.length_scale and seen > 3 * said
+    return (
+        max(seen, float(np.std(channel.measured))) > POLICY.min_swing * channel.length_scale
+        and seen > 3 * said
+    )
 
 
 def _smoothed_range(channel: Channel, values: Floats, begin: float, end: float) -> float:
@@ -174,11 +168,7 @@ def _stopped_drive(
 
 def _finding(signal: Signal, name: str, key: str, value: tuple[float, float], sentence: str) -> DriveFault:
     """A fault of one drive with one parameter and its standard deviation."""
-    return DriveFault({signal.name: {key: (*value, signal.unit)}}, name, SURE, sentence)
-
-
-MUCH = 0.1
-"""Part of the reach over which a drive alone must move a place."""
+    return DriveFault({signal.name: {key: (*value, signal.unit)}}, name, POLICY.stuck_log_odds, sentence)
 
 
 def confirmed_inputs(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> set[str]:
@@ -189,10 +179,12 @@ def confirmed_inputs(arm: Arm, record: Record, found: Sequence[ChannelFinding]) 
     return {
         name
         for name in record.drive
-        if any(span_by(record, arm, name, str(c.signal.point)) > MUCH * c.length_scale for c in firm)
+        if any(
+            span_by(record, arm, name, str(c.signal.point)) > POLICY.min_motion * c.length_scale for c in firm
+        )
     }
 
 
 def _follows(found: ChannelFinding) -> bool:
     fit = found.channel.fit()
-    return fit.gain > CERTAIN * fit.std and fit.unexplained_share < FOLLOWS
+    return fit.gain > POLICY.min_sigmas * fit.std and fit.unexplained_share < POLICY.max_unexplained
