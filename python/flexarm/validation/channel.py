@@ -1,7 +1,7 @@
-"""One channel of one record beside the nominal model: readings, prediction, and what a model misses of it.
+"""One channel of a record and its prediction by the nominal model.
 
-A part of the motion is missed by any nominal model: `model_error`. Faultless deviations are in
-`validation.regression`.
+A nominal model misses a part of any motion, the model error. Offsets, turns and delays that are no fault are
+the nuisance regressors of `validation.regression`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ RINGING = ("motor_torque", "motor_voltage", "strain", "acceleration", "angular_r
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """Readings of a channel, rows without a value left out.
+    """Hold the readings of a channel and their prediction, without rows that lack a value.
 
     Attributes
     ----------
@@ -46,15 +46,15 @@ class Channel:
     time : ndarray, shape (n,)
         Instants in the simulation's time [s], or numbers of poses.
     measured, predicted : ndarray, shape (n,)
-        Readings and what the nominal model says.
+        Readings and the nominal prediction.
     regressors, prior_std : ndarray, shapes (n, k) and (k,)
         c and S.
     noise, model_error : float
-        1 sigma of the readings, as stated, if they scatter by as much; what the nominal model misses [SI].
+        1 sigma of the readings, as stated or as they scatter, if that is less; model error [SI].
     length_scale : float
         The reach of the arm for lengths [m], else 1.
     driven : ndarray of bool, shape (n,)
-        Whether a drive moves; where none does, an arm may be at rest, and a model without damping rings on.
+        True where a drive moves. Elsewhere the arm may rest, while a model without damping rings on.
     """
 
     record: str
@@ -73,33 +73,33 @@ class Channel:
 
     @property
     def name(self) -> str:
-        """As effects name channels: an axis, or "" of a scalar."""
+        """Return the name by which effects know the channel: an axis, or "" of a scalar."""
         return channel_names(self.signal.quantity, self.signal.axes)[self.index]
 
     @property
     def label(self) -> str:
-        """For a person: the signal, and which channel of several."""
+        """Return the signal and the channel as text."""
         return f"{self.signal.name} {self.name}".rstrip()
 
     def fit(self) -> GainFit:
-        """How the readings follow the prediction."""
+        """Return the regression of the readings on the prediction."""
         return fit_gain(
             self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error
         )
 
     def fit_at_gain(self, gain: float) -> GainFit:
-        """The same by a slope that is given."""
+        """Return the same at a given gain."""
         args = (self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error)
         return fit_at_gain(gain, *args)
 
     @property
     def least_scatter(self) -> float:
-        """What any hypothesis leaves: noise, and the share of what its signal shows that models miss [SI]."""
+        """Return the least scatter of any hypothesis: noise, and what models miss of the shown motion."""
         shown = float(np.max(np.nanstd(self.signal.values, axis=0)))
         return float(np.hypot(self.noise, missed_share(self.signal) * shown))
 
     def robust_residual(self) -> Floats:
-        """Residual of the best slope and regressors without priors; a tenth of the rows does not count."""
+        """Return the residual of the regression without priors and without the worst tenth of the rows."""
         A = np.column_stack([self.predicted, self.regressors])
         A = A / np.maximum(np.linalg.norm(A, axis=0), 1e-300)
         keep = np.ones(len(A), dtype=bool)
@@ -109,7 +109,7 @@ class Channel:
         return np.asarray(found)
 
     def select(self, keep: NDArray[np.bool_]) -> Channel:
-        """Some of its rows."""
+        """Return the channel with some of its rows."""
         arrays = {
             key: getattr(self, key)[keep]
             for key in ("rows", "time", "measured", "predicted", "regressors", "driven")
@@ -118,12 +118,12 @@ class Channel:
 
 
 def missed_share(signal: Signal) -> float:
-    """Share of a motion that a nominal model misses of a signal [-]."""
+    """Return the share of a motion that a nominal model misses of a signal [-]."""
     return POLICY.missed_ringing if signal.quantity in RINGING else POLICY.missed_share
 
 
 def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> list[Channel]:
-    """All channels of a record that the simulation predicts and that hold enough values."""
+    """Return all channels of a record that the simulation predicts and that hold enough values."""
     return [
         channel
         for signal in simulated.evidence.values()
@@ -164,7 +164,7 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
 
 
 def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
-    """Where some drive moves by more than a part `moving_rate` of its greatest rate; everywhere in poses."""
+    """Return True where a drive exceeds `moving_rate` of its greatest rate; everywhere in poses."""
     if simulated.record.kind == "static":
         return np.ones(len(instants), dtype=bool)
     run = simulated.simulation
@@ -175,12 +175,12 @@ def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
 
 
 def _successive_scatter(y: Floats) -> float:
-    """Scatter from one reading to the next: no sensor has more noise, whatever is stated."""
+    """Return the scatter from one reading to the next, an upper bound of the noise."""
     return float(np.std(np.diff(y)) / np.sqrt(2)) if len(y) > 2 else 0.0
 
 
 def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
-    """Readings; of the two quaternions of one orientation the one nearer to the prediction."""
+    """Return the readings; of the two quaternions of one orientation the one nearer to the prediction."""
     if signal.quantity != "orientation":
         return signal.values
     sign = np.sign(np.sum(signal.values * predicted, axis=1))
@@ -188,6 +188,6 @@ def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
 
 
 def _model_error(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
-    """What a nominal model misses of a channel [SI]."""
+    """Return the error of the nominal model of a channel [SI]."""
     size = reach(simulated.arm) if signal.unit == "m" else float(signal.quantity in QUASI_STATIC)
     return float(np.hypot(POLICY.missed_at_rest * size, missed_share(signal) * moving))

@@ -1,23 +1,19 @@
-"""Clocks that jump: a delay that changes within a record.
+"""Remarks on time stamps: clock steps, pauses, drop-outs, noise unlike the stated one, non-stationary starts.
 
-    y = s p + sum a c - d H(t - T) dp/dt + e                                                           (1)
+The delay of a clock that steps by d at the time T adds a term to the model of `validation.regression`, with
+Heaviside's step H,
 
-d is the step of the delay at the time T, H Heaviside's step, the rest as in
-`validation.regression`. A step is said if it takes away `predominant_share` of the squares of e for one
-of the channels of that clock; a missing effect acts before T as after it.
+    y = s p + sum a c - d H(t - T) dp/dt + e.                                                          (1)
 
-What a person should know of samples: pauses, drop-outs, and noise unlike the stated one.
+A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock. A
+missing effect acts before T as after it.
 
-A pause is an interval of more than `pause_ratio` usual ones; drop-outs are said from `lost_share` of the rows
-on. The noise of angles, which are smooth from sample to sample, shows in their third differences,
+A pause is an interval above `pause_ratio` usual ones. Drop-outs are reported from `lost_share` of the rows
+on. Angles are smooth from sample to sample, so that their noise follows from third differences,
 
-    std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise                                        (1)
+    std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise.                                       (2)
 
-and is said where it is `unusual_ratio` times the stated one, or as many times less.
-
-Records that say they begin at rest, and a drive that moves in their first sample.
-
-The run would start with a jump of the rate and ring with it, which the arm did not: it was moving before.
+A simulation that begins at rest with a moving drive rings, which the arm did not. Such a start is reported.
 """
 
 from __future__ import annotations
@@ -37,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
-    """Steps of the delay of every clock in every record."""
+    """Report steps of the delay of every clock in every record."""
     found = []
     for name, simulated in simulations.items():
         if simulated.record.kind == "static":
@@ -56,7 +52,7 @@ def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
 
 
 def _step(channel: Channel) -> tuple[float, float, float, str]:
-    """Share of the squares that a step of the delay explains, the step [s], its time, the channel."""
+    """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
     rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
     A = np.column_stack([channel.predicted, channel.regressors])
     A = A[:, np.any(A != 0, axis=0)]
@@ -75,7 +71,7 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
 
 
 def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
-    """Pauses and drop-outs of all signals."""
+    """Report pauses, drop-outs and unexpected noise of all signals."""
     return [
         f"{name}: {remark}"
         for name, record in records.items()
@@ -103,17 +99,17 @@ def _remarks(signal: Signal) -> list[str]:
 
 
 def _noise(signal: Signal, stated: float) -> list[str]:
-    """Noise by (1), robustly, if it is unlike the stated one."""
+    """Report the noise by (2), robustly, if it is unlike the stated one."""
     third = np.diff(signal.values[:, 0], 3)
     third = np.abs(third[np.isfinite(third)])
-    noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (1)
+    noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (2)
     if noise == 0 or stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
         return []
     return [f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"]
 
 
 def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """A sentence for every record of which a drive says otherwise than the record."""
+    """Report records that state a start at rest while a drive moves in its first sample."""
     for name, simulated in simulations.items():
         record = simulated.record
         if record.kind == "static" or record.initial == "moving":

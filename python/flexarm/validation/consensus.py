@@ -1,4 +1,4 @@
-"""What all records say of one sensor, as faults."""
+"""Faults of sensors, merged from the findings of all records."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexarm.wording import listed
 
 @dataclass(frozen=True, eq=False)
 class RecordFindings:
-    """What was found in one record.
+    """Hold the findings of one record.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class RecordFindings:
     drive : DriveFault or None
         A drive at fault.
     ambiguous : bool
-        Whether the drive explains no more than the channels do: then either is at fault.
+        True if the drive explains no more than the channels do: either may be at fault.
     """
 
     record: str
@@ -39,7 +39,7 @@ class RecordFindings:
 
 @dataclass(frozen=True, eq=False)
 class _FaultEvidence:
-    """One finding, of a channel or drive, on the way to a fault."""
+    """Hold one finding of a channel or drive as evidence for a fault."""
 
     record: str
     name: str
@@ -53,7 +53,7 @@ class _FaultEvidence:
 
 
 def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
-    """Faults by sensor, most probable first."""
+    """Return faults by sensor, most probable first."""
     all_findings = _resolve_ambiguous(all_findings)
     items = _one_fault_per_channel([item for findings in all_findings for item in _items(findings)])
     keys = dict.fromkeys((item.name, item.at) for item in items)
@@ -62,7 +62,7 @@ def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
 
 
 def _resolve_ambiguous(all_findings: Sequence[RecordFindings]) -> list[RecordFindings]:
-    """Where a record leaves open whether its drive is at fault, another one that does not decides."""
+    """Resolve an ambiguous record by one that clearly shows the same fault of the drive."""
     sure = {v.drive.key for v in all_findings if v.drive and not v.ambiguous}
     return [
         replace(v, ambiguous=False, channels=v.drive.channels)
@@ -73,7 +73,7 @@ def _resolve_ambiguous(all_findings: Sequence[RecordFindings]) -> list[RecordFin
 
 
 def _one_fault_per_channel(items: list[_FaultEvidence]) -> list[_FaultEvidence]:
-    """A channel has one fault, that of the record that shows it best: a small motion shows little."""
+    """Keep one fault for each channel, that of the record with the highest odds."""
     best: dict[tuple[str, str], _FaultEvidence] = {}
     for item in items:
         key = item.at, item.channel
@@ -83,7 +83,7 @@ def _one_fault_per_channel(items: list[_FaultEvidence]) -> list[_FaultEvidence]:
 
 
 def _items(findings: RecordFindings) -> list[_FaultEvidence]:
-    """Of one record."""
+    """Return the evidence of one record."""
     drive = findings.drive
     found = []
     for each in findings.channels:
@@ -112,7 +112,7 @@ def _items(findings: RecordFindings) -> list[_FaultEvidence]:
 
 
 def _fault(items: list[_FaultEvidence]) -> Fault:
-    """All findings of one name at one signal."""
+    """Merge all findings of one name at one signal."""
     first = max(items, key=lambda item: item.log_odds)
     seen = {item.channel for item in items}
     whole = seen == set(first.known)
@@ -137,7 +137,7 @@ def _fault(items: list[_FaultEvidence]) -> Fault:
 
 
 def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
-    """Means of all records, weighted by their variances, with 90 % intervals."""
+    """Return means of all records, weighted by inverse variances, with 90 % intervals."""
     found = []
     for name, (_, _, unit) in items[0].values.items():
         pairs = np.array([item.values[name][:2] for item in items if name in item.values])
@@ -151,7 +151,7 @@ def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
 
 
 def _sentence(items: list[_FaultEvidence], first: _FaultEvidence) -> str:
-    """The clearest one, and which others say the same."""
+    """Return the most probable sentence, and the places of which the same holds."""
     others = [item for item in items if item is not first]
     more = dict.fromkeys(
         f"{item.at} {item.channel}".rstrip() + (f" in {item.record!r}" if item.record != first.record else "")

@@ -1,14 +1,14 @@
-"""Drives at fault: encoders that count the other way, or in another unit.
+"""Faulty drives: encoders that count the other way or in another unit.
 
-A wrong drive moves the model wrongly everywhere, so each hypothesis (`validation.drive_hypotheses`) is
-simulated: the fault is put on the drive's signal as an effect, which takes it back before the model is driven
-(`flexarm.drive`). It wins if all channels together, each under its best hypothesis, then cost less
-(`validation.finding`). Factors that are near one another leave all channels in order, so that the first one
-that does is compared with the others, and its own factor f corrected by the slopes s of what the drive moves,
+A wrong drive moves the model wrongly everywhere. Each hypothesis of `validation.drive_hypotheses` is put on
+the drive's signal as an effect, which takes the fault back, and is simulated. It wins if all channels
+together, each under its best hypothesis, then cost less (`validation.finding`, eq. (2)). Similar factors all
+leave the channels in order. The first one that does is compared with the others, and its factor f is
+corrected by the gains s of the channels that the drive moves,
 
-    f / s,   ln s = sum w ln s_i / sum w,   w = (s_i/std_i)^2                                          (1)
+    f / s,   ln s = sum w ln s_i / sum w,   w = (s_i/std_i)^2,                                         (1)
 
-where these are off by more than a missing effect lets them be. Drives that stand cannot be taken back; see
+where they differ from 1 by more than a missing effect explains. The motion of a stuck drive is lost; see
 `validation.stuck_drives`.
 """
 
@@ -45,7 +45,7 @@ Values = Mapping[str, tuple[float, float, str]]
 
 @dataclass(frozen=True, eq=False)
 class DriveFault:
-    """A fault of one drive of a record, or of all alike.
+    """Hold a fault of one drive of a record, or of all alike.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class DriveFault:
     log_bayes : float
         Against the best explanation without it.
     sentence : str
-        For a person.
+        Description.
     channels : list of ChannelFinding
         The channels, driven by what the drive really was; empty where that is lost.
     """
@@ -69,13 +69,13 @@ class DriveFault:
 
     @property
     def key(self) -> tuple[str, tuple[str, ...]]:
-        """Fault and drives."""
+        """Return the fault and its drives."""
         return self.name, tuple(self.values)
 
 
 @dataclass(frozen=True, eq=False)
 class _TestedHypothesis:
-    """A hypothesis, simulated.
+    """Hold a hypothesis and the channels that its simulation leaves.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class _TestedHypothesis:
     cost : float
         Costs of the channels and of the hypothesis; further drives at fault cost `clear_log_odds` each.
     repairs : bool
-        Whether it leaves enough of them in order, and none at fault that was not before.
+        True if enough channels are in order, and none is at fault that was not before.
     """
 
     hypothesis: Hypothesis
@@ -94,13 +94,13 @@ class _TestedHypothesis:
 
     @property
     def all_in_order(self) -> bool:
-        """Whether all channels are in order."""
+        """Return True if all channels are in order."""
         return self.repairs and not any(each.name or each.unexplained for each in self.channels)
 
 
 @dataclass(frozen=True, eq=False)
 class _DriveTest:
-    """What hypotheses are tried on; `channels` are those along the drives as they are, if any."""
+    """Simulate hypotheses for one record; `channels` are those along the drives as recorded, if any."""
 
     arm: Arm
     name: str
@@ -109,7 +109,7 @@ class _DriveTest:
     alpha: float
 
     def simulate(self, hypothesis: Hypothesis, step: float) -> _TestedHypothesis | None:
-        """One hypothesis; None if the model cannot follow it."""
+        """Simulate one hypothesis; return None if the model cannot follow it."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
         simulations, _, _ = simulate_records(repaired, {self.name: self.record}, step, self.alpha)
         rest = find_channel_faults(self.name, simulations[self.name]) if self.name in simulations else []
@@ -124,12 +124,12 @@ class _DriveTest:
         return _TestedHypothesis(hypothesis, rest, price, bool(repairs))
 
     def log_bayes(self, trial: _TestedHypothesis) -> float:
-        """Of a hypothesis against the best explanation without it."""
+        """Return the log Bayes factor against the best explanation without the hypothesis."""
         before = total_cost(self.channels) if self.channels is not None else np.inf
         return float(min(before - trial.cost, POLICY.max_log_odds))
 
     def finding(self, trial: _TestedHypothesis | None) -> DriveFault | None:
-        """What a hypothesis says, if it repairs."""
+        """Return the fault of a hypothesis that repairs the channels, else None."""
         if trial is None or not trial.repairs:
             return None
         values = {}
@@ -146,7 +146,7 @@ class _DriveTest:
 def find_drive_fault(
     arm: Arm, name: str, record: Record, channels: Sequence[ChannelFinding] | None, step: float, alpha: float
 ) -> DriveFault | None:
-    """The best hypothesis on the drives of a record, if it is worth considering relative to `channels`.
+    """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def find_drive_fault(
 def _choose(
     one: _TestedHypothesis | None, other: _TestedHypothesis | None, by: float = 0.0
 ) -> _TestedHypothesis | None:
-    """The one that repairs, else the cheaper one; the other must be cheaper by so much."""
+    """Return the one that repairs, else the cheaper one; the other must be cheaper by a margin."""
     if one is None or other is None:
         return one or other
     if one.repairs != other.repairs:
@@ -182,7 +182,7 @@ def _choose(
 
 
 def _corrected(arm: Arm, record: Record, trial: _TestedHypothesis | None) -> Hypothesis | None:
-    """A unit error of one drive with the factor (1); None if its own is as good."""
+    """Return the unit error of one drive with the factor (1), or None if its own is as good."""
     factors = unit_factors(trial.hypothesis) if trial is not None else {}
     if trial is None or len(factors) != 1:
         return None
@@ -192,7 +192,7 @@ def _corrected(arm: Arm, record: Record, trial: _TestedHypothesis | None) -> Hyp
 
 
 def _mean_gain(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> float:
-    """Slope (1) of the channels that a joint moves, 1 where none is known."""
+    """Return the mean gain (1) of the channels that a joint moves, 1 if none is known."""
     fits = [each.channel.fit() for each in found if is_moved_by(arm, joint, each.channel.signal)]
     known = [fit for fit in fits if fit.gain > POLICY.min_sigmas * fit.std]
     if not known:
@@ -210,7 +210,7 @@ def apply_known_fault(
     step: float,
     alpha: float,
 ) -> DriveFault | None:
-    """A drive's fault that another record shows, if it explains this one as well or better."""
+    """Return a drive's fault known from another record if it explains this one as well, else None."""
     from flexarm.arm.effect import read_effect
 
     if not set(fault.values) <= set(record.drive):

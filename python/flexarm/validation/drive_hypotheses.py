@@ -1,10 +1,9 @@
-"""What may be wrong with the drives of a record: one that counts the other way, one or all in another unit.
+"""Hypotheses about the drives of a record: one counts the other way, one or all are in another unit.
 
-A hypothesis is a tuple of effects that take the fault back before the model is driven (`flexarm.drive`). One
-that leaves no joint turning more often than arms do comes first; among these, fewer drives at fault do. Of
-all drives together units are tried alone: who writes one angle in degrees writes all of them so.
-
-What is told of drives at fault.
+A hypothesis is a tuple of effects that take the fault back before the model is driven (`flexarm.drive`).
+Hypotheses that leave no joint beyond the usual range of motion come first; among these, those with fewer
+drives at fault. For all drives together only units are tried: who writes one angle in degrees writes all of
+them so.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ if TYPE_CHECKING:
 Hypothesis = tuple["ChannelEffect", ...]
 
 FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0.1, 2.0, 0.5, 4.0, 0.25)
-"""Wrong units of angles and counts; the joint's own ratio and its inverse come on top."""
+"""Wrong units of angles and counts; the first six also of all drives together; gear ratios come on top."""
 
 
 def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding] | None) -> list[Hypothesis]:
-    """Faults of drives that would disturb what is disturbed, and leave a motion that arms make.
+    """Return faults of drives that explain the disturbed signals and leave a plausible motion.
 
     Parameters
     ----------
@@ -86,7 +85,7 @@ def is_implausible(signal: Signal, arm: Arm) -> bool:
 
 
 def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
-    """Drives in one wrong unit, or not divided by their ratios, or twice."""
+    """Return hypotheses of drives in one wrong unit, or divided by their gear ratios never or twice."""
     from flexarm.effects import UnitError
 
     ratios = [gear_ratio(arm, str(signal.joint)) for signal in drives]
@@ -104,20 +103,20 @@ def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float
 
 
 def similar_factors(one: Hypothesis, other: Hypothesis) -> bool:
-    """Whether two hypotheses put a drive in units that may pass for one another."""
+    """Return True if two hypotheses give a drive units that are hard to tell apart."""
     mine, its = unit_factors(one), unit_factors(other)
     return any(abs(log(mine[at] / its[at])) < log(POLICY.similar_factors) for at in mine.keys() & its.keys())
 
 
 def unit_factors(hypothesis: Hypothesis) -> dict[str, float]:
-    """Factors of unit errors by signal."""
+    """Return factors of unit errors by signal."""
     return {
         effect.at: value for effect in hypothesis for key, value, _ in effect.parameters() if key == "factor"
     }
 
 
 def _relative_range(signal: Signal, arm: Arm) -> float:
-    """How far a drive goes, over what arms do: a hypothesis that leaves more is not tried."""
+    """Return the range of a drive relative to the usual range of joints."""
     most = FARTHEST * shaft_ratio(signal.joint, arm.gears) if signal.unit == "rad" else LONGEST
     return float(np.nanmax(np.abs(signal.values), initial=0.0)) / most
 
@@ -127,7 +126,7 @@ def _spread(signal: Signal) -> float:
 
 
 def is_disturbed(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> bool:
-    """Whether at least half of the signals that a joint moves do not follow the model."""
+    """Return True if at least half of the signals that a joint moves do not follow the model."""
     odd: dict[str, bool] = {}
     for each in found:
         signal = each.channel.signal
@@ -137,7 +136,7 @@ def is_disturbed(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> bool:
 
 
 def is_moved_by(arm: Arm, joint: str, signal: Signal) -> bool:
-    """Whether a joint, with what gears move along, moves a signal's place; torques are of their own joint."""
+    """Return True if a joint, or one geared to it, moves the place of a signal."""
     if signal.joint is not None:
         return signal.joint == joint
     together = moved_with({joint}, arm.gears)
@@ -151,7 +150,7 @@ def is_moved_by(arm: Arm, joint: str, signal: Signal) -> bool:
 
 
 def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
-    """What the drives do, and what follows the model once that is taken back."""
+    """Describe a fault of drives, and the signals that follow the model once it is taken back."""
     others = ", ".join(name for name in record.signals if name not in record.drive)
     factors = unit_factors(hypothesis)
     if not factors:
@@ -173,7 +172,7 @@ def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record) -> str
 
 
 def _name_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
-    """That factors are those of gears, if they are; for a sentence."""
+    """Return the clause that factors are gear ratios, or ""."""
     ratios = {at: gear_ratio(arm, str(record.signals[at].joint)) for at in factors}
     if all(ratio == 1 for ratio in ratios.values()):
         return ""

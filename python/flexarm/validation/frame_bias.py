@@ -1,22 +1,17 @@
-"""Places that are off by the same along the axes of the base, however the arm turns: that is a frame's doing.
+"""Frame bias: positions with a constant offset, frames that moved between records, poses that do not repeat.
 
-What belongs to an arm turns with it, so that its gap g = measured - predicted, seen in the base, changes as
-the prediction p does. A frame that was never stated is taken as the base's own, exact, and then
+With the gap g = measured - predicted and the prediction p in base axes, an error of the arm turns with the
+arm. An offset that does not is that of a frame which is not stated:
 
-    |mean g| > unusual_ratio std g std(p)^-1 |p|                                                    (1)
+    |mean g| std(p) > unusual_ratio std(g) |p|                                                         (1)
 
-says that the readings count from elsewhere. Without a frame a diagnosis has no registration to find.
+Records share the frames of one name. If a frame moved between two records, the step
 
-Records that contradict each other: a tracker that was moved between them, poses that do not repeat.
+    D = mean g in one record - mean g in another                                                       (2)
 
-Records share the frames of one name. With the gap g = measured - predicted averaged over a record,
-
-    D = mean g in one record - mean g in another                                                       (1)
-
-is about the same for all signals of a frame if the frame moved, and not for what bends an arm. It is said
-beyond `min_sigmas` sigma of the stated registration where two or more signals agree on it to
-`shift_agreement`. Rows of one pose are readings of one place: they are said to disagree where they scatter by
-more than `min_noises` times the noise.
+is the same for all its signals. It is reported beyond `min_sigmas` of the stated registration where two or
+more signals agree on it to `shift_agreement`. Rows of one pose disagree if they scatter by `min_noises` times
+the noise.
 """
 
 from __future__ import annotations
@@ -38,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def remarks_on_unstated_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """A sentence for each position without a frame for which (1) holds."""
+    """Report positions without a frame for which (1) holds."""
     for name, simulated in simulations.items():
         for signal in simulated.evidence.values():
             if signal.quantity == "position" and signal.frame == "base":
@@ -71,12 +66,12 @@ def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
 
 
 def _scatter(values: np.ndarray) -> float:
-    """Root mean square distance from the mean."""
+    """Return the root mean square distance from the mean."""
     return float(np.sqrt(np.mean(np.sum((values - np.mean(values, axis=0)) ** 2, axis=1))))
 
 
 def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
-    """Frames that stood elsewhere in one record than in the one before."""
+    """Report frames that moved between one record and the next, by (2)."""
     gaps = {name: _mean_gaps(simulated) for name, simulated in simulations.items()}
     return [
         remark
@@ -88,7 +83,7 @@ def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
 
 
 def _mean_gaps(simulated: SimulatedRecord) -> dict[tuple[str, str, str], float]:
-    """Mean gap of every position, by frame, signal and axis."""
+    """Return the mean gap of every position, by frame, signal and axis."""
     placement = initial_alignment(simulated)
     found = {}
     for signal in simulated.evidence.values():
@@ -107,11 +102,11 @@ def _moved(
     other: str,
     gaps: Mapping[str, Mapping[tuple[str, str, str], float]],
 ) -> list[str]:
-    """A sentence if (1) is large and alike for all signals of the frame."""
+    """Report a step (2) that is large and alike for all signals of the frame."""
     keys = [key for key in gaps[one] if key[0] == frame and key[2] == axis and key in gaps[other]]
     if len(keys) < 2 or frame not in record.frames:
         return []
-    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (1)
+    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (2)
     middle = float(np.median(steps))
     sigma = float(np.max(record.frames[frame].translation))
     if abs(middle) <= POLICY.min_sigmas * max(sigma, 1e-6) or np.ptp(steps) > POLICY.shift_agreement * abs(
@@ -125,7 +120,7 @@ def _moved(
 
 
 def remarks_on_poses(records: Mapping[str, Record]) -> list[str]:
-    """Poses whose rows do not repeat."""
+    """Report poses whose rows do not repeat."""
     return [
         f"{name}: {remark}"
         for name, record in records.items()

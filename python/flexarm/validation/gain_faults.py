@@ -1,12 +1,10 @@
-"""Sign and unit of a channel, from the slope by which it follows its prediction; dead channels.
+"""Gain faults: sign errors, unit errors and dead channels, from the gain of a channel.
 
-A sensor in order has slope 1 within what missing effects do to it (`max_gain`): an arm 5 % too long, a
-payload twice as heavy. A slope counts only if the channel then follows the prediction to `max_unexplained` of
-its motion and is known to five sigma. Factors near a conversion of units are named after it, of a torque also
-those of its joint's gear. What bears a load shows any other factor up to `max_load_gain` where the arm
-carries what no one stated: that is said, and no fault.
-
-All channels of a record, each under its best hypothesis.
+A channel in order has the gain 1 up to the influence of missing effects (`max_gain`): an arm 5 % too long, a
+payload twice as heavy. A gain counts only if it is known to `min_sigmas` and leaves at most `max_unexplained`
+of the motion. Factors near a conversion of units are named after it, those of a torque also after the gear
+ratio of its joint. Quantities that bear loads show other factors up to `max_load_gain` where a load is not
+stated; that is a remark, not a fault.
 """
 
 from __future__ import annotations
@@ -57,11 +55,11 @@ UNITS: dict[str, tuple[float, tuple[str, ...]]] = {
     "arc minutes for radians": (60 * 180 / pi, ANGLES),
     "arc seconds for radians": (3600 * 180 / pi, ANGLES),
 }
-"""Conversions by the factor that a reading gets, and the SI units of what is measured so; of anything: ()."""
+"""Conversions: factor of a reading, and SI units to which it applies; (): all."""
 
 
 def judge_gain(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> ChannelFinding:
-    """The channel under its best hypothesis of slope."""
+    """Return the channel under its best hypothesis of gain."""
     fit, own = channel.fit(), channel.fit_at_gain(1.0)
     here = in_order(channel, own)
     firm = abs(fit.gain) > POLICY.min_sigmas * fit.std and fit.unexplained_share < POLICY.max_unexplained
@@ -79,7 +77,7 @@ def judge_gain(channel: Channel, simulated: SimulatedRecord, placement: Placemen
 
 
 def in_order(channel: Channel, own: GainFit) -> ChannelFinding:
-    """The channel as one that is what it says."""
+    """Return the channel as one in order."""
     return ChannelFinding(channel, cost=cost(channel, own.rms, own.penalty))
 
 
@@ -119,7 +117,7 @@ def _unit_error(channel: Channel, fit: GainFit, own: GainFit, arm: Arm) -> Chann
 
 
 def gear_side(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
-    """That a torque's factor is its gear's ratio, or the inverse, for a sentence."""
+    """Return the clause that a torque's factor is its gear ratio or the inverse, or ""."""
     ratio = gear_ratio(arm, str(signal.joint)) if signal.quantity == "motor_torque" else 1.0
     for own, side, other in ((ratio, "output", "motor"), (1 / ratio, "motor", "output")):
         if ratio != 1 and abs(log(factor / abs(own))) < max(0.1, 3 * relative):
@@ -128,7 +126,7 @@ def gear_side(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
 
 
 def name_conversion(factor: float, relative: float, unit: str) -> str:
-    """The conversion that a factor may be of readings in an SI unit, for a sentence."""
+    """Return the clause that names the conversion of units near a factor, or ""."""
     fits = {name: own for name, (own, units) in UNITS.items() if unit in units or not units}
     near = min(fits, key=lambda name: abs(log(factor / fits[name])))
     off = abs(log(factor / fits[near]))
@@ -136,7 +134,7 @@ def name_conversion(factor: float, relative: float, unit: str) -> str:
 
 
 def _dead_channel(channel: Channel, own: GainFit) -> ChannelFinding | None:
-    """A channel that shows one value, but for its noise, while the model says that it moves."""
+    """Return a dead channel: one value, but for its noise, while the prediction moves; else None."""
     seen, said = float(np.std(channel.measured)), float(np.std(channel.predicted))
     noise = channel.signal.noise_std or 0.0
     quiet = seen <= max(3 * noise, POLICY.negligible_share * said) or seen == 0
@@ -167,7 +165,7 @@ def _if_better(
     values: dict[str, tuple[float, float, str]],
     sentence: str,
 ) -> ChannelFinding:
-    """The fault if it wins, else the channel in order."""
+    """Return the fault if its Bayes factor is positive, else the channel in order."""
     if bayes <= 0:
         return in_order(channel, own)
     rms, penalty = (after.rms, after.penalty) if isinstance(after, GainFit) else (after, 0.0)
@@ -177,11 +175,7 @@ def _if_better(
 
 
 def _is_unexplained(channel: Channel, own: GainFit) -> bool:
-    """Whether no hypothesis explains it.
-
-    It leaves more of its motion than one that follows, and much more than any noise; or what is no fault is
-    strained.
-    """
+    """Return True if too much motion is left in order, or nuisance regressors are too large."""
     moving = max(float(np.std(channel.predicted)), 10 * channel.noise)
     far = own.scatter > POLICY.max_unexplained * moving and own.scatter > 5 * np.hypot(
         channel.noise, channel.model_error
@@ -192,7 +186,7 @@ def _is_unexplained(channel: Channel, own: GainFit) -> bool:
 def _explained_by_delay(
     channel: Channel, simulated: SimulatedRecord, placement: Placement, flipped: GainFit
 ) -> bool:
-    """Whether a delay explains a turned sign as well: vibration at 5 Hz turns over in 0.1 s."""
+    """Return True if a delay explains a turned sign as well: vibration at 5 Hz turns over in 0.1 s."""
     if simulated.record.kind == "static":
         return False
     for delay in np.linspace(-POLICY.max_delay, POLICY.max_delay, 31):
@@ -208,13 +202,13 @@ def _explained_by_delay(
 
 
 def find_channel_faults(name: str, simulated: SimulatedRecord) -> list[ChannelFinding]:
-    """What every channel of a record looks like beside one simulation of it."""
+    """Return the finding of every channel of a record."""
     placement = initial_alignment(simulated)
     return [_judge_channel(channel, simulated, placement) for channel in channels(name, simulated, placement)]
 
 
 def _judge_channel(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> ChannelFinding:
-    """One channel: its slope first, then its plateaus."""
+    """Judge one channel by its gain first, then by its plateaus."""
     slope = judge_gain(channel, simulated, placement)
     if slope.name:
         return slope

@@ -1,20 +1,20 @@
 """Gross outliers: samples far from their neighbours that are back in place one or two rows later.
 
-A row of evidence is one if its residual differs from the median of its seven neighbours, and from the
+A row of evidence is an outlier if its residual differs from the median of its seven neighbours, and from the
 parabolas through those before, after and on both sides (`flexarm.measurement.outliers`), by more than
-`spike_noises` times the stated noise, `spike_spread` times the usual such difference, `NEARBY` times that of
-most rows around it, and `unusual_ratio` times the vibration that the model predicts around it: a move that
-rings the arm does so for several rows, and a model seldom has the phase of its ringing right. Torques,
-accelerations and strains jump where teeth strike; of these only readings beyond `RANGES` ranges of the others
-are outliers. Drives have no residual: their samples are told apart by the parabolas alone; where a drive
-stops within a sample, one of the three is right. What a motion does by itself from sample to sample shows in
-third differences beside a row,
+
+* `spike_noises` times the stated noise,
+* `spike_spread` times the usual such difference, and `NEARBY` times that of most rows around it,
+* `unusual_ratio` times the vibration that the model predicts around it, as its phase is seldom right.
+
+Torques, accelerations and strains jump where teeth strike; only readings beyond `RANGES` ranges of the others
+are outliers there. Drives have no residual and are judged by the parabolas alone. One of the three is right
+where a drive stops within a sample. The outer two miss a smooth motion by its third differences,
 
     |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
 
-by which the outer two parabolas miss: of a drive without noise these are all that is left, and a row must be
-off by more than `edge_ratio` times the median of those beside it. Poses have no neighbours and are laid
-beside one another (`flexarm.comparison.pose_outliers`).
+and a row must be off by more than `edge_ratio` times the median of those beside it. Poses have no neighbours;
+see `flexarm.comparison.pose_outliers`.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 
 def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutliers]]:
-    """The record without the outliers of its drives."""
+    """Return the record without the outliers of its drives, and these."""
     found: list[RemovedOutliers] = []
     for drive in record.drive:
         signal = record.signals[drive]
@@ -64,7 +64,7 @@ def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutlier
 def clean_evidence(
     name: str, simulated: SimulatedRecord, placement: Placement
 ) -> tuple[Record, list[RemovedOutliers]]:
-    """The record without outliers of its other signals."""
+    """Return the record without the outliers of its other signals, and these."""
     record, found = simulated.record, []
     if record.kind == "static":
         return _without_poses(name, simulated, placement)
@@ -89,7 +89,7 @@ def clean_evidence(
 def _without_poses(
     name: str, simulated: SimulatedRecord, placement: Placement
 ) -> tuple[Record, list[RemovedOutliers]]:
-    """The record of poses without the outliers among them."""
+    """Return the record of poses without the outliers among them, and these."""
     record, found = simulated.record, []
     for signal_name, far in pose_outliers(simulated, placement).items():
         signal, rows = record.signals[signal_name], np.flatnonzero(far.rows)
@@ -101,7 +101,7 @@ def _without_poses(
 
 
 def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
-    """Samples of a drive, shape (n,), that are far from all three parabolas."""
+    """Return True at samples of a drive, shape (n,), that are far from all three parabolas."""
     found = np.zeros(len(samples), dtype=bool)
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) > NEIGHBOURS:
@@ -118,7 +118,7 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
 
 
 def _neighbouring_third_differences(y: Floats) -> Floats:
-    """Median of the third differences (1) on both sides of every sample that do not hold it, shape (n,)."""
+    """Return medians of the third differences (1) on both sides of every sample, shape (n,)."""
     third = np.pad(np.abs(np.diff(y, 3)), AROUND + 4, constant_values=np.nan)  # k is now k + AROUND + 4
     windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
     before, after = windows[1 : 1 + len(y)], windows[AROUND + 5 : AROUND + 5 + len(y)]
@@ -126,7 +126,7 @@ def _neighbouring_third_differences(y: Floats) -> Floats:
 
 
 def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
-    """Greatest vibration that the model predicts around each row, shape (n, channels)."""
+    """Return the greatest vibration that the model predicts around each row, shape (n, channels)."""
     from scipy.ndimage import maximum_filter1d
     from scipy.signal import savgol_filter
 
@@ -144,7 +144,7 @@ def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: P
 
 
 def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> NDArray[np.bool_]:
-    """Rows of a residual, shape (n, channels), that are far off.
+    """Return True at rows of a residual that are outliers, shape (n,).
 
     Parameters
     ----------
@@ -172,14 +172,14 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
 
 
 def blank_rows(record: Record, signal: Signal, rows: NDArray[np.bool_]) -> Record:
-    """The record with rows of a signal lost."""
+    """Return the record with rows of a signal set to NaN."""
     values = np.where(rows[:, None], np.nan, record.signals[signal.name].values)
     changed = record.signals[signal.name].replace(values=values)
     return record.replace(signals={**record.signals, signal.name: changed})
 
 
 def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Runs of no more than `max_spike_rows` rows."""
+    """Keep runs of at most `max_spike_rows` rows."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], rows.astype(int), [0]])))
     found = np.zeros_like(rows)
     for first, last in edges.reshape(-1, 2):
@@ -189,7 +189,7 @@ def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> RemovedOutliers:
-    """With the root mean square distance of `values`, all axes together, from the line through neighbours."""
+    """Return removed rows with the rms distance of `values` from the line through their neighbours."""
     good = ~rows & np.isfinite(values).all(axis=1)
     off = [y[rows] - _interpolate_neighbours(signal.time[rows], signal.time[good], y[good]) for y in values.T]
     size = float(np.sqrt(np.nanmean(np.sum(np.square(off), axis=0))))
@@ -197,13 +197,13 @@ def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats)
 
 
 def _interpolate_neighbours(at: Floats, time: Floats, y: Floats) -> Floats:
-    """The line between neighbours; before the first and after the last the one through two of them."""
+    """Interpolate linearly between neighbours, and extrapolate at the ends."""
     first = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)
     return np.asarray(y[first] + (y[first + 1] - y[first]) * (at - time[first]) / np.diff(time)[first])
 
 
 def blank_listed_rows(record: Record, name: str, rows: tuple[int, ...]) -> Record:
-    """The record with rows of a signal lost, given by their numbers."""
+    """Return the record with rows of a signal, given by number, set to NaN."""
     signal = record.signals[name]
     lost = np.zeros(len(signal), dtype=bool)
     lost[list(rows)] = True

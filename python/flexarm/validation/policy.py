@@ -11,7 +11,7 @@ from flexarm.comparison import pose_outliers
 
 @dataclass(frozen=True)
 class ValidationPolicy:
-    """Thresholds of `flexarm.validation`; a comment states the unit and the reason of each."""
+    """Hold the thresholds of `flexarm.validation`; a comment states the unit and the reason of each."""
 
     # evidence
     prior_log_odds: float = log(1e-3)  # [nats] log odds of a fault of a channel: one in a thousand
@@ -111,12 +111,12 @@ class ValidationPolicy:
 
     @property
     def decisive_log_odds(self) -> float:
-        """Log odds from which on only hypotheses near the best one are tried [nats]."""
+        """Return log odds from which on only hypotheses near the best one are tried [nats]."""
         return 3 * self.clear_log_odds
 
     @property
     def drive_spike_noises(self) -> float:
-        """Least distance of an outlier of a drive [noise]: a parabola has up to 4.4 times its noise."""
+        """Return the least distance of an outlier of a drive [noise]; parabolas have 4.4 times its noise."""
         return 2 * self.spike_noises
 
 

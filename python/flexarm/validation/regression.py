@@ -1,30 +1,27 @@
-r"""How a channel follows its prediction, whatever else is small between the two.
+r"""Regression of a channel on its prediction, with nuisance regressors.
 
 .. math:: y_i = s\,p_i + \sum_j a_j c_{ij} + e_i, \quad a_j \sim N(0, S_j^2), \; e_i \sim N(0, \sigma^2)
    (1)
 
-y are the readings, p the nominal model's prediction, c what sensors and arms do without being at fault: an
-offset, a small turn, a late clock, friction. s is 1 for a sensor that is in order, -1 for one that counts the
-other way, the factor for one in another unit, and 0 for a dead one. The estimate maximises the posterior,
+y are the readings, p the nominal prediction, s the gain: 1 in order, -1 for a sign error, a factor for
+another unit, 0 if dead. The estimate maximises the posterior,
 
 .. math:: \frac{N}{n} \sum_i e_i^2/\sigma^2 + \sum_j a_j^2/S_j^2 \to \min                            (2)
 
-with N independent samples among the n rows, as residuals of a missing effect are no noise: they last as long
-as the motion that causes them. \sigma is the scatter found, and no less than
+with N independent samples among the n rows, as residuals of a missing effect last as long as the motion that
+causes them. \sigma is the scatter found, and no less than
 
 .. math:: \sigma_0^2 = \text{noise}^2 + s^2\,\text{model error}^2                                     (3)
 
-where the model error is what the nominal model misses anyway. Units: those of the channel.
+The regressors c describe deviations of sensors and arms that are no fault. Their S are far wider than any
+record states, so that a missing effect is not taken for a fault:
 
-What sensors and arms do without being at fault, as regressors beside a channel's prediction.
+    offset       1                    a sensor's or frame's                                           (4)
+    turn         the other axes       frame, sensor or arm lean by up to `turn_std`                   (5)
+    delay        -dp/dt               at least `delay_std`, and three sigma of the clock              (6)
+    friction     sgn v, v             of torques: as large as the torque itself                       (7)
 
-They enter `validation.regression` as regressors c with deviations S, far wider than any record states, so
-that a missing effect is not taken for a faulty sensor:
-
-    offset       1                    a sensor's or frame's                                           (1)
-    turn         the other axes       frame, sensor or arm lean by up to 0.05 rad                     (2)
-    delay        -dp/dt               at least 0.03 s, and three sigma of the clock                   (3)
-    friction     sgn v, v             of torques: as large as the torque itself                       (4)
+Units: those of the channel.
 """
 
 from __future__ import annotations
@@ -52,7 +49,7 @@ ROUNDS = 8
 
 @dataclass(frozen=True)
 class GainFit:
-    """Outcome of (2).
+    """Hold the estimate of (2).
 
     Attributes
     ----------
@@ -61,13 +58,13 @@ class GainFit:
     scatter : float
         Root mean square of e, no less than (3).
     moving : float
-        Standard deviation of s p, what the channel would show of the motion.
+        Standard deviation of s p.
     noise : float
         1 sigma of the readings.
     rms : float
         Root mean square of e, however small.
     penalty : float
-        Half the sum of a^2/S^2 in (2): how far what is no fault had to go [nats].
+        Half the sum of a^2/S^2 in (2) [nats].
     """
 
     gain: float
@@ -80,20 +77,20 @@ class GainFit:
 
     @property
     def unexplained_share(self) -> float:
-        """Share of the motion that is neither explained nor noise [-]: 0 is a perfect image."""
+        """Return the share of the motion that is neither explained nor noise [-]."""
         rms = np.sqrt(max(self.rms**2 - self.noise**2, 0.0))
         return float(rms / self.moving) if self.moving > 0 else np.inf
 
 
 def effective_samples(count: int) -> int:
-    """N of (2)."""
+    """Return N of (2)."""
     return min(count, POLICY.independent_samples)
 
 
 def fit_gain(
     y: Floats, p: Floats, regressors: Floats, prior_std: Floats, noise: float, model_error: float
 ) -> GainFit:
-    """The gain s of (1).
+    """Estimate the gain s of (1).
 
     Parameters
     ----------
@@ -123,7 +120,7 @@ def fit_gain(
 def fit_at_gain(
     gain: float, y: Floats, p: Floats, regressors: Floats, prior_std: Floats, noise: float, model_error: float
 ) -> GainFit:
-    """(1) with a gain that is given."""
+    """Estimate (1) at a given gain."""
     rest, prior = y - gain * p, prior_std * max(1.0, abs(gain))
     least = float(np.hypot(noise, gain * model_error))
     sigma, rms, penalty = least, np.inf, 0.0
@@ -139,7 +136,7 @@ def _penalty(x: Floats, prior: Floats) -> float:
 
 
 def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floats, Floats]:
-    """Mode of (2) and the variances of its unknowns; regressors are scaled, as they come in many units."""
+    """Return the mode of (2) and its variances; regressors are scaled, as their units differ."""
     scale = np.sqrt(np.sum(A**2, axis=0))
     scale[scale == 0] = 1.0
     B = A / scale
@@ -151,13 +148,13 @@ def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floa
 
 
 SHORT = 5e-3
-"""Half the difference of time for dp/dt of (3) [s]."""
+"""Half the difference of time for dp/dt of (6) [s]."""
 
 
 def predicted_at(
     simulated: SimulatedRecord, signal: Signal, placement: Placement, shift: float = 0.0
 ) -> Floats:
-    """What the simulation says of a signal whose clock is late by `shift` [s] more."""
+    """Return the prediction of a signal whose clock is late by `shift` [s] more."""
     instants = np.minimum(simulated.instants(signal, placement) - shift, simulated.simulation.time[-1])
     return simulated.effects(signal).reading(
         read(simulated.simulation, signal, instants, simulated.frame(signal, placement)), rounded=False
@@ -167,24 +164,24 @@ def predicted_at(
 def nuisance_regressors(
     simulated: SimulatedRecord, signal: Signal, placement: Placement, predicted: Floats, k: int
 ) -> tuple[Floats, Floats]:
-    """c and S of (1) to (4) for channel k of a signal."""
+    """Return the regressors c and deviations S of (4) to (7) for channel k of a signal."""
     n = len(predicted)
-    regressors, prior_std = [np.ones(n)], [_offset(simulated, signal)]  # eq. (1)
+    regressors, prior_std = [np.ones(n)], [_offset(simulated, signal)]  # eq. (4)
     for other in _other_axes(simulated, signal, placement, k):
         regressors.append(other)
-        prior_std.append(POLICY.turn_std)  # eq. (2)
+        prior_std.append(POLICY.turn_std)  # eq. (5)
     if simulated.record.kind == "motion":
         ahead, behind = (predicted_at(simulated, signal, placement, shift)[:, k] for shift in (-SHORT, SHORT))
-        regressors.append((behind - ahead) / (2 * SHORT))  # eq. (3)
+        regressors.append((behind - ahead) / (2 * SHORT))  # eq. (6)
         prior_std.append(max(POLICY.delay_std, 3 * _clock_sigma(simulated, signal)))
         if signal.quantity in ("motor_torque", "motor_voltage"):
-            regressors += _friction(simulated, signal, placement)  # eq. (4)
+            regressors += _friction(simulated, signal, placement)  # eq. (7)
             prior_std += [3 * float(np.nanstd(predicted[:, k]))] * 2
     return np.column_stack(regressors), np.array(prior_std)
 
 
 def _offset(simulated: SimulatedRecord, signal: Signal) -> float:
-    """S of (1)."""
+    """Return S of (4)."""
     if signal.quantity == "position":
         frame = simulated.record.frame_of(signal)
         own = POLICY.frame_offset_std * reach(simulated.arm)
@@ -193,7 +190,7 @@ def _offset(simulated: SimulatedRecord, signal: Signal) -> float:
 
 
 def _other_axes(simulated: SimulatedRecord, signal: Signal, placement: Placement, k: int) -> list[Floats]:
-    """What the other axes would show, of vectors; of orientations the other channels."""
+    """Return predictions of the other axes of a vector, or of the other channels of an orientation."""
     if signal.quantity == "orientation":
         values = predicted_at(simulated, signal, placement)
         return [np.nan_to_num(values[:, j]) for j in range(4) if j != k]
@@ -207,13 +204,13 @@ def _other_axes(simulated: SimulatedRecord, signal: Signal, placement: Placement
 
 
 def _clock_sigma(simulated: SimulatedRecord, signal: Signal) -> float:
-    """1 sigma of the delay between a signal's clock and the drive's [s]; unknown: a first guess's."""
+    """Return 1 sigma of the delay between the clocks of a signal and the drive [s]."""
     both = [simulated.record.clocks[name] for name in {signal.clock, drive_clock(simulated.record)}]
     return 0.05 if any(clock.unknown for clock in both) else hypot(*(clock.sigma for clock in both))
 
 
 def _friction(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> list[Floats]:
-    """sgn v and v of the joint, scaled to 1."""
+    """Return sgn v and v of the joint, scaled to 1."""
     run = simulated.simulation
     rate = np.asarray(run.drive_rate)[:, run.joints.index(signal.joint)]
     v = sample(run.time, rate, np.minimum(simulated.instants(signal, placement), run.time[-1]))

@@ -1,22 +1,20 @@
-"""Channels that stop: at the end of their range (saturation), or frozen for a stretch.
+"""Saturated and frozen channels, from their plateaus.
 
 A plateau is a run of rows that agree to within the noise while the prediction moves on:
 
     max y - min y <= 6 noise (or 0),   max p - min p >= max(10 noise, 0.2 std p)                       (1)
 
-A sensor at the end of its range shows p cut off at a level, so that
+A saturated channel shows p cut off at a level:
 
-    the plateaus lie at one level, the greatest (or least) reading, and p is beyond it there          (2)
+    its plateaus lie at the greatest (or least) reading, and p is beyond it there                      (2)
 
-With noise, they also outnumber the readings just below, and p goes on by a good part of its motion and by
-more than models miss: an arm that friction holds at the end of a move, or that rests beside where it stands
-upright, looks alike, but the model leaves it by little.
+With noise the readings at the level must also outnumber those just below it, and p must go on by a good part
+of its motion and by more than models miss. An arm that friction holds at the end of a move looks alike, but
+the model leaves it by little.
 
-A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
-or turns round too; where the drives stand, a model without damping may ring on, so that p counts in (1) only
-while one moves. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
-noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by
-`noisy_plateau_motion` of its motion.
+A frozen channel repeats a value. p counts in (1) only while a drive moves, as a model without damping may
+ring on at rest. Stiction holds a joint but not its noise. A noisy plateau is frozen only for places and
+angles, and only where p moves by `noisy_plateau_motion`.
 """
 
 from __future__ import annotations
@@ -37,14 +35,14 @@ Rows = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Plateau:
-    """Rows first to last (exclusive) of a channel that agree."""
+    """Hold rows first to last (exclusive) of a channel that agree."""
 
     first: int
     last: int
 
 
 def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Plateau]:
-    """All runs (1), exact repeats and noisy ones; a prediction that moves by less than `least` stands."""
+    """Return all runs (1), exact and noisy; a prediction that moves by less than `least` stands."""
     moves = max(10 * noise, POLICY.plateau_motion * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
@@ -67,7 +65,7 @@ def rows_to_move(p: Floats, moves: float) -> int:
 
 
 def moved(p: Floats, driven: Rows, run: Plateau) -> float:
-    """By how much a prediction moves in a plateau while a drive does."""
+    """Return the range of a prediction in a plateau while a drive moves."""
     part = slice(run.first, run.last)
     return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
@@ -84,7 +82,7 @@ def stays_within(y: Floats, width: float, rows: int) -> Rows:
 
 
 def repeats(y: Floats) -> list[Plateau]:
-    """Longest runs of rows of one value."""
+    """Return the longest runs of rows of one value."""
     ends = np.flatnonzero(np.diff(y) != 0) + 1
     firsts, lasts = np.append(0, ends), np.append(ends, len(y))
     long = lasts - firsts >= POLICY.min_plateau_rows
@@ -92,7 +90,7 @@ def repeats(y: Floats) -> list[Plateau]:
 
 
 def constant_runs(y: Floats, width: float) -> list[Plateau]:
-    """Longest runs of rows that stay within `width`, from the left."""
+    """Return the longest runs of rows that stay within `width`, from the left."""
     if width == 0:
         return repeats(y)
     begins = np.flatnonzero(stays_within(y, width, POLICY.min_plateau_rows))
@@ -120,7 +118,7 @@ def _end_of_run(y: Floats, first: int, width: float) -> int:
 
 
 def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
-    """The channel if it is cut off at the upper or lower end, or both, and its rows there."""
+    """Return the saturated channel and its rows at the ends of the range, or None."""
     y, p = channel.measured, channel.predicted
     noise = channel.signal.noise_std or 0.0
     found = []
@@ -149,7 +147,7 @@ def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
 
 
 def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float] | None:
-    """Rows at the upper end and its level, if (2) holds there."""
+    """Return the rows at the upper end and its level if (2) holds there, else None."""
     at, level, width = _end(y, noise)
     inner = ~at & ~_end(-y, noise)[0]
     fewest = (
@@ -169,7 +167,7 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
 
 
 def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
-    """Rows at the upper end, its level, and how far they scatter: not at all, or with the noise."""
+    """Return the rows at the upper end, its level, and their width: 0, or that of the noise."""
     top = float(np.max(y))
     exact = y == top
     if exact.sum() >= POLICY.min_plateau_rows:
@@ -179,14 +177,14 @@ def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
 
 
 def _piled_up(y: Floats, level: float, noise: float) -> bool:
-    """Whether more readings lie about a level than below it: a range that ends piles them up there."""
+    """Return True if twice as many readings lie at a level as just below it."""
     about = np.abs(y - level) <= noise
     below = np.abs(y - (level - 5 * noise)) <= noise
     return bool(about.sum() > 2 * below.sum())
 
 
 def _centre_and_scatter(gap: Floats, floor: float) -> tuple[float, float]:
-    """Median of a gap and its scatter; of few rows, what the nominal model may miss."""
+    """Return the median of a gap and its scatter; for few rows 0 and the model error."""
     if len(gap) < POLICY.min_plateau_rows:
         return 0.0, floor
     middle = float(np.median(gap))
@@ -194,7 +192,7 @@ def _centre_and_scatter(gap: Floats, floor: float) -> tuple[float, float]:
 
 
 def _compare_cut(channel: Channel, at: Rows) -> tuple[float, float, float]:
-    """Bayes factor of a cut at these rows, the scatter left, how far the prediction goes beyond."""
+    """Return the log Bayes factor of a cut at these rows, its scatter, and the greatest distance of p."""
     y, p = channel.measured[at], channel.predicted[at]
     noise = channel.signal.noise_std or 0.0
     gap = _centre_and_scatter(channel.measured[~at] - channel.predicted[~at], channel.model_error)[0]
@@ -206,12 +204,12 @@ def _compare_cut(channel: Channel, at: Rows) -> tuple[float, float, float]:
 
 
 def _rms_of(rest: Channel) -> float:
-    """What the other rows leave, none if there are none."""
+    """Return the rms residual of the other rows, 0 if there are none."""
     return rest.fit_at_gain(1.0).rms if len(rest.rows) else 0.0
 
 
 def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
-    """Rows where the channel repeats a value while the prediction moves on, and a sentence."""
+    """Return the rows where the channel repeats a value while the prediction moves, and a sentence."""
     noise = channel.signal.noise_std or 0.0
     y, p = channel.measured, channel.predicted
     at = np.zeros(len(y), dtype=bool)
@@ -231,7 +229,7 @@ def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
 
 
 def frozen_as_dead(channel: Channel, at: Rows, sentence: str) -> ChannelFinding | None:
-    """A channel that is frozen for so long that it is dead."""
+    """Return a dead channel if it is frozen in `lost_share` of its rows, else None."""
     if at.mean() < POLICY.lost_share:
         return None
     y, p = channel.measured[at], channel.predicted[at]

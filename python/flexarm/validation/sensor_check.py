@@ -1,10 +1,15 @@
-"""The data before the physics: which channels cannot be what they say, which samples are off.
+"""Validation of records before any physics: faulty channels, wrong drives, outliers, clocks and frames.
 
-A nominal model misses by centimetres where a joint gives way; it does not move the other way, 57 times too
-far, or not at all. Every channel is laid beside one simulation of the nominal model and judged by how it
-follows it (`checks`): slopes for signs and units, plateaus for dead and cut-off channels,
-and drives by driving the model again with the fault taken back. What can be repaired (offsets, scales near 1,
-delays, frames) is left to the diagnosis. Units: SI. Source: docs/diagnosis.md.
+A nominal model that lacks an effect misses by centimetres. It does not move the other way, 57 times too far,
+or not at all. Each channel is therefore compared with one simulation of the nominal model:
+
+1. outliers of drives and channels that hold no value are removed;
+2. the gain of each channel tells signs and units, its plateaus tell dead, frozen and saturated channels;
+3. the model is driven again with a fault of the drive taken back, if channels that it moves are disturbed;
+4. findings of all records are merged by sensor.
+
+Offsets, scales near 1, delays and frames can be estimated and are left to the diagnosis. Units: SI.
+Source: docs/diagnosis.md.
 """
 
 from __future__ import annotations
@@ -49,14 +54,14 @@ def check(
     alpha: float = -0.05,
     progress: Progress = None,
 ) -> ValidationResult:
-    """What is wrong with records before any physics: faulty sensors, outliers, clocks, contradictions.
+    """Check records for faulty sensors, outliers, clock steps and contradictions.
 
     Parameters
     ----------
     arm : Arm
         The nominal model.
     records : dict of str to Record, or sequence of Record
-        What was measured; of a sequence the names are those of the directories.
+        Measured data; of a sequence the names are those of the directories.
     step, alpha : float
         Of the simulation [s], [-].
     progress : bool or callable, optional
@@ -69,8 +74,7 @@ def check(
     Raises
     ------
     InvalidParameter
-        If there are no records, one names what the model does not have, or its signals have no instant in
-        common with its drive.
+        If there are no records, the model lacks a named object, or no instant is common with the drive.
 
     Examples
     --------
@@ -139,21 +143,21 @@ def check(
 def clean_records(
     arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alpha: float = -0.05
 ) -> ValidationResult:
-    """Records without their outliers, their sensors taken as they are: of those that no model is chosen by.
+    """Return records without outliers, their sensors taken as they are, for validation data.
 
     Parameters
     ----------
     arm : Arm
         The nominal model.
     records : dict of str to Record
-        What was measured.
+        Measured data.
     step, alpha : float
         Of the simulation [s], [-].
 
     Raises
     ------
     InvalidParameter
-        If a record names what the model does not have, or holds nothing to compare.
+        If the model lacks an object that a record names, or nothing can be compared.
     NotConverged
         If the model cannot be simulated along one.
     """
@@ -173,7 +177,7 @@ def clean_records(
 
 
 def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
-    """Records by name: the keys, or the names of their directories.
+    """Return records by name: the keys, or the names of their directories.
 
     Raises
     ------
@@ -210,13 +214,12 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
 def _prepare(
     arm: Arm, name: str, record: Record, step: float
 ) -> tuple[Record, list[RemovedOutliers], list[str]]:
-    """A record that fits the model, without empty channels and the outliers of its drives.
+    """Return a record without missing channels and outliers of its drives, these, and remarks.
 
     Raises
     ------
     InvalidParameter
-        If it names what the model does not have, a signal has no instant in common with the drive, or a run
-        of it would not end.
+        If the model lacks a named object, no instant is common with the drive, or a simulation would not end.
     """
     record.check_against(arm)
     for problem in (*clocks_apart(record), *endless(record, step)):
@@ -229,7 +232,7 @@ def _prepare(
 def _judge(
     arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
 ) -> RecordFindings:
-    """One record: its channels as they are, or with a drive's fault taken back if that explains more."""
+    """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:
         return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
     found = find_channel_faults(name, simulated)
@@ -252,7 +255,7 @@ def _reconsider(
     step: float,
     alpha: float,
 ) -> RecordFindings:
-    """Channels at fault where another record shows that it is their drive: a small motion shows little."""
+    """Replace faults of channels by a fault of their drive that another record shows clearly."""
     sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.channels and not v.ambiguous]
     if findings.drive is not None or not any(each.name for each in findings.channels):
         return findings
@@ -265,12 +268,12 @@ def _reconsider(
 
 
 def _beside(arm: Arm, record: Record, simulated: SimulatedRecord) -> SimulatedRecord:
-    """The simulation beside the record without its outliers."""
+    """Return the simulated record without its outliers."""
     return simulate_record(arm, record, align=False, simulation=simulated.simulation).simulated
 
 
 def _choose(name: str, found: Sequence[ChannelFinding], drive: DriveFault | None) -> RecordFindings:
-    """Whichever explains the record; both where they explain it alike."""
+    """Choose the better explanation of the record; keep both if they are alike."""
     if drive is None:
         return RecordFindings(name, found)
     if drive.log_bayes > POLICY.clear_log_odds:
@@ -279,7 +282,7 @@ def _choose(name: str, found: Sequence[ChannelFinding], drive: DriveFault | None
 
 
 def _without_frozen(record: Record, findings: RecordFindings) -> tuple[Record, list[str]]:
-    """The record without rows that repeat a value, and what else channels show that is no fault."""
+    """Return the record without frozen rows, and remarks on channels that are no faults."""
     notes = []
     for each in findings.channels:
         if each.frozen_rows:

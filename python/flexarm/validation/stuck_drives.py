@@ -1,17 +1,15 @@
-"""Drives that stand although the arm moves: a dead encoder, a frozen one, one at the end of its range.
+"""Stuck inputs, and the cross-check of drives by places.
 
-A motor slows down before it stands, and the arm with it. A drive that stops within a sample, from one reading
-to the next, while the gap of a place or an angle
+A motor slows down before it stands, and the arm with it. A drive that stops from one reading to the next is
+stuck if the gap of a place or angle
 
     e = measured - predicted                                                                           (1)
 
-then goes further than it does in as long a time elsewhere, was not the motor that stopped. How far a gap goes
-is the range of the means of its thirds: vibration averages out.
+then goes further than usual in as long a time. The range of the means of its thirds measures how far it goes,
+as vibration averages out.
 
-Drives whose angles are borne out: places follow the model that they move, however far they turn.
-
-A crane that slews three times round goes as far as a swing in degrees. Driven by the latter, places would go
-round 57 times too often; a place that such a drive alone moves, and that follows the model, says otherwise.
+A drive is confirmed if places that it moves follow the model. Its angle is then in radians, however far it
+turns.
 """
 
 from __future__ import annotations
@@ -39,7 +37,7 @@ Run = tuple[int, int]
 
 
 def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> DriveFault | None:
-    """A drive that stands for a while, or all the time where nothing else drives, although the arm moves."""
+    """Return a drive that stands although the arm moves, for a while or as the only drive, or None."""
     for signal, time, angle in _drives(record):
         noise = signal.noise_std or 0.0
         channels = [
@@ -63,7 +61,7 @@ def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> Dr
 
 
 def constant_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> DriveFault | None:
-    """One of several drives that shows one value without its noise, where what it moves is disturbed."""
+    """Return a drive that shows one value without noise where its signals are disturbed, or None."""
     for signal, _, angle in _drives(record):
         still = float(np.ptp(angle)) == 0 and bool(signal.noise_std)
         if still and is_disturbed(arm, str(signal.joint), found):
@@ -73,7 +71,7 @@ def constant_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) ->
 
 
 def _drives(record: Record) -> list[tuple[Signal, Floats, Floats]]:
-    """Drives of motions, with the times and values of their valid rows."""
+    """Return drives of motions, with the times and values of their valid rows."""
     found = []
     for name in record.drive:
         signal = record.signals[name]
@@ -84,7 +82,7 @@ def _drives(record: Record) -> list[tuple[Signal, Floats, Floats]]:
 
 
 def _constant_spans(time: Floats, angle: Floats, noise: float) -> list[Run]:
-    """Runs of readings that agree, exactly or else to within the noise."""
+    """Return runs of readings that agree, exactly or else to within the noise."""
     least = POLICY.min_standstill * float(time[-1] - time[0])
     for width in (0.0, 8 * noise):
         found = [(each.first, each.last) for each in constant_runs(angle, width)]
@@ -95,14 +93,14 @@ def _constant_spans(time: Floats, angle: Floats, noise: float) -> list[Run]:
 
 
 def _is_abrupt(angle: Floats, first: int, last: int, noise: float) -> bool:
-    """Whether a drive stops or starts within a sample."""
+    """Return True if a drive stops or starts within a sample."""
     steps = np.abs(np.diff(angle))
     beside = [steps[k] for k in (first - 2, last) if 0 <= k < len(steps)]
     return bool(beside) and max(beside) > max(20 * noise, 0.02 * float(np.max(steps)))
 
 
 def _goes_further(channel: Channel, times: Sequence[tuple[float, float]]) -> bool:
-    """Whether the gap (1) goes far while the drive stands, and seldom as far elsewhere."""
+    """Return True if the gap (1) goes far while the drive stands, and seldom as far elsewhere."""
     gap = channel.measured - channel.predicted
     lengths = [end - begin for begin, end in times]
     far = max((_smoothed_range(channel, gap, begin, end) for begin, end in times), default=0.0)
@@ -119,7 +117,7 @@ def _goes_further(channel: Channel, times: Sequence[tuple[float, float]]) -> boo
 
 
 def _moves_alone(channel: Channel) -> bool:
-    """Whether a channel moves by `min_swing`, and the model by much less."""
+    """Return True if a channel moves by `min_swing`, and its prediction by much less."""
     first, last = channel.time[0], channel.time[-1]
     seen = _smoothed_range(channel, channel.measured, first, last)
     said = _smoothed_range(channel, channel.predicted, first, last)
@@ -130,7 +128,7 @@ def _moves_alone(channel: Channel) -> bool:
 
 
 def _smoothed_range(channel: Channel, values: Floats, begin: float, end: float) -> float:
-    """How far values go between two times: range of the means of thirds."""
+    """Return the range of the means of thirds of the values between two times."""
     part = values[(channel.time >= begin) & (channel.time <= end)]
     if len(part) < 3:
         return 0.0
@@ -150,7 +148,7 @@ def _dead_drive(signal: Signal, angle: Floats, who: str) -> DriveFault:
 def _stopped_drive(
     signal: Signal, time: Floats, angle: Floats, stands: Sequence[Run], who: str
 ) -> DriveFault:
-    """Cut off if it stands at the ends of its range only, else frozen."""
+    """Return a saturated drive if it stands at the ends of its range only, else a frozen one."""
     noise = signal.noise_std or 0.0
     rows = sum(last - first for first, last in stands)
     levels = np.array([float(np.median(angle[first:last])) for first, last in stands])
@@ -167,12 +165,12 @@ def _stopped_drive(
 
 
 def _finding(signal: Signal, name: str, key: str, value: tuple[float, float], sentence: str) -> DriveFault:
-    """A fault of one drive with one parameter and its standard deviation."""
+    """Return a fault of one drive with one parameter and its standard deviation."""
     return DriveFault({signal.name: {key: (*value, signal.unit)}}, name, POLICY.stuck_log_odds, sentence)
 
 
 def confirmed_inputs(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> set[str]:
-    """Drives that a place follows which they move, and beside which no channel is at fault or strange."""
+    """Return the drives that a place confirms, if no channel is at fault or unexplained."""
     if any(each.name or each.unexplained for each in found):
         return set()
     firm = [each.channel for each in found if each.channel.signal.quantity == "position" and _follows(each)]
