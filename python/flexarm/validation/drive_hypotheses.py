@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.geared import moved_with, shaft_ratio
+from flexarm.arm.gears import coupled_joints, shaft_ratio
 from flexarm.arm.sizes import LONGEST
 from flexarm.measurement.torque import gear_ratio
-from flexarm.record.doubts import FARTHEST
-from flexarm.record.lasting import LIVELY, motion_of
+from flexarm.record.plausibility import FARTHEST
+from flexarm.record.time_unit import LIVELY, motion_of
 from flexarm.validation.finding import ChannelFinding
 from flexarm.validation.gain_faults import name_conversion
 from flexarm.validation.policy import POLICY
@@ -139,7 +139,7 @@ def is_moved_by(arm: Arm, joint: str, signal: Signal) -> bool:
     """Return True if a joint, or one geared to it, moves the place of a signal."""
     if signal.joint is not None:
         return signal.joint == joint
-    together = moved_with({joint}, arm.gears)
+    together = coupled_joints({joint}, arm.gears)
     link = signal.link or (arm.point(signal.point).link if signal.point is not None else "")
     while link and link != "base":
         above = next(each for each in arm.joints if each.child.split(":")[0] == link.split(":")[0])

@@ -26,18 +26,18 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import pose_outliers
-from flexarm.measurement.lattice import lattice_step
 from flexarm.measurement.outliers import (
     AROUND,
     NEARBY,
     NEIGHBOURS,
     SMOOTH,
-    beyond_all,
+    beyond_range_of_others,
+    deviation_from_median,
+    deviation_from_parabolas,
     nearby,
-    off_the_median,
-    off_the_parabolas,
 )
 from flexarm.measurement.predict import read
+from flexarm.measurement.quantisation_grid import quantisation_step
 from flexarm.validation.channel import channels
 from flexarm.validation.finding import RemovedOutliers
 from flexarm.validation.policy import POLICY
@@ -79,7 +79,7 @@ def clean_evidence(
         noise = simulated.effects(signal).noise(signal.noise_std or 0.0)
         rows = _isolated(spikes(residual, noise, predicted_vibration(simulated, signal, placement)))
         if signal.quantity not in SMOOTH:
-            rows &= beyond_all(residual, rows)
+            rows &= beyond_range_of_others(residual, rows)
         if rows.any() and rows.mean() < POLICY.max_spike_share:
             record = blank_rows(record, signal, rows)
             found.append(_removed(name, signal, rows, residual))
@@ -105,11 +105,11 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
     found = np.zeros(len(samples), dtype=bool)
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) > NEIGHBOURS:
-        nearest = off_the_parabolas(samples[rows][:, None])[:, 0]
+        nearest = deviation_from_parabolas(samples[rows][:, None])[:, 0]
         usual = 2 * POLICY.spike_spread * float(np.median(nearest))
         least = POLICY.rounding_share * float(np.ptp(samples[rows]))
         limit = max(
-            POLICY.drive_spike_noises * noise, usual, least, POLICY.spike_counts * lattice_step(samples)
+            POLICY.drive_spike_noises * noise, usual, least, POLICY.spike_counts * quantisation_step(samples)
         )
         found[rows] = nearest > np.maximum(
             limit, POLICY.edge_ratio * _neighbouring_third_differences(samples[rows])
@@ -156,10 +156,10 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
         Vibration that the model predicts around each row.
     """
     found = np.zeros(len(residual), dtype=bool)
-    rows, off, usual = off_the_median(residual)
+    rows, off, usual = deviation_from_median(residual)
     if not len(rows):
         return found
-    size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
+    size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
     limit = np.maximum(
         np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual), NEARBY * nearby(size)
     )

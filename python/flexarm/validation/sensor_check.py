@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
-from flexarm.record.doubts import clocks_apart
-from flexarm.simulation.endless import endless
+from flexarm.record.plausibility import disjoint_clocks
+from flexarm.simulation.step_limit import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
 from flexarm.validation.drive_faults import DriveFault, apply_known_fault, find_drive_fault
@@ -222,7 +222,7 @@ def _prepare(
         If the model lacks a named object, no instant is common with the drive, or a simulation would not end.
     """
     record.check_against(arm)
-    for problem in (*clocks_apart(record), *endless(record, step)):
+    for problem in (*disjoint_clocks(record), *endless(record, step)):
         raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
     record, notes = drop_missing_channels(name, record)
     record, removed = clean_drives(name, record)

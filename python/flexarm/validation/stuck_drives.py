@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.record.reached import span_by
+from flexarm.record.workspace import span_by
 from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.drive_faults import DriveFault
 from flexarm.validation.drive_hypotheses import is_disturbed, is_moved_by
