@@ -57,7 +57,7 @@ def simulate(
     from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help
     from flexarm.input_files import input_files
     from flexarm.output import output_directory
-    from flexarm.record.against_arm import unplaced_effects
+    from flexarm.record.compatibility import unplaced_effects
     from flexarm.record.save import write
 
     record = _record(drive, arm)
@@ -100,7 +100,7 @@ def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
 
 
 def _refuse_endless(motion: Motion, step: float) -> None:
-    from flexarm.simulation.endless import MOST_STEPS
+    from flexarm.simulation.step_limit import MOST_STEPS
 
     steps = (motion.end - motion.start) / step
     if steps > MOST_STEPS:

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats, frozen
-from flexarm.held_arm import Held
-from flexarm.measurement.states import States
+from flexarm.measurement.states import StateSnapshots
 from flexarm.sensitivity import Sensitivities
+from flexarm.statics.batch import StaticSolution
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -27,7 +27,7 @@ SEEN = ("position", "rotation", "joint_torque", "link_angle", "section_forces")
 
 
 @dataclass(frozen=True, eq=False)
-class PoseSequence(States):
+class PoseSequence(StateSnapshots):
     """Equilibria of an arm, one a pose: nothing moves, and torques are the drives', output side [N m].
 
     Attributes
@@ -39,7 +39,7 @@ class PoseSequence(States):
     sensitivities: Sensitivities | None = None
 
 
-def sequence(arm: Arm, found: Sequence[Held]) -> PoseSequence:
+def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
     """The equilibria as one sequence."""
     from scipy.spatial.transform import Rotation
 

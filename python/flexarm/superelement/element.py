@@ -14,22 +14,12 @@ from numpy.typing import ArrayLike
 from flexarm.arguments import ARRAY, FLAG, NAMES, PATH, POSITIVE, SHARE, TABLES, TEXT, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.reading import reading
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
-from flexarm.superelement.shape import problems_of_shape
+from flexarm.superelement.shape import VARIABLES, problems_of_shape
 
 if TYPE_CHECKING:
     from flexarm.solids import SolidMesh
-
-_ARRAYS = (
-    "positions",
-    "rotations",
-    "stiffness",
-    "mass",
-    "damping",
-    "frequency_hz",
-    "inertia_load",
-    "recovery",
-)
 
 
 @holds(
@@ -105,11 +95,11 @@ class SuperElement:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "interfaces", tuple(str(name) for name in self.interfaces))
-        for name in _ARRAYS:
+        for name in (*VARIABLES, "recovery"):
             given = getattr(self, name)
-            if name == "inertia_load" and given is None:
+            if given is None and name == "inertia_load":
                 given = inertia_load(self.mass, len(self.interfaces))
-            if name != "recovery" or given is not None:
+            if given is not None:
                 object.__setattr__(self, name, frozen(given))
         self._refuse(problems_of_shape(self))
 
@@ -184,11 +174,11 @@ class SuperElement:
         InvalidParameter
             With everything that no elastic part could have.
         """
-        from flexarm.superelement.checks import TOLERANCE, doubts, refusals
+        from flexarm.superelement.checks import TOLERANCE, implausible_values, violations
 
         limit = TOLERANCE if tolerance is None else tolerance
-        self._refuse(refusals(self, mass, limit))
-        return doubts(self)
+        self._refuse(violations(self, mass, limit))
+        return implausible_values(self)
 
     def _refuse(self, problems: list[Problem]) -> None:
         """Raise an error with all problems, if there are any."""
@@ -261,7 +251,7 @@ class SuperElement:
             As for :meth:`recover`, measured from a frame that moves with the part: large rotations are no
             deformation.
         """
-        from flexarm.reduction.stress import von_mises
+        from flexarm.superelement.stress import von_mises
 
         return von_mises(self, mesh, coordinates)
 
@@ -300,9 +290,12 @@ class SuperElement:
         InvalidFile
             If the file is no super-element, or one that no elastic part could have.
         """
-        from flexarm.superelement.netcdf import load
+        from flexarm.superelement.netcdf import stored
 
-        return load(path)
+        with reading(path, "a super-element"):
+            element = cls(**stored(path))
+            element.check()
+        return element
 
     def __repr__(self) -> str:
         return (

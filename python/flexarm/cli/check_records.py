@@ -1,0 +1,72 @@
+"""`flexarm check MODEL RECORD...`: could the sensors of a record be what they say, beside this model?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexarm.cli.options import load_arm
+from flexarm.cli.records import blame_one_of, load_record, record_names
+from flexarm.errors import Problem
+
+if TYPE_CHECKING:
+    from flexarm.validation.finding import Checked, Fault
+
+
+Faults = list[tuple[Path, Problem]]
+
+
+def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+    """What the first step of a diagnosis finds, for programs, in lines for a person, and what is at fault.
+
+    Raises
+    ------
+    InvalidFile
+        If model or records cannot be read, or do not belong together.
+    """
+    arm = load_arm(model)
+    files = record_names(paths)
+    records = {name: load_record(path, arm) for name, path in files.items()}
+    from flexarm.validation.sensor_check import check
+
+    with blame_one_of(model, files, records, arm):
+        found = check(arm, records)
+    next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
+    ready = found.usable and found.judged
+    return _told(found), [found.summary(), *([next_step] if ready else [])], _faults(found, files)
+
+
+def _faults(found: Checked, files: dict[str, Path]) -> Faults:
+    """Each sensor at fault, with every record that shows it."""
+    return [
+        (files[name], Problem(f"signals.{fault.at}", f"{fault.name}: {fault.evidence}"))
+        for fault in found.faults
+        for name in fault.records
+    ]
+
+
+def _told(found: Checked) -> dict[str, Any]:
+    return {
+        "kind": "records",
+        "records": list(found.records),
+        "usable": found.usable,
+        "faults": [_fault(each) for each in found.faults],
+        "outliers": [
+            {"record": each.record, "signal": each.signal, "rows": list(each.rows), "size": each.size}
+            for each in found.outliers
+        ],
+        "remarks": list(found.remarks),
+        "doubts": list(found.doubts),
+    }
+
+
+def _fault(fault: Fault) -> dict[str, Any]:
+    return {
+        "name": fault.name,
+        "at": fault.at,
+        "channels": list(fault.channels),
+        "records": list(fault.records),
+        "probability": fault.probability,
+        "parameters": [{"name": p.name, "value": p.value, "unit": p.unit} for p in fault.parameters],
+        "evidence": fault.evidence,
+    }

@@ -1,0 +1,124 @@
+"""Where a drive stands: stretches of samples in which noise explains all that differs.
+
+A motor that stands keeps its dry friction; one that follows its encoder's noise creeps to and fro by more
+than the width of the law, and its friction is gone after a second. With y in units of the noise, a stretch of
+n samples stands if, about its mean and about its regression line of slope b,
+
+    sum (y_i - mean)^2 <= chi-square limit, n - 1 degrees of freedom,    |b| / sigma_b <= `DRIFT`     (1)
+
+Stretches grow from blocks of `BLOCK` samples while (1) holds, and at last by the k samples before and after
+that do not differ from their mean, |sum (y_i - mean)| <= `NEAR` sqrt(k), less a few in which a motion may
+have begun below the noise. Two of them between which the drive moves by less than `CREEP` sigma are no
+stands: an encoder of coarse steps shows a slow motion like that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+
+Dwell = tuple[int, int]
+"""First and last sample."""
+
+BLOCK = 16
+"""Samples."""
+FIRST_LOOK = 32
+"""Blocks up to which a stretch is looked at first; of no influence on what is found."""
+LEAST = 4
+"""Blocks of a stand; the top of a slow wave is shorter."""
+ALARM = 1e-6
+"""Probability that noise alone ends a stand, eq. (1)."""
+DRIFT = 5.0
+"""Greatest slope in its sigmas, eq. (1)."""
+NEAR = 3.0
+"""Greatest sum of the samples at an end, in its sigmas."""
+SPARED = 8
+"""Samples at either end in which a motion may have begun below the noise."""
+CREEP = 20.0
+"""Least motion between two stands, in sigmas of a sample."""
+
+
+def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
+    """Stretches that stand, in their order.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Rising times.
+    scaled : ndarray, shape (n,)
+        Samples over their noise.
+    """
+    blocks = _Blocks(time, scaled)
+    found: list[Dwell] = []
+    begin = 0
+    while begin + LEAST <= blocks.count:
+        end = blocks.grown(begin)
+        if end - begin >= LEAST:
+            found.append(_to_the_sample((begin * BLOCK, end * BLOCK - 1), scaled))
+        begin = max(end, begin + 1)
+    return _without_creeping(found, scaled)
+
+
+class _Blocks:
+    """Sums of blocks, from which (1) follows for any stretch of them."""
+
+    def __init__(self, time: Floats, scaled: Floats) -> None:
+        from scipy.special import chdtri
+
+        self.count = len(time) // BLOCK
+        n = self.count * BLOCK
+        t, y = time[:n] - time[0], scaled[:n] - scaled[0]
+        powers = np.stack([t, t * t, y, y * y, t * y]).reshape(5, self.count, BLOCK).sum(axis=2)
+        self._sums = np.concatenate([np.zeros((5, 1)), np.cumsum(powers, axis=1)], axis=1)
+        self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, ALARM)  # of 1, 2, ... blocks
+
+    def grown(self, begin: int) -> int:
+        """End of the longest stretch of blocks from one on that stands at all its lengths."""
+        most = FIRST_LOOK  # most stretches are short: lengths are looked at in parts that grow
+        while True:
+            ends = np.arange(begin + 1, min(begin + most, self.count) + 1)
+            moves = self._moves(begin, ends)
+            if moves.any():
+                return int(ends[np.argmax(moves)]) - 1
+            if ends[-1] == self.count:
+                return self.count
+            most *= 4
+
+    def _moves(self, begin: int, ends: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return True at each end up to which a stretch does not stand."""
+        n = BLOCK * (ends - begin).astype(float)
+        t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, [begin]]
+        scatter = yy - y * y / n
+        spread = np.maximum(tt - t * t / n, 1e-300)
+        slope = (ty - t * y / n) / np.sqrt(spread)
+        found: NDArray[np.bool_] = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > DRIFT)  # eq. (1)
+        return found
+
+
+def _to_the_sample(stand: Dwell, scaled: Floats) -> Dwell:
+    """With what belongs to it of the blocks before and after, without `SPARED` at either end."""
+    first, last = stand
+    level = np.mean(scaled[first : last + 1])
+
+    def alike(samples: Floats) -> int:
+        k = np.arange(1, len(samples) + 1)
+        far = np.abs(np.cumsum(samples - level)) > NEAR * np.sqrt(k)
+        return int(np.argmax(far)) if far.any() else len(samples)
+
+    before = alike(scaled[max(first - BLOCK, 0) : first][::-1])
+    after = alike(scaled[last + 1 : last + 1 + BLOCK])
+    begin, end = first - before, last + after
+    return begin + SPARED * (begin > 0), end - SPARED * (end < len(scaled) - 1)
+
+
+def _without_creeping(found: list[Dwell], scaled: Floats) -> list[Dwell]:
+    level = [float(np.mean(scaled[first : last + 1])) for first, last in found]
+    creeps = [False] * len(found)
+    for k in range(len(found) - 1):
+        between = scaled[found[k][1] + 1 : found[k + 1][0]]
+        far = max(np.abs(between - level[k]).max(initial=0.0), abs(level[k + 1] - level[k]))
+        if far < CREEP:
+            creeps[k] = creeps[k + 1] = True
+    return [stand for stand, creeping in zip(found, creeps, strict=True) if not creeping]

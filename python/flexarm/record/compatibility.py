@@ -1,0 +1,207 @@
+"""What in a record does not fit a model: names it does not have, values beyond its reach."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.consistency import missing
+from flexarm.arm.gears import coupled_joints
+from flexarm.errors import InvalidParameter, Problem
+from flexarm.record.drive_span import range_at_rest
+from flexarm.record.frame_plausibility import frame_problems
+from flexarm.record.link_length import with_link_lengths
+from flexarm.record.payload_plausibility import payload_problems
+from flexarm.record.plausibility import is_remote
+from flexarm.record.time_unit import implausible_rates
+from flexarm.record.workspace import predicted_places, workspace_radius
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.record.record import Record
+    from flexarm.record.signal import Signal
+
+
+def unknown_names(record: Record, arm: Arm) -> list[Problem]:
+    """Joints, points, links and payloads that the model does not have."""
+    known = {
+        "joint": [joint.name for joint in arm.moving_joints],
+        "point": [point.name for point in arm.points],
+        "link": [link.name for link in arm.links],
+        "payload": [load.name for load in arm.payloads],
+        "controller": [controller.joint for controller in arm.controllers],
+    }
+    found = [
+        Problem(f"signals.{signal.name}.{kind}", missing(kind, place, names))
+        for signal in record.signals.values()
+        for kind, names in known.items()
+        if (place := getattr(signal, kind, None)) is not None and place not in names
+    ]
+    found += [
+        Problem(f"joints.{name}", missing("joint", name, known["joint"]))
+        for name in record.joints
+        if name not in known["joint"]
+    ]
+    return found + [
+        Problem(f"{kind}s.{name}", missing(kind, name, known[kind]))
+        for kind, named in (
+            ("payload", record.payloads),
+            ("link", record.links),
+            ("controller", record.controllers),
+        )
+        for name in named
+        if name not in known[kind]
+    ]
+
+
+def validate(record: Record, arm: Arm) -> list[Problem]:
+    """Values that contradict their unit, seen from the size of the arm; effects that act on nothing here."""
+    return [*implausible_values(record, arm), *unplaced_effects(record, arm)]
+
+
+def implausible_values(record: Record, arm: Arm) -> list[Problem]:
+    """Values that this arm cannot show, as they stand in the record."""
+    return [
+        *_positions(record, arm),
+        *_angles(record, arm),
+        *_undriven(record, arm),
+        *_too_fast(record, arm),
+        *frame_problems(record, arm),
+        *payload_problems(record, arm),
+    ]
+
+
+def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
+    """Effects of the model at signals, clocks and frames that the record has not.
+
+    One model serves several records, so this is a doubt and no error.
+    """
+    known = {
+        "signal": list(record.signals),
+        "signal or clock": [*record.signals, *record.clocks],
+        "frame": ["base", *record.frames],
+    }
+    return [
+        Problem(
+            f"effects.{effect.name}.{effect.at}",
+            f"acts on nothing in this record: {missing(effect.place, effect.at, known[effect.place])}",
+        )
+        for effect in arm.effects
+        if effect.place in known and effect.at not in known[effect.place]
+    ]
+
+
+def with_overrides(record: Record, arm: Arm) -> Arm:
+    """The arm with the payloads and lengths of a run; a weighed mass wins over an effect `payload_mass`."""
+    arm = with_link_lengths(_set(arm, record), record.links)
+    if not record.payloads:
+        return arm
+    loads = {load.name: load for load in arm.payloads}
+    for name, carried in record.payloads.items():
+        if name not in loads:
+            raise InvalidParameter(missing("payload", name, loads), where=f"payloads.{name}")
+        loads[name] = loads[name].replace(**carried.to_plain())
+    masses = {name: carried.mass for name, carried in record.payloads.items() if carried.mass is not None}
+    return with_payload_masses(arm.replace(payloads=tuple(loads.values())), masses)
+
+
+def _set(arm: Arm, record: Record) -> Arm:
+    """The arm with its controllers as they were set in a run."""
+    own = {controller.joint: controller for controller in arm.controllers}
+    for joint, values in record.controllers.items():
+        if joint not in own:
+            raise InvalidParameter(missing("controller", joint, own), where=f"controllers.{joint}")
+        settable = sorted(set(type(own[joint]).model_fields) - {"type", "joint", "deflection"})
+        for key in values:
+            if key not in settable:
+                raise InvalidParameter(missing("value", key, settable), where=f"controllers.{joint}.{key}")
+        own[joint] = own[joint].replace(**values)
+    return arm.replace(controllers=tuple(own.values())) if record.controllers else arm
+
+
+def with_payload_masses(arm: Arm, masses: Mapping[str, float]) -> Arm:
+    """The arm with weighed payloads [kg], by name; an effect `payload_mass` there gives way to them."""
+    if not masses:
+        return arm
+    loads = (load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads)
+    effects = (e for e in arm.effects if not (e.name == "payload_mass" and e.at in masses))
+    return arm.replace(payloads=tuple(loads), effects=tuple(effects))
+
+
+def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
+    seen = [signal for signal in record.of_quantity("position").values() if signal.valid.any()]
+    limit = workspace_radius(record, arm) if seen else 0.0
+    for signal in seen if limit else []:
+        span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
+        far = float(np.nanmax(np.abs(signal.values)))
+        own = is_remote(record.frame_of(signal))
+        value, what = (span, "moves over") if own else (far, "reaches")
+        if value > 10 * limit:
+            yield Problem(
+                f"signals.{signal.name}",
+                f"{what} {value:g} m, the arm reaches {limit:g} m at most; "
+                'if the file holds millimetres, say unit = "mm"',
+            )
+        elif len(signal.axes) == 3:
+            yield from _too_small(record, arm, signal, span, None if own else far)
+
+
+def _too_small(record: Record, arm: Arm, signal: Signal, span: float, far: float | None) -> Iterable[Problem]:
+    """Places much nearer to the base than the rigid arm has them when they are measured, or much less moved.
+
+    A turn of the frame leaves at least 1/sqrt(3) of a motion along one of its axes.
+    """
+    drives = [record.signals[name] for name in record.drive]
+    told = bool(drives) and all(s.quantity == "joint_angle" and s.valid.any() for s in drives)
+    places = predicted_places(record, arm, signal)
+    away = min(float(np.max(np.linalg.norm(place, axis=1))) for place in places)
+    rigid = min(float(np.max(np.ptp(place, axis=0))) for place in places)
+    if far is not None and 200 * far < away:
+        what = f"stays within {far:.3g} m of the base, a rigid arm would have it {away:.3g} m away"
+    elif told and 100 * span < rigid:
+        what = f"moves over {span:.3g} m, a rigid arm would move over {rigid:.3g} m"
+    else:
+        return
+    yield Problem(f"signals.{signal.name}", f"{what}; is the unit right?")
+
+
+def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
+    """Encoders of motors that move while nothing drives their joint: the model holds it."""
+    if record.kind != "motion" or not record.drive:
+        return
+    driven = {str(record.signals[name].joint) for name in record.drive}
+    driven = coupled_joints(driven | {controller.joint for controller in arm.controllers}, arm.gears)
+    for signal in record.of_quantity("joint_angle").values():
+        if signal.side == "motor" and signal.joint not in driven and _moves(signal):
+            yield Problem(
+                f"signals.{signal.name}",
+                f"is a motor's angle and moves, but is not in drive: the model holds {signal.joint!r} still",
+            )
+
+
+def _moves(signal: Signal) -> bool:
+    """Whether an encoder shows more than its noise and one of its steps do."""
+    seen = signal.values[signal.valid, 0]
+    return len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)
+
+
+def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:
+    """Joints that turn as fast as motors; shafts before gears are motors' own."""
+    shafts = {gear.input for gear in arm.gears}
+    return implausible_rates(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
+
+
+def _angles(record: Record, arm: Arm) -> Iterable[Problem]:
+    for signal in record.signals.values():
+        if signal.joint is None or signal.quantity not in ("joint_angle", "joint_rate", "joint_command"):
+            continue
+        prismatic = arm.joint(signal.joint).type == "prismatic"
+        if prismatic != signal.unit.startswith("m"):
+            wanted = "m" if prismatic else "rad"
+            yield Problem(
+                f"signals.{signal.name}.unit",
+                f"is {signal.unit}, but joint {signal.joint!r} is "
+                f"{arm.joint(signal.joint).type} and needs a unit like {wanted}",
+            )

@@ -1,0 +1,87 @@
+"""Frames of measurement that cannot stand where a record says, or are not known at all.
+
+Position and registration are in m and rad. Millimetres taken for metres put what was measured a thousand
+times too far from the base, and make a good registration none:
+
+    place          R p + xyz of what was measured lies farther from the base than three times the reach   (1)
+    registration   1 sigma of a fifth of the reach, or of 0.2 rad: such a frame is as good as unknown     (2)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.errors import Problem
+from flexarm.record.workspace import farthest_point, workspace_radius
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.record.record import Record
+    from flexarm.record.signal import Signal
+    from flexarm.record.table import Frame
+
+BEYOND, SURE = 3.0, 5.0
+"""Of (1): parts of the reach, which is an upper bound, and sigmas of the registration on top."""
+LOOSE, TURNED = 0.2, 0.2
+"""Of (2): part of the reach, and angle [rad]."""
+UNKNOWN = 'a frame of which nothing is known is "unknown"'
+
+
+def frame_rotation_problems(record: Record) -> Iterable[Problem]:
+    """Angles of (2), which need no arm."""
+    for name, frame in record.frames.items():
+        if frame.rotation > TURNED:
+            what = f"is {frame.rotation:g} rad (1 sigma), {np.degrees(frame.rotation):.3g} degrees"
+            yield Problem(
+                f"frames.{name}.rotation", f"{what}; it is in rad, not in mrad or degrees; {UNKNOWN}"
+            )
+
+
+def frame_problems(record: Record, arm: Arm) -> Iterable[Problem]:
+    """(1) and lengths of (2), seen from the size of the arm."""
+    for name, frame in record.frames.items():
+        seen = [s for s in record.of_quantity("position").values() if s.frame == name and s.valid.any()]
+        if frame.unknown or not seen:
+            continue
+        yield from (Problem(f"frames.{name}.translation", what) for what in _loose(record, arm, frame))
+        if any(frame.xyz):
+            yield from (Problem(f"frames.{name}.xyz", what) for what in _beyond(record, arm, frame, seen))
+
+
+def _loose(record: Record, arm: Arm, frame: Frame) -> Iterable[str]:
+    size = farthest_point(record, arm)
+    if frame.translation > LOOSE * size > 0:
+        what = f"is {frame.translation:g} m (1 sigma), the arm reaches {size:.3g} m; it is in m, not in mm"
+        yield f"{what}; {UNKNOWN}"
+
+
+def _beyond(record: Record, arm: Arm, frame: Frame, seen: Sequence[Signal]) -> Iterable[str]:
+    limit = workspace_radius(record, arm)
+    far, signal = max((_far(signal, frame), signal.name) for signal in seen)
+    if far > BEYOND * limit + SURE * frame.translation:
+        puts = f"is {list(frame.xyz)} m and puts {signal} {far:.4g} m from the base"
+        yield f"{puts}, the arm reaches {limit:.3g} m at most; it is in m, not in mm"
+
+
+def _far(signal: Signal, frame: Frame) -> float:
+    """How far the middle of what a signal shows lies from the base [m], by the axes that are known there."""
+    middle = np.nanmedian(signal.values, axis=0)
+    axes = ["xyz".index(axis) for axis in signal.axes]
+    if any(frame.rpy) and len(axes) < 3:
+        return 0.0  # what was not measured turns into what was
+    place: Floats = np.zeros(3)
+    place[axes] = middle
+    place = _turned(frame, place) + np.asarray(frame.xyz)
+    return float(np.linalg.norm(place[axes]))
+
+
+def _turned(frame: Frame, place: Floats) -> Floats:
+    if not any(frame.rpy):
+        return place
+    from flexarm.measurement.frames import rotation_from_rpy
+
+    return np.asarray(rotation_from_rpy(*frame.rpy) @ place)

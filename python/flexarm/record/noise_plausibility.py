@@ -1,0 +1,123 @@
+"""Noise, jitter and clocks that contradict the samples that they are stated of.
+
+White noise of 1 sigma s makes the k-th differences of readings, and those of rows of one pose, scatter,
+
+    rms(diff^k y) >= s sqrt(binomial(2k, k))                                                          (1)
+
+so that a noise far above that is stated in another unit, if it is a part worth a word of what the signal
+shows: records of simulations have none, whatever they state. Filters and air make noise last; samples at more
+than 20 Hz are thinned out before they are looked at. Readings that are multiples of a step scatter by
+step/sqrt(12) at least: a noise of a twentieth of the step is in another unit as well. What was stated in
+between may be wrong too, and samples do not tell. Of joint angles that are sampled quickly the check of a
+diagnosis says more (`flexarm.validation.clock_steps`), and steps of encoders are effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import comb
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.errors import Problem
+
+if TYPE_CHECKING:
+    from flexarm.record.record import Record
+    from flexarm.record.signal import Signal
+
+LOUD = 30.0
+"""Stated noise over (1): what lasts longer than a twentieth of a second may be ten times as much."""
+PART, PART_ELSE = 0.03, 0.5
+"""Least share of the motion that such a noise is of places and angles, and of what rings or rubs."""
+STEADY = ("position", "deflection", "joint_angle", "inclination", "orientation")
+"""Quantities that do not ring by as much as they move."""
+NONE = 1e-9
+"""Scatter over the stated noise below which it is rounding, of an arm at rest that was simulated."""
+ORDERS = (1, 2, 3)
+"""k of (1); the least bound counts."""
+THINNED = 20.0
+"""Rate at which differences are taken [Hz]."""
+FINER = 20.0
+"""Step of readings over the stated noise."""
+FEW = 12
+"""Differences of readings that tell a scatter."""
+REPEATS = 0.5
+"""Share of readings that repeat the one before from which on a coarse sensor scatters less than its steps."""
+QUICK = 50.0
+"""Rate of joint angles of which the check says more [Hz]."""
+BAD, LATE = 1.0, 0.05
+"""Sigma of a clock [s], and share of what its signals last, from which on it is as good as unknown."""
+
+
+def noise_problems(signal: Signal) -> Iterable[Problem]:
+    """Noise unlike the samples, and jitter beyond their distance."""
+    where = f"signals.{signal.name}"
+    quick = signal.quantity == "joint_angle" and len(signal.time) > 2 and signal.rate_hz >= QUICK
+    if signal.noise_std and not quick and len(signal) > FEW:
+        with np.errstate(over="ignore"):  # of numbers that no sensor gives
+            found = list(_noise(signal, signal.noise_std))
+        yield from (Problem(f"{where}.noise_std", what) for what in found)
+    if len(signal.time) > 2 and signal.jitter_std > 1 / signal.rate_hz:
+        what = f"is {signal.jitter_std:g} s (1 sigma), samples are {1 / signal.rate_hz:.3g} s apart"
+        yield Problem(f"{where}.jitter_std", f"{what}; it is in s, whatever time_unit")
+
+
+def _noise(signal: Signal, stated: float) -> Iterable[str]:
+    scatter, shown = _scatter(signal), float(np.max(np.nanstd(signal.values, axis=0)))
+    part = PART if signal.quantity in STEADY else PART_ELSE
+    if scatter > NONE * stated and stated > max(LOUD * scatter, part * shown):
+        yield (
+            f"is {stated:.3g} {signal.unit}, but values scatter by {scatter:.2g} {signal.unit} at most; "
+            "noise_std is in the unit of the signal"
+        )
+    step = _step(signal)
+    if step > FINER * stated:
+        yield (
+            f"is {stated:.3g} {signal.unit}, but all values are {step:.3g} {signal.unit} apart or multiples "
+            "of it, which is noise as well; noise_std is in the unit of the signal"
+        )
+
+
+def _step(signal: Signal) -> float:
+    """Step of which all readings of a channel are multiples, 0 if there is none."""
+    from flexarm.measurement.quantisation_grid import quantisation_step
+
+    if signal.quantity in ("joint_angle", "joint_command", "force", "payload_mass"):
+        return 0.0  # encoders count, and who loads an arm does so in equal steps
+    return max(quantisation_step(column) for column in signal.values.T)
+
+
+def _scatter(signal: Signal) -> float:
+    """The greatest noise that the channels can have by (1), 0 where they do not tell."""
+    return max(_bound(signal, column) for column in signal.values.T)
+
+
+def _bound(signal: Signal, values: Floats) -> float:
+    """The least s of (1) that the orders leave one channel."""
+    found = []
+    for order in ORDERS if signal.pose is None else (1,):
+        steps = _differences(signal, values, order)
+        steps = steps[np.isfinite(steps)]
+        if len(steps) < FEW or (order == 1 and np.mean(steps == 0) >= REPEATS):
+            return 0.0
+        found.append(float(np.sqrt(np.mean(steps**2) / comb(2 * order, order))))  # eq. (1)
+    return min(found)
+
+
+def _differences(signal: Signal, values: Floats, order: int) -> Floats:
+    """From one reading to the next, thinned out; in a record of poses to the next of the same pose."""
+    if signal.pose is None:
+        return np.diff(values[:: max(1, int(min(signal.rate_hz / THINNED, len(values))))], order)
+    return np.concatenate([np.diff(values[signal.pose == pose], order) for pose in np.unique(signal.pose)])
+
+
+def clock_problems(record: Record) -> Iterable[Problem]:
+    """Clocks that are hardly known beside how long their signals last."""
+    for name, clock in record.clocks.items():
+        spans = [s.time[-1] - s.time[0] for s in record.signals.values() if s.clock == name and len(s.time)]
+        longest = float(max(spans, default=0.0))
+        if clock.sigma >= BAD and clock.sigma > LATE * longest > 0:
+            what = f"is {clock.sigma:g} s (1 sigma), its signals last {longest:.3g} s; it is in s, not in ms"
+            yield Problem(f"clocks.{name}", f'{what}; a clock of which nothing is known is "unknown"')

@@ -1,0 +1,116 @@
+"""Where the rigid arm of a record is: places that what was measured cannot be far from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.sizes import reach
+from flexarm.arrays import Floats
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.record.record import Record
+    from flexarm.record.signal import Signal
+
+LOOKS = 101
+"""Instants at which a motion is looked at."""
+SURE = 3.0
+"""Sigmas of a clock that its stamps may be off by."""
+
+
+def rigid_places(record: Record, arm: Arm, point: str) -> Floats:
+    """Where the rigid arm has a point along the recorded joint angles, shape (n, 3) [m].
+
+    Joints that no angle drives stand as the record says.
+    """
+    rows = {name: each[_looks(len(each))] for name, each in _drives(record).items()}
+    return _places(record, arm, point, rows)
+
+
+def span_by(record: Record, arm: Arm, drive: str, point: str) -> float:
+    """Over how much one drive alone moves a point of the rigid arm, the others where they began [m]."""
+    rows = {name: each[_looks(len(each)) * (name == drive)] for name, each in _drives(record).items()}
+    return float(np.max(np.ptp(_places(record, arm, point, rows), axis=0)))
+
+
+def predicted_places(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
+    """The same at the readings of a position, once for each way in which its clock may stand."""
+    rows = np.flatnonzero(signal.valid)
+    rows = rows[_looks(len(rows))]
+    if signal.pose is not None:
+        return [_places(record, arm, str(signal.point), _rows_of_poses(record, signal.pose[rows]))]
+    return [
+        _places(record, arm, str(signal.point), _rows_at(record, signal.time[rows] - late))
+        for late in _late(record, signal)
+    ]
+
+
+def _places(record: Record, arm: Arm, point: str, rows: Mapping[str, NDArray[np.intp]]) -> Floats:
+    """The same at rows of the drives, by name."""
+    from flexarm.measurement.kinematics import link_pose
+
+    count = len(next(iter(rows.values()))) if rows else 1
+    values = {joint.name: np.full(count, record.joints.get(joint.name, 0.0)) for joint in arm.joints}
+    for name, each in rows.items():
+        if record.signals[name].quantity == "joint_angle":
+            values[str(record.signals[name].joint)] = record.signals[name].values[each, 0]
+    place = arm.point(point)
+    return np.asarray(link_pose(arm, place.link, values).of_point(np.asarray(place.position)))
+
+
+def _looks(count: int) -> NDArray[np.intp]:
+    return np.round(np.linspace(0, 1, LOOKS) * (count - 1)).astype(int)
+
+
+def _drives(record: Record) -> dict[str, NDArray[np.intp]]:
+    """Rows with a value of every drive that has some."""
+    rows = {name: np.flatnonzero(record.signals[name].valid) for name in record.drive}
+    return {name: each for name, each in rows.items() if len(each)}
+
+
+def _rows_of_poses(record: Record, poses: NDArray[np.str_]) -> dict[str, NDArray[np.intp]]:
+    """A row of each drive for each of these poses that all drives hold."""
+    first = {
+        name: {str(record.signals[name].pose[row]): row for row in rows[::-1]}  # type: ignore[index]
+        for name, rows in _drives(record).items()
+    }
+    known = [pose for pose in map(str, poses) if all(pose in each for each in first.values())]
+    return {name: np.array([each[pose] for pose in known]) for name, each in first.items() if known}
+
+
+def _rows_at(record: Record, instants: Floats) -> dict[str, NDArray[np.intp]]:
+    """The last row of each drive before each instant, or its first."""
+    found = {}
+    for name, rows in _drives(record).items():
+        at = np.searchsorted(_true(record, record.signals[name])[rows], instants, side="right") - 1
+        found[name] = rows[at.clip(0)]
+    return found
+
+
+def _true(record: Record, signal: Signal) -> Floats:
+    return signal.time - record.clocks[signal.clock].offset
+
+
+def _late(record: Record, signal: Signal) -> list[float]:
+    """How late a clock may be [s]: as stated, or that the signal and the drives begin, or end, together."""
+    clock = record.clocks[signal.clock]
+    if not clock.unknown:
+        return [clock.offset + k * SURE * clock.sigma for k in (0, -1, 1)]
+    drives = [_true(record, record.signals[name])[rows] for name, rows in _drives(record).items()]
+    first, last = min((t[0] for t in drives), default=0.0), max((t[-1] for t in drives), default=0.0)
+    return [float(signal.time[0] - first), float(signal.time[-1] - last)]
+
+
+def farthest_point(record: Record, arm: Arm) -> float:
+    """How far from the base the points of the rigid arm come [m]; 0 if it has none."""
+    places = (rigid_places(record, arm, point.name) for point in arm.points)
+    return max((float(np.max(np.linalg.norm(place, axis=1))) for place in places), default=0.0)
+
+
+def workspace_radius(record: Record, arm: Arm) -> float:
+    """How far from the base any point can be [m]; what slides, and solid parts, as the record has them."""
+    return max(reach(arm), farthest_point(record, arm))

@@ -1,0 +1,222 @@
+"""An arm whose drives are held: assembled once, in equilibrium at as many poses as are asked for.
+
+The assembled system depends on the model, on which points carry loads and on which joints are held behind
+their reducers, not on angles and forces. So poses of one arm share it, and the models beside it from which
+derivatives by parameters come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexarm import _core
+from flexarm.arm import Arm
+from flexarm.arm.parameter import Parameter, parameters
+from flexarm.arrays import Floats
+from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.sensitivity import Sensitivities, collected, varied
+from flexarm.statics.backlash_derivative import require_backlash_derivative
+
+
+@dataclass(frozen=True, eq=False)
+class StaticSolution:
+    """One equilibrium of a `StaticsBatch`.
+
+    Attributes
+    ----------
+    values : list of float
+        Angle of every joint's drive [rad, m].
+    equilibrium : Equilibrium
+        Of the core.
+    arrays : dict of str to ndarray
+        What is seen of it: `position`, `rotation`, `joint_torque`, `link_angle`, `section_forces` and
+        `base_wrench`, as in `Statics`.
+    sensitivities : Sensitivities or None
+        Derivatives of the arrays, and of `drive_angle`, where they were asked for.
+    """
+
+    values: list[float]
+    equilibrium: _core.Equilibrium
+    arrays: dict[str, Floats]
+    sensitivities: Sensitivities | None
+
+
+@dataclass(frozen=True)
+class DriveVariation:
+    """A parameter that turns the drives, such as the offset of an encoder.
+
+    Attributes
+    ----------
+    above, below : dict of str to float
+        Angles of the joints [rad, m] with a little more and a little less of it.
+    up, down : float
+        How much more, and, negative, how much less.
+    """
+
+    above: Mapping[str, float]
+    up: float
+    below: Mapping[str, float]
+    down: float
+
+
+class StaticsBatch:
+    """An arm whose drives are held.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model, with its effects.
+    at_link : collection of str
+        Joints whose angle is the link's.
+    loaded : iterable of str
+        Points that carry forces.
+    sensitivities : iterable of str
+        Keys of parameters by which the arrays are differentiated.
+    turned : collection of str
+        Joints whose drives parameters turn; the others are locked.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no derivative by a parameter.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        at_link: Collection[str] = (),
+        loaded: Iterable[str] = (),
+        sensitivities: Iterable[str] = (),
+        turned: Collection[str] = (),
+    ) -> None:
+        held = {_input_of(arm, name): _core.DriveKind.motor_angle for name in turned}
+        held |= {name: _core.DriveKind.link_angle for name in at_link}
+        points = tuple(loaded)
+        self.arm = arm
+        self.system = assemble(arm, held, points)
+        self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
+        self._beside, self._places = varied(arm, self.parameters, lambda other: assemble(other, held, points))
+
+    def at(
+        self,
+        joints: Mapping[str, float],
+        forces: Mapping[str, ArrayLike] | None = None,
+        turning: Mapping[str, DriveVariation] | None = None,
+    ) -> StaticSolution:
+        """Equilibrium under gravity and point forces, the drives at given angles.
+
+        Parameters
+        ----------
+        joints : dict of str to float
+            Angles [rad, m for a prismatic joint]; default 0.
+        forces : dict of str to (3,), optional
+            Forces at points, base axes [N].
+        turning : dict of str to DriveVariation, optional
+            By key those parameters that turn the drives.
+
+        Raises
+        ------
+        InvalidParameter
+            If a joint or point does not exist.
+        NotConverged
+            If there is no stable equilibrium.
+        """
+        values = joint_values(self.arm, joints)
+        loads = _core.Loads(gravity=np.array(self.arm.gravity), points=point_loads(self.arm, forces or {}))
+        equilibrium = _core.static_equilibrium(self.system, values, loads)
+        arrays = _seen(self.arm, self.system, equilibrium.state, loads)
+        if not self.parameters:
+            return StaticSolution(values, equilibrium, arrays, None)
+        slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})
+        slopes["drive_angle"] = self._drive_slopes(turning or {})
+        return StaticSolution(values, equilibrium, arrays, Sensitivities(self.parameters, slopes))
+
+    def _slopes(
+        self,
+        values: list[float],
+        equilibrium: _core.Equilibrium,
+        arrays: Mapping[str, Floats],
+        loads: _core.Loads,
+        turning: Mapping[str, DriveVariation],
+    ) -> dict[str, Floats]:
+        """Along the state's own derivative, in the models beside this one."""
+        state, keys = equilibrium.state, [parameter.key for parameter in self.parameters]
+        beside = [*self._beside, *(self._turned(each) for each in turning.values())]
+        places = [*self._places, *(keys.index(key) for key in turning)]
+        moving = _core.static_derivative(self.system, equilibrium, beside)
+        require_backlash_derivative(
+            self.arm,
+            [self.parameters[place] for place in places],
+            beside,
+            self.system,
+            equilibrium,
+            moving,
+            lambda other: _core.static_equilibrium(other, values, loads),
+        )
+        found = {name: np.zeros((*array.shape, len(beside))) for name, array in arrays.items()}
+        for k, pair in enumerate(beside):
+            up = _seen(self.arm, pair.plus, _core.moved(self.system, state, moving, k, pair.up), loads)
+            down = _seen(self.arm, pair.minus, _core.moved(self.system, state, moving, k, pair.down), loads)
+            for name, array in up.items():
+                found[name][..., k] = (array - down[name]) / (pair.up - pair.down)
+        return dict(collected(self.parameters, places, found).arrays)
+
+    def _turned(self, turning: DriveVariation) -> _core.Varied:
+        """This model with its drives at other angles."""
+        sides = [
+            [_core.PiecewisePolynomial.constant(value) for value in joint_values(self.arm, joints)]
+            for joints in (turning.above, turning.below)
+        ]
+        return _core.Varied(self.system, self.system, turning.up, turning.down, *sides)
+
+    def _drive_slopes(self, turning: Mapping[str, DriveVariation]) -> Floats:
+        """Derivatives of the drives' angles, shape (joint, parameter)."""
+        found = np.zeros((len(self.arm.joints), len(self.parameters)))
+        for k, parameter in enumerate(self.parameters):
+            if (each := turning.get(parameter.key)) is not None:
+                above, below = (joint_values(self.arm, side) for side in (each.above, each.below))
+                found[:, k] = np.subtract(above, below) / (each.up - each.down)
+        return found
+
+
+def _input_of(arm: Arm, joint: str) -> str:
+    """The joint whose drive moves a joint: itself, or at the input of its gears."""
+    inputs = {gear.output: gear.input for gear in arm.gears}
+    while joint in inputs:
+        joint = inputs[joint]
+    return joint
+
+
+def positions(system: _core.System, state: _core.State, count: int) -> Floats:
+    """Places of the first `count` points [m], shape (count, 3)."""
+    return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
+
+
+def _seen(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads) -> dict[str, Floats]:
+    """What is seen of a state."""
+    count = len(arm.points)
+    return {
+        "position": positions(system, state, count),
+        "rotation": np.array([system.point_frame(state, i).R for i in range(count)]).reshape(count, 3, 3),
+        "joint_torque": np.array([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
+        "link_angle": np.array(_core.joint_angles(system, state)),
+        "section_forces": np.array(
+            [_ends(system, state, loads, i, link.type) for i, link in enumerate(arm.links)]
+        ),
+        "base_wrench": np.array(_core.base_wrench(system, state)),
+    }
+
+
+_NO_FORCES = np.full((2, 6), np.nan)
+"""Of links without sections."""
+
+
+def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:
+    if kind != "beam":
+        return _NO_FORCES
+    forces = _core.section_forces(system, state, loads, link)
+    return np.array([forces.start, forces.end])

@@ -1,0 +1,71 @@
+"""What a first user gets wrong is said, with a word of what is right."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from arms import paper_arm
+
+import flexarm
+from flexarm import InvalidFile, InvalidParameter
+from flexarm.record import Frame
+from flexarm.record.plausibility import validate
+
+MODEL = "examples/one_link.toml"
+
+
+def test_a_drive_in_degrees_is_doubted(tmp_path, request):
+    drive = tmp_path / "drive.csv"
+    drive.write_text("time_s,hinge\n0,0\n0.05,40\n0.1,90\n0.15,90\n")
+    command = ["simulate", MODEL, "--drive", str(drive), "--out", str(tmp_path / "out")]
+    done = subprocess.run(
+        [sys.executable, "-m", "flexarm", *command],
+        cwd=request.config.rootpath,
+        capture_output=True,
+        text=True,
+    )
+    assert "warning:" in done.stderr
+    assert "degrees" in done.stderr
+
+
+def test_a_run_wants_a_drive_and_a_comparison_a_record():
+    arm = paper_arm()
+    with pytest.raises(InvalidParameter, match=r"Drive\.from_samples"):
+        flexarm.simulate(arm, {"hinge": np.zeros(3)})
+    with pytest.raises(InvalidParameter, match=r"Record\.load"):
+        flexarm.compare(arm, "record")
+
+
+def test_a_result_is_not_saved_into_a_directory_that_is_not_there(tmp_path):
+    with pytest.raises(InvalidFile, match="there is no directory"):
+        flexarm.static(paper_arm()).save(tmp_path / "missing" / "statics.nc")
+
+
+def test_a_run_knows_the_hash_of_its_drive():
+    arm = paper_arm()
+    drives = [flexarm.Drive.from_samples([0, 0.01, 0.02], {"hinge": [0, 0, q]}) for q in (0.0, 1e-9)]
+    hashes = [flexarm.simulate(arm, drive).solver["drive_sha256"] for drive in drives]
+    assert hashes[0] != hashes[1]
+    assert hashes[0] == drives[0].sha256()
+
+
+def test_a_frame_turned_by_degrees_is_doubted():
+    t = np.linspace(0.0, 1.0, 11)
+    signals = [
+        flexarm.Signal(name="hinge", quantity="joint_angle", values=t, time=t, joint="hinge", noise_std=1e-6),
+        flexarm.Signal(
+            name="tip",
+            quantity="position",
+            values=t,
+            time=t,
+            point="tip",
+            axes=("x",),
+            frame="tracker",
+            noise_std=1e-4,
+        ),
+    ]
+    turned = Frame(rpy=(0.0, 0.0, 74.5))
+    record = flexarm.Record(signals=signals, drive=("hinge",), frames={"tracker": turned})
+    [found] = [problem for problem in validate(record) if problem.where == "frames.tracker.rpy"]
+    assert found.what == "is [0.0, 0.0, 74.5] rad; write degrees as radians"
