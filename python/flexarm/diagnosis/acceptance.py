@@ -46,10 +46,10 @@ from math import inf, log
 
 import numpy as np
 
-from flexarm.diagnosis.cross_validation import foretells_better, missed, odds_lost
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, worth
+from flexarm.diagnosis.cross_validation import log_odds_lost, predicts_better, press_rms
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, variance_inflation
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 
 STRONG = 6.0
 """Least gain of ln Z: odds of 400, for some forty effects at some places."""
@@ -79,26 +79,26 @@ NEARLY_ALL = 0.01
 """The same of a size that machines do not have."""
 
 
-def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
+def accepted(new: Fit, old: Fit, null: Fit, problem: Problem) -> bool:
     """Whether evidence for a larger model is strong and what it explains matters."""
     spared = spares(new, old)
-    if as_stated(new, old) or not (matters(new, old, null, observed) or spared):
+    if as_stated(new, old) or not (matters(new, old, null, problem) or spared):
         return False
     enough = SPARING if spared else STRONG
-    strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > enough
-    if not leaves_gap(new, null, observed):
+    strong = log_bayes_factor(new, old, problem, variance_inflation(new.projected, problem)) > enough
+    if not leaves_gap(new, null, problem):
         return strong
     if not worth_a_name(new, old):
         return False
     if strong:
-        return missed(new, observed) < missed(old, observed)
-    return foretells_better(new, old, observed) or far_more_plausible(new, old, observed)
+        return press_rms(new, problem) < press_rms(old, problem)
+    return predicts_better(new, old, problem) or far_more_plausible(new, old, problem)
 
 
-def far_more_plausible(new: Fit, old: Fit, observed: Observed) -> bool:
+def far_more_plausible(new: Fit, old: Fit, problem: Problem) -> bool:
     """Whether odds are strong by (6) alone, and still are with what is foretold of data left out."""
     gained = implausibility(old) - implausibility(new)
-    lost, least = odds_lost([new, old], observed)
+    lost, least = log_odds_lost([new, old], problem)
     return gained > STRONG and gained + least - lost > STRONG
 
 
@@ -107,7 +107,7 @@ def as_stated(new: Fit, old: Fit) -> bool:
 
     In the smaller model it is free to be there.
     """
-    stated = {u.key: u for u in old.unknowns.each}
+    stated = {u.key: u for u in old.nuisance.parameters}
     pulls = [
         abs(value - stated[key].centre) / stated[key].sigma
         for member in new.members
@@ -118,11 +118,11 @@ def as_stated(new: Fit, old: Fit) -> bool:
     return bool(pulls) and max(pulls) < FORBIDDEN
 
 
-def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
+def matters(new: Fit, old: Fit, null: Fit, problem: Problem) -> bool:
     """Whether a larger model explains a part of the gap that can be seen in some channel."""
-    first = above_noise(null.rest, observed, null.has_corners)
-    for each, where in observed.channels():
-        square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
+    first = above_noise(null.projected, problem, null.non_smooth)
+    for each, where in problem.channels():
+        square = float(np.mean(old.projected[where] ** 2) - np.mean(new.projected[where] ** 2))
         part = np.sqrt(max(square, 0.0))
         if part > max(MATTERS, SHARE * first[each.record, each.signal, each.channel]):  # eq. (1)
             return True
@@ -139,11 +139,11 @@ def spares(new: Fit, old: Fit) -> bool:
     return strain(old) - strain(new) > STRAINED
 
 
-def far_off(fit: Fit, null: Fit, observed: Observed) -> bool:
+def far_off(fit: Fit, null: Fit, problem: Problem) -> bool:
     """Whether a model leaves most of the gap that there is without effects, or of the strain if no gap."""
     if not beyond_noise(fit) > HALF * beyond_noise(null):
         return False
-    return strain(fit) > HALF * strain(null) or leaves_gap(fit, null, observed)
+    return strain(fit) > HALF * strain(null) or leaves_gap(fit, null, problem)
 
 
 def hardly_helps(fit: Fit, null: Fit) -> bool:
@@ -160,38 +160,38 @@ def beyond_noise(fit: Fit) -> float:
 
 def implausibility(fit: Fit) -> float:
     """U: ln of how much likelier values are where they are most so."""
-    known = [float(z) for c, z in zip(fit.coordinates, fit.z, strict=True) if c.prior.scale != "uniform"]
-    unknown = fit.projection.best(fit.residual) / fit.unknowns.sigma
+    known = [float(z) for c, z in zip(fit.parameters, fit.z, strict=True) if c.prior.scale != "uniform"]
+    unknown = fit.projection.solve(fit.residual) / fit.nuisance.sigma
     return float(2.0 * np.sum(np.log1p(np.square([*known, *unknown]) / 3.0)))  # eq. (6)
 
 
 def strain(fit: Fit) -> float:
     """By how many sigmas unknowns are beyond `FORBIDDEN` of them, summed."""
-    z = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    z = np.abs(fit.projection.solve(fit.residual)) / fit.nuisance.sigma
     return float(np.sum(np.maximum(z - FORBIDDEN, 0.0)))  # eq. (2)
 
 
-def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
+def explained(fit: Fit, null: Fit, problem: Problem) -> bool:
     """Whether nothing that matters is left above the noise, and no unknown is strained."""
-    return quiet(fit, null, observed) and strain(fit) < STRAINED  # eq. (3)
+    return quiet(fit, null, problem) and strain(fit) < STRAINED  # eq. (3)
 
 
-def quiet(fit: Fit, null: Fit, observed: Observed) -> bool:
+def quiet(fit: Fit, null: Fit, problem: Problem) -> bool:
     """Whether nothing that matters is left above the noise, however strained unknowns are."""
-    first = above_noise(null.rest, observed, null.has_corners)
-    left = above_noise(fit.rest, observed, fit.has_corners)
+    first = above_noise(null.projected, problem, null.non_smooth)
+    left = above_noise(fit.projected, problem, fit.non_smooth)
     return all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
 
 
-def leaves_anything(fit: Fit, observed: Observed) -> bool:
+def leaves_anything(fit: Fit, problem: Problem) -> bool:
     """Whether a fit leaves more than the noise, however small a part of the gap that is."""
-    return max(above_noise(fit.rest, observed, fit.has_corners).values()) > LEFT
+    return max(above_noise(fit.projected, problem, fit.non_smooth).values()) > LEFT
 
 
-def leaves_gap(fit: Fit, null: Fit, observed: Observed, share: float = LEFT_SHARE) -> bool:
+def leaves_gap(fit: Fit, null: Fit, problem: Problem, share: float = LEFT_SHARE) -> bool:
     """Whether a fit leaves so much, or another share of the gap, that something else must be there."""
-    first = max(above_noise(null.rest, observed, null.has_corners).values())
-    left = max(above_noise(fit.rest, observed, fit.has_corners).values())
+    first = max(above_noise(null.projected, problem, null.non_smooth).values())
+    left = max(above_noise(fit.projected, problem, fit.non_smooth).values())
     return left > max(LEFT, share * first)  # eq. (4)
 
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import leaves_gap
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.measurement.outliers import SMOOTH, beyond_all, nearby, off_the_median
 from flexarm.record import Record
 
@@ -34,11 +34,11 @@ MOST = 0.15
 """Of the rows of a channel: where more are off, that is what the channel does."""
 
 
-def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
+def strays(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
     """Rows of motions that are strays by (1) in what a model leaves, shape (n,)."""
-    found = np.zeros(len(observed), dtype=bool)
-    for each, where in observed.channels():
-        record = observed.records[each.record]
+    found = np.zeros(len(problem), dtype=bool)
+    for each, where in problem.channels():
+        record = problem.records[each.record]
         if record.kind == "static":
             continue
         values = rest[where][:, None]
@@ -54,21 +54,21 @@ def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
     return found
 
 
-def hidden_strays(best: Fit, null: Fit, observed: Observed) -> NDArray[np.bool_]:
+def hidden_strays(best: Fit, null: Fit, problem: Problem) -> NDArray[np.bool_]:
     """Strays without which a model leaves no gap; none where it leaves none anyhow, or one all the same."""
-    nothing = np.zeros(len(observed), dtype=bool)
-    if not leaves_gap(best, null, observed):
+    nothing = np.zeros(len(problem), dtype=bool)
+    if not leaves_gap(best, null, problem):
         return nothing
-    found = strays(best.rest, observed)
-    rest = best.rest.copy()
+    found = strays(best.projected, problem)
+    rest = best.projected.copy()
     rest[np.flatnonzero(found)] = 0.0
-    return nothing if leaves_gap(replace(best, rest=rest), null, observed) else found
+    return nothing if leaves_gap(replace(best, projected=rest), null, problem) else found
 
 
-def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], observed: Observed) -> dict[str, Record]:
+def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Problem) -> dict[str, Record]:
     """Records without the readings of a mask of rows, in all their channels."""
     found = dict(records)
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         record = found[each.record]
         values = record.signals[each.signal].values.copy()
         values[np.flatnonzero(each.kept)[out[where]]] = np.nan
@@ -77,10 +77,10 @@ def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], observed: Ob
     return found
 
 
-def strays_told(found: NDArray[np.bool_], observed: Observed) -> list[str]:
+def strays_told(found: NDArray[np.bool_], problem: Problem) -> list[str]:
     """A sentence for each signal of a record that has some."""
     counts: dict[tuple[str, str], int] = {}
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         key = (each.signal, each.record)
         counts[key] = counts.get(key, 0) + int(found[where].sum())
     return [

@@ -25,11 +25,11 @@ from flexarm.diagnosis.acceptance import (
     strain,
     worth_a_name,
 )
-from flexarm.diagnosis.cross_validation import missed, odds_lost
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.evidence import log_bayes_factor, worth
+from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import log_bayes_factor, variance_inflation
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import BETTER, about_itself, polished
 
 UNSETTLED, STEPS = 4, 3
@@ -40,34 +40,34 @@ CLOSE = 30.0
 """How far behind in ln Z a model is fitted with derivatives of its own."""
 
 
-def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[Fit, Fitter]:
+def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[Fit, Estimator]:
     """The best fit, polished, with derivatives taken anew about those that come close or foretell best."""
-    observed = fitter.observed
-    first, *others = _ranked(fits, old, null, observed)
-    if leaves_gap(first, null, observed):
+    problem = estimator.problem
+    first, *others = _ranked(fits, old, null, problem)
+    if leaves_gap(first, null, problem):
         near = [f for f in others if f.cost < limit_beside([first], null, BESIDE_GAPS)]
-        close = sorted(near, key=lambda f: missed(f, observed))[:2]
+        close = sorted(near, key=lambda f: press_rms(f, problem))[:2]
     else:
-        close = [f for f in others[:2] if _close(f, first, observed)]
-    there = dict(about_itself(fit, fitter) for fit in (first, *close))
-    if not leaves_gap(first, null, observed):
-        there |= dict(_in_steps(fit, fitter) for fit in _unsettled(others, first, null))
-    best = _ranked(list(there), old, null, observed)[0]
+        close = [f for f in others[:2] if _close(f, first, problem)]
+    there = dict(about_itself(fit, estimator) for fit in (first, *close))
+    if not leaves_gap(first, null, problem):
+        there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, null))
+    best = _ranked(list(there), old, null, problem)[0]
     return polished(best, there[best])
 
 
-def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> list[Fit]:
+def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, problem: Problem) -> list[Fit]:
     """The best first, of those worth a name if there are any."""
-    fits = [f for f in fits if worth_a_name(f, old) or not leaves_gap(f, null, observed)] or fits
-    value = worth(min(fits, key=lambda f: f.cost).rest, observed)
+    fits = [f for f in fits if worth_a_name(f, old) or not leaves_gap(f, null, problem)] or fits
+    value = variance_inflation(min(fits, key=lambda f: f.cost).projected, problem)
 
     def behind(one: Fit, other: Fit) -> int:
-        return int(np.sign(log_bayes_factor(other, one, observed, value)))
+        return int(np.sign(log_bayes_factor(other, one, problem, value)))
 
-    if not all(leaves_gap(f, null, observed) for f in fits):
+    if not all(leaves_gap(f, null, problem) for f in fits):
         return sorted(fits, key=cmp_to_key(behind))
     odd = [implausibility(f) for f in fits]
-    less = [lost + u - min(odd) for lost, u in zip(odds_lost(fits, observed), odd, strict=True)]
+    less = [lost + u - min(odd) for lost, u in zip(log_odds_lost(fits, problem), odd, strict=True)]
     lost = dict(zip(fits, (each - min(less) for each in less), strict=True))
     near = [f for f in fits if lost[f] < REACH]
     others = [f for f in fits if lost[f] >= REACH]
@@ -84,16 +84,16 @@ def _unsettled(others: Sequence[Fit], first: Fit, null: Fit) -> list[Fit]:
     return sorted(found, key=lambda f: f.cost)[:UNSETTLED]
 
 
-def _in_steps(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """A fit about itself, and about what that finds while it leaves clearly less."""
     for _ in range(STEPS):
-        before, (fit, fitter) = fit, about_itself(fit, fitter)
+        before, (fit, estimator) = fit, about_itself(fit, estimator)
         if fit.cost > BETTER * before.cost:
             break
-    return fit, fitter
+    return fit, estimator
 
 
-def _close(fit: Fit, first: Fit, observed: Observed) -> bool:
+def _close(fit: Fit, first: Fit, problem: Problem) -> bool:
     """Whether a fit may be as good as the first with derivatives of its own."""
-    value = worth(min((fit, first), key=lambda f: f.cost).rest, observed)
-    return log_bayes_factor(first, fit, observed, value) < CLOSE
+    value = variance_inflation(min((fit, first), key=lambda f: f.cost).projected, problem)
+    return log_bayes_factor(first, fit, problem, value) < CLOSE

@@ -28,13 +28,13 @@ from flexarm.diagnosis.acceptance import (
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import SPRINGS, carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.evidence import Channel, log_bayes_factor, worth
-from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import Channel, log_bayes_factor, variance_inflation
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.confounding import taken_over
 from flexarm.diagnosis.moves.proposals import TWIN, larger_fits, other_springs
 from flexarm.diagnosis.moves.rescreening import THROUGH_SPRINGS, awakened, nearby, new_springs
-from flexarm.diagnosis.noise_model import allow_for_drives, allow_for_steps
+from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
 from flexarm.diagnosis.screening import Probed
@@ -75,7 +75,7 @@ class Choice:
 
     null: Fit
     best: Fit
-    fitter: Fitter
+    estimator: Estimator
     value: Mapping[Channel, float]
     rivals: list[list[Rival]] = field(default_factory=list)
     needed: list[float] = field(default_factory=list)
@@ -84,18 +84,18 @@ class Choice:
     @property
     def gain(self) -> float:
         """ln Z of the chosen model over the nominal one."""
-        observed = self.fitter.observed
-        return log_bayes_factor(self.best, self.null, observed, self.value)
+        problem = self.estimator.problem
+        return log_bayes_factor(self.best, self.null, problem, self.value)
 
 
-def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
+def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Forward, backward, and rivals."""
     tell = note or (lambda what, done: None)
-    search = _Search(fitter, probed)
+    search = _Search(estimator, probed)
     best, about = search.through(tell)
     tell("weighing rivals", MOST / (MOST + 1))
     choice = search.weighed(*settled(best, about))
-    gains = [(f, log_bayes_factor(f, search.null, fitter.observed, choice.value)) for f in search.tried]
+    gains = [(f, log_bayes_factor(f, search.null, estimator.problem, choice.value)) for f in search.tried]
     return replace(choice, tried=gains)
 
 
@@ -106,20 +106,20 @@ class _Search:
     effects are looked for; `null` about its own optimum, with which larger models are compared.
     """
 
-    def __init__(self, fitter: Fitter, probed: Sequence[Probed]) -> None:
-        self.fitter, self.observed, self.probed = fitter, fitter.observed, probed
-        self.start = fitter.fit(())
-        self.null, self.about_null = without_effects(self.start, fitter)
-        arm, records = self.observed.arm, self.observed.records.values()
+    def __init__(self, estimator: Estimator, probed: Sequence[Probed]) -> None:
+        self.estimator, self.problem, self.probed = estimator, estimator.problem, probed
+        self.start = estimator.fit(())
+        self.null, self.about_null = without_effects(self.start, estimator)
+        arm, records = self.problem.arm, self.problem.records.values()
         self.places = cardan_joints(arm, driven_joints(arm, records))
         self.tried: list[Fit] = []
         self.complete: Fit | None = None  # nothing beside it was accepted
         self._awake: dict[frozenset[str], Sequence[Probed]] = {frozenset(): probed}
         self._near: dict[frozenset[tuple[str, str]], Sequence[Probed]] = {}
 
-    def through(self, tell: Note) -> tuple[Fit, Fitter]:
+    def through(self, tell: Note) -> tuple[Fit, Estimator]:
         """Forward and backward; forward once more where what is left after that is not all."""
-        best, about = self.null, self.fitter
+        best, about = self.null, self.estimator
         for _ in range(AGAIN):
             larger, there = self.forward(best, about, tell)
             best, about = _backward(there, larger, self.null)
@@ -127,19 +127,19 @@ class _Search:
                 break
         return best, about
 
-    def forward(self, best: Fit, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
+    def forward(self, best: Fit, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
         """The largest model of which each effect is accepted, and about which."""
         while (count := causes(best.members, self.places)) < self._most(best) and not self._explained(best):
             tell(f"looking for effect {count + 1}", count / (MOST + 1))
             larger = self._larger(best, about)
-            if larger is None or not accepted(larger[0], best, self.null, self.observed):
+            if larger is None or not accepted(larger[0], best, self.null, self.problem):
                 break
             best, about = larger
             if best is self.complete:
                 break
         return best, about
 
-    def _larger(self, best: Fit, about: Fitter) -> tuple[Fit, Fitter] | None:
+    def _larger(self, best: Fit, about: Estimator) -> tuple[Fit, Estimator] | None:
         """The best model with an effect more; with two or three at first, if one explains too little.
 
         None if there is no candidate.
@@ -158,11 +158,11 @@ class _Search:
             if not sets:
                 continue
             more, where = self._best_of(about, sets, better)
-            if accepted(more, better, self.null, self.observed):
+            if accepted(more, better, self.null, self.problem):
                 better, there = more, where
         return better, there
 
-    def _one_more(self, best: Fit, about: Fitter) -> list[Fit]:
+    def _one_more(self, best: Fit, about: Estimator) -> list[Fit]:
         """Models with an effect more: what takes over where unknowns are strained, and what promises most.
 
         Only the former, if there is such, where nothing but that strain is left.
@@ -170,36 +170,36 @@ class _Search:
         here, at = (best, about) if best.members else (self.null, self.about_null)
         probed = self._beside(best, about)
         found = taken_over(at, self.probed, here)  # whose sizes count from stated values
-        if not (found and quiet(here, self.null, self.observed)):
+        if not (found and quiet(here, self.null, self.problem)):
             here = best if best.members else self.start
             found += larger_fits(about, probed, here, self.null, places=self.places, found=found)
             found += self._beside_a_twin(best, about)
         self.tried += found
         return found
 
-    def _beside(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
+    def _beside(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Candidates as they are beside the effects of a fit: where more is left to explain, about it."""
-        if not fit.members or quiet(fit, self.null, self.observed):
+        if not fit.members or quiet(fit, self.null, self.problem):
             return self._awakened(fit, about)
         places = frozenset(fit.places)
         if places not in self._near:
             self._near[places] = nearby(about, self.probed, fit)
         return self._near[places]
 
-    def _awakened(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
+    def _awakened(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Candidates, those awake that act through springs which a fit has and the nominal model has not."""
         joints = new_springs(fit)
         if joints not in self._awake:
             self._awake[joints] = awakened(about, self.probed, fit)
         return self._awake[joints]
 
-    def _beside_a_twin(self, best: Fit, about: Fitter) -> list[Fit]:
+    def _beside_a_twin(self, best: Fit, about: Estimator) -> list[Fit]:
         """An effect more in the joint of a spring that elsewhere leaves as little as in the best model.
 
         A base that gives way does what a soft shoulder does; friction there shows beside the latter.
         """
         twins = [f for f in self.tried if f.cost < TWIN * best.cost and _one_spring_apart(f, best)]
-        if not twins or not leaves_gap(best, self.null, self.observed):
+        if not twins or not leaves_gap(best, self.null, self.problem):
             return []
         twin = min(twins, key=lambda f: f.cost)
         joints = new_springs(twin) - new_springs(best)
@@ -207,22 +207,22 @@ class _Search:
         laws = [p for p in laws if p.candidate.name in THROUGH_SPRINGS]
         return larger_fits(about, laws, twin, self.null) if laws else []
 
-    def _sets(self, about: Fitter, size: int, beside: Fit) -> list[Fit]:
+    def _sets(self, about: Estimator, size: int, beside: Fit) -> list[Fit]:
         """Models of two or three effects, unless what a smaller one leaves is a strained unknown alone."""
-        if quiet(beside, self.null, self.observed):
+        if quiet(beside, self.null, self.problem):
             return []
         found = larger_fits(about, self.probed, self.start, self.null, size, beside=beside)
         self.tried += found
         return found
 
-    def _best_of(self, fitter: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
+    def _best_of(self, estimator: Estimator, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Estimator]:
         """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
-        best, about = best_of(fitter, fits, old, self.null)
-        if leaves_gap(best, self.null, self.observed) and best.cost < NEAR * len(self.observed):
+        best, about = best_of(estimator, fits, old, self.null)
+        if leaves_gap(best, self.null, self.problem) and best.cost < NEAR * len(self.problem):
             arm = about.with_effects(best.members)
-            allow_for_drives(self.observed, arm)
-            allow_for_steps(self.observed, arm)
-        if not leaves_gap(best, self.null, self.observed):
+            allow_for_input_noise(self.problem, arm)
+            allow_for_discretisation_error(self.problem, arm)
+        if not leaves_gap(best, self.null, self.problem):
             return best, about
         found = other_springs(best, about, self.probed)
         self.tried += found
@@ -237,12 +237,12 @@ class _Search:
         count = causes(fit.members, self.places)
         if count == 1 and hardly_helps(fit, self.null):
             return 1
-        return TWO if count == TWO and far_off(fit, self.null, self.observed) else MOST
+        return TWO if count == TWO and far_off(fit, self.null, self.problem) else MOST
 
     def _explained(self, fit: Fit) -> bool:
-        return explained(fit, self.null, self.observed)
+        return explained(fit, self.null, self.problem)
 
-    def weighed(self, best: Fit, about: Fitter) -> Choice:
+    def weighed(self, best: Fit, about: Estimator) -> Choice:
         """A model with the rivals of its effects, after those that are ahead have taken their places.
 
         None does so twice: of two that are equal each may be ahead of the other by a little.
@@ -256,12 +256,12 @@ class _Search:
             if set(ahead.fit.places) in chosen:
                 break
             self.tried.append(choice.best)  # which is the other's rival now
-            fewer = _backward(about_or_here(ahead.fit, choice.fitter), ahead.fit, self.null)
+            fewer = _backward(about_or_here(ahead.fit, choice.estimator), ahead.fit, self.null)
             choice = self._with_rivals(*settled(*fewer))
         return choice
 
-    def _with_rivals(self, best: Fit, about: Fitter) -> Choice:
-        value = worth(best.rest, self.observed)
+    def _with_rivals(self, best: Fit, about: Estimator) -> Choice:
+        value = variance_inflation(best.projected, self.problem)
         rivals = [
             rivals_of(k, best, self.null, about, self._beside(best, about), self.tried, value)
             for k in range(len(best.members))
@@ -269,12 +269,12 @@ class _Search:
         needed = [self._needed(k, best, about, value) for k in range(len(best.members))]
         return Choice(self.null, best, about, value, rivals, needed)
 
-    def _needed(self, k: int, best: Fit, about: Fitter, value: Mapping[Channel, float]) -> float:
+    def _needed(self, k: int, best: Fit, about: Estimator, value: Mapping[Channel, float]) -> float:
         """ln Z of a model over itself without effect k; over that without all, if others stand on it."""
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or carries(others, best.members[k])
         fewer = None if alone else without(others, about, self.tried)
-        return log_bayes_factor(best, fewer or self.null, self.observed, value)
+        return log_bayes_factor(best, fewer or self.null, self.problem, value)
 
 
 def _one_spring_apart(one: Fit, other: Fit) -> bool:
@@ -283,9 +283,9 @@ def _one_spring_apart(one: Fit, other: Fit) -> bool:
     return len(mine) == len(theirs) == 1 and all(name in SPRINGS for name, _ in mine | theirs)
 
 
-def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
+def _backward(estimator: Estimator, best: Fit, null: Fit) -> tuple[Fit, Estimator]:
     """Drops what the others have made needless."""
-    observed = fitter.observed
+    problem = estimator.problem
     k = 0
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
@@ -293,12 +293,12 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
             k += 1
             continue
         try:
-            fewer = fitter.fit(rest, nearby=best)
-        except FAILED:
+            fewer = estimator.fit(rest, nearby=best)
+        except FIT_ERRORS:
             k += 1
             continue
-        if accepted(best, fewer, null, observed):
+        if accepted(best, fewer, null, problem):
             k += 1
         else:
-            best, fitter, k = fewer, about_or_here(fewer, fitter), 0
-    return best, fitter
+            best, estimator, k = fewer, about_or_here(fewer, estimator), 0
+    return best, estimator

@@ -22,8 +22,8 @@ GAP = 20.0 * np.sin(0.05 * np.arange(N))
 class Left:
     """As much of a fit as strays ask for."""
 
-    rest: np.ndarray
-    has_corners: bool = False
+    projected: np.ndarray
+    non_smooth: bool = False
 
 
 class Channel:

@@ -22,10 +22,10 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import DENT, explained, leaves_gap, limit_beside, quiet
 from flexarm.diagnosis.candidate import SPRINGS, Candidate, carries, value_of
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit
-from flexarm.diagnosis.minimisers import scanned
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.minimisers import multi_start
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
@@ -33,11 +33,11 @@ AVERAGED = 1.0
 """Length of the average [s]: a few periods of a heavy arm, a small part of its motion."""
 
 
-def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
+def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
     """Averages columns of residuals over `AVERAGED`, channel by channel; poses stay as they are."""
     windows = []
-    for each, where in observed.channels():
-        if observed.records[each.record].kind == "motion" and len(each.time) > 1:
+    for each, where in problem.channels():
+        if problem.records[each.record].kind == "motion" and len(each.time) > 1:
             windows.append((where, round(AVERAGED / float(np.median(np.diff(each.time))))))
 
     def averaged(columns: Floats) -> Floats:
@@ -77,7 +77,7 @@ AHEAD = 0.9
 
 
 def larger_fits(
-    fitter: Fitter,
+    estimator: Estimator,
     probed: Sequence[Probed],
     best: Fit,
     null: Fit,
@@ -91,36 +91,36 @@ def larger_fits(
     `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
     large and fitted already.
     """
-    slow = slow_part(fitter.observed)
+    slow = slow_part(estimator.problem)
     if size > 1:
-        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
-        if size == 2 and _all_leave_gaps(more, null, fitter.observed):
-            sets = one_variant(together(fitter, probed, best, size, slow), SETS)
-            more += _fitted(fitter, sets, best, null, PAIRS)
+        more = _fitted(estimator, _sets(estimator, probed, best, size, beside), best, null, PAIRS)
+        if size == 2 and _all_leave_gaps(more, null, estimator.problem):
+            sets = one_variant(together(estimator, probed, best, size, slow), SETS)
+            more += _fitted(estimator, sets, best, null, PAIRS)
         return more
-    at_ends = not found or not quiet(best, null, fitter.observed)
-    wanted, others = _promising(fitter, probed, best, places, at_ends)
-    more = _fitted(fitter, wanted, best, null)
-    if _all_leave_gaps([*found, *more], null, fitter.observed):
-        slower = one_variant(screen(fitter, probed, best, seen=slow), SLOW)
-        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, null, found=more)
-    if not best.members and _all_leave_gaps([*found, *more], null, fitter.observed):
-        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, null, found=more)
-    if _all_leave_gaps([*found, *more], null, fitter.observed):
-        more += _from_other_gaps(fitter, more)
+    estimates_at_bounds = not found or not quiet(best, null, estimator.problem)
+    wanted, others = _promising(estimator, probed, best, places, estimates_at_bounds)
+    more = _fitted(estimator, wanted, best, null)
+    if _all_leave_gaps([*found, *more], null, estimator.problem):
+        slower = one_variant(screen(estimator, probed, best, seen=slow), SLOW)
+        more += _fitted(estimator, [s for s in slower if not _there(s, best, more)], best, null, found=more)
+    if not best.members and _all_leave_gaps([*found, *more], null, estimator.problem):
+        more += _fitted(estimator, [s for s in others if not _there(s, best, more)], best, null, found=more)
+    if _all_leave_gaps([*found, *more], null, estimator.problem):
+        more += _from_other_gaps(estimator, more)
     return more
 
 
-def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """The best model with a backlash once more, from a gap that leaves less (`diagnosis.minimisers`)."""
     bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
-    with suppress(*FAILED):
-        if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
+    with suppress(*FIT_ERRORS):
+        if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
             return [again]
     return []
 
 
-def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[Fit]:
+def other_springs(best: Fit, estimator: Estimator, probed: Sequence[Probed]) -> list[Fit]:
     """A model with each of its springs elsewhere, as soft there, with the rest refitted.
 
     A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
@@ -132,14 +132,14 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
         for place, candidate in springs.items():
             if spring.name not in SPRINGS or place in best.places or carries(others, spring):
                 continue
-            with suppress(*FAILED):
+            with suppress(*FIT_ERRORS):
                 members = (candidate.as_soft_as(spring), *others)
-                found.append(fitter.trial(members, best, TWIN * best.cost))
+                found.append(estimator.trial(members, best, TWIN * best.cost))
     return found
 
 
-def _all_leave_gaps(fits: Sequence[Fit], null: Fit, observed: Observed) -> bool:
-    return all(leaves_gap(f, null, observed) for f in fits)
+def _all_leave_gaps(fits: Sequence[Fit], null: Fit, problem: Problem) -> bool:
+    return all(leaves_gap(f, null, problem) for f in fits)
 
 
 def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
@@ -148,7 +148,7 @@ def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
 
 
 def _fitted(
-    fitter: Fitter,
+    estimator: Estimator,
     wanted: Sequence[Share],
     best: Fit,
     null: Fit,
@@ -163,21 +163,23 @@ def _fitted(
     for share in wanted:
         if len(found) == most:
             break
-        done = any(explained(f, null, fitter.observed) for f in found)
+        done = any(explained(f, null, estimator.problem) for f in found)
         if done and share.share < FAINT * wanted[0].share:
             break
         near = limit_beside([*before, *found], best, HALFWAY)
         try:
             members = (*map(_relaxed, best.members), *share.members)
-            found.append(fitter.trial(members, best, near))
-        except FAILED:
+            found.append(estimator.trial(members, best, near))
+        except FIT_ERRORS:
             continue
     return found
 
 
-def _sets(fitter: Fitter, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None) -> list[Share]:
+def _sets(
+    estimator: Estimator, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None
+) -> list[Share]:
     """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
-    shares = [share for share in together(fitter, probed, best, size) if share.share > DENT]
+    shares = [share for share in together(estimator, probed, best, size) if share.share > DENT]
     ahead = size == 2 or beside is None or _leads(shares, beside)
     return one_variant(shares, SETS) if ahead else []
 
@@ -191,22 +193,26 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 
 
 def _promising(
-    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
+    estimator: Estimator,
+    probed: Sequence[Probed],
+    best: Fit,
+    places: Mapping[str, str],
+    estimates_at_bounds: bool,
 ) -> tuple[list[Share], list[Share]]:
     """Single candidates: those that explain most, and others.
 
     Where the best promises little, laws are looked at `at_ends` too.
     """
-    shares = one_variant(screen(fitter, probed, best, places), len(probed))
-    sharp = sharpened(fitter, shares[: 2 * TRIED], best)
-    if at_ends and (not sharp or sharp[0].share < HALF):
-        sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
+    shares = one_variant(screen(estimator, probed, best, places), len(probed))
+    sharp = sharpened(estimator, shares[: 2 * TRIED], best)
+    if estimates_at_bounds and (not sharp or sharp[0].share < HALF):
+        sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[:TRIED]
     there = {share.places for share in wanted}
     return wanted, [share for share in sharp if share.places not in there and share.share > LITTLE]
 
 
-def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:
+def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Share]:
     """Effects of one parameter at the ends of what is plausible.
 
     To first order a damping or a mass explains little of a gap that rings out of step by what it changes.
@@ -216,8 +222,8 @@ def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]
         if candidate.place in best.places or candidate.stands_on or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
-        with suppress(*FAILED):
-            prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
+        with suppress(*FIT_ERRORS):
+            prior = candidate.priors_in(estimator.with_effects((candidate,)))[name]
             ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
             found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]
     return found
