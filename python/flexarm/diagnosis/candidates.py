@@ -63,7 +63,7 @@ def candidates(
 
     Parameters
     ----------
-    observed : Observed
+    problem : Problem
         The records.
     arm : Arm
         The model.

@@ -119,7 +119,7 @@ def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem)
         With effects and without.
     stated : ndarray, shape (n,)
         Residual of the model without effects, nominal values where they are stated.
-    observed : Observed
+    problem : Problem
         The training.
     """
     jacobian, residual, held = joint_jacobian(fit)

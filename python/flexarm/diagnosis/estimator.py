@@ -44,11 +44,11 @@ class Estimator:
 
     Attributes
     ----------
-    observed : Observed
+    problem : Problem
         The records.
-    unknowns : Unknowns
+    nuisance : NuisanceModel
         Clocks, frames, nominal values; its `arm` is the nominal model.
-    slopes : ndarray
+    jacobian : ndarray
         Derivatives of the residual by them, at `at`.
     at : ndarray
         Where the unknowns are, from the centres of their priors.

@@ -37,7 +37,7 @@ class Projection:
 
     Parameters
     ----------
-    slopes : ndarray, shape (n, k)
+    jacobian : ndarray, shape (n, k)
         J of (1).
     sigma : ndarray, shape (k,)
         Of the priors; infinite: none.
@@ -93,15 +93,15 @@ class Fit:
     ----------
     members : tuple of Candidate
         The effects, each at its optimum.
-    coordinates, z : tuple of Coordinate and ndarray, shape (k,)
+    parameters, z : tuple of TransformedParameter and ndarray, shape (k,)
         What was fitted, in sigmas of the priors.
     residual : ndarray, shape (n,)
-        Of that model, eq. (1) of `observed`.
+        Of that model, eq. (1) of `problem`.
     projected : ndarray, shape (n + m,)
         Of which clocks, frames and nominal values explain nothing more.
-    slopes : ndarray, shape (n, k)
+    jacobian : ndarray, shape (n, k)
         Derivatives of `residual` by z.
-    unknowns, projection
+    nuisance, projection
         What was eliminated.
     """
 

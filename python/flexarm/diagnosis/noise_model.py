@@ -20,7 +20,7 @@ else seem to lack something.
 
 What finer time steps still move where laws have corners.
 
-What steps of length h miss is extrapolated (`Observed.correction`): the method is of order two. Teeth that
+What steps of length h miss is extrapolated (`Problem.correction`): the method is of order two. Teeth that
 bounce do not follow any order. After some hits the motions of two steps part as those of two machines
 would, and no step is fine enough. With r(h) the residual and
 
@@ -42,7 +42,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.comparison.unknowns import movable
+from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem, extrapolated
 from flexarm.diagnosis.residual_rows import is_non_smooth
@@ -85,7 +85,7 @@ def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -
     begin = f"{name} states no noise of {signal.name}"
     if noise is not None:
         return [f"{begin}: {with_unit(noise, signal.unit, 2)} count, as the training states it"]
-    places = movable(record, signal)
+    places = uncertain_clock_and_frame(record, signal)
     return [f"{begin}, nor does the training: it does not align {listed(places)}"] if places else []
 
 

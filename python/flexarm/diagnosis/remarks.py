@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from flexarm.comparison.unknowns import movable, noise_is_stated
+from flexarm.comparison.alignment_parameters import has_noise, uncertain_clock_and_frame
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.nuisance import known_loads
 from flexarm.diagnosis.problem import Problem
@@ -44,11 +44,15 @@ def unweighed(problem: Problem) -> Iterator[str]:
     """A sentence for each signal without a stated noise: what stands for it, what is not aligned by it."""
     shown: dict[str, float] = {}
     for rows in problem.rows:
-        if not noise_is_stated(_signal(problem, rows.record, rows.signal).noise_std):
+        if not has_noise(_signal(problem, rows.record, rows.signal).noise_std):
             shown[rows.signal] = max(shown.get(rows.signal, 0.0), rows.sigma)
     for name, sigma in shown.items():
         own = [(each, each.signals[name]) for each in problem.records.values() if name in each.signals]
-        places = list(dict.fromkeys(place for record, signal in own for place in movable(record, signal)))
+        places = list(
+            dict.fromkeys(
+                place for record, signal in own for place in uncertain_clock_and_frame(record, signal)
+            )
+        )
         noise = with_unit(sigma, own[0][1].unit, 2)
         text = f"no noise is stated for {name}: the {noise} that its values show count instead"
         if places:
@@ -61,7 +65,7 @@ def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterato
 
     Parameters
     ----------
-    observed : Observed
+    problem : Problem
         Records and their rows.
     compared : dict of str to sequence of str
         By record the signals that the model predicts.
@@ -70,7 +74,7 @@ def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterato
     for record in problem.records:
         for name in compared.get(record, ()):
             if (record, name) not in seen:
-                stated = noise_is_stated(_signal(problem, record, name).noise_std)
+                stated = has_noise(_signal(problem, record, name).noise_std)
                 why = "none of its values lies in the time of the drives" if stated else _SILENT
                 yield f"{record}: {name} is not fitted: {why}"
 

@@ -144,7 +144,7 @@ def screen(
 
     Parameters
     ----------
-    fitter : Fitter
+    estimator : Estimator
         Records and unknowns.
     probed : sequence of Probed
         What the probes do.

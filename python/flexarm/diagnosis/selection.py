@@ -61,7 +61,7 @@ class Choice:
     ----------
     null, best : Fit
         The nominal model and the chosen one; both with unknowns fitted.
-    fitter : Fitter
+    estimator : Estimator
         About the chosen model.
     value : dict
         Worth of the samples, T of `evidence`, after the chosen model.

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from flexarm.tables.table import unit_of
+from flexarm.tables.field import unit_of
 
 _LIMITS = {
     "greater_than": ("gt", "greater than"),
@@ -68,6 +68,8 @@ def shown(value: Any, limit: int = 60) -> str:
         text = repr(value) if not isinstance(value, bool) else str(value).lower()
     except ValueError:  # Python prints no integer of more digits
         text = "a whole number of thousands of digits"
+    except RecursionError:
+        text = "tables nested hundreds deep"
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 

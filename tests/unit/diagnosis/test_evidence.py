@@ -21,7 +21,7 @@ def nothing(non_smooth):
 
 
 def one_channel(n):
-    """As much of `Observed` as evidence asks for: one channel."""
+    """As much of `Problem` as evidence asks for: one channel."""
     rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), explained_square=nothing)
     records = {"run": SimpleNamespace(kind="motion")}
     return SimpleNamespace(records=records, channels=lambda: [(rows, rows.where)])
@@ -71,7 +71,7 @@ def test_noise_that_is_larger_than_stated_is_no_gap():
 
 
 def poses(records, each):
-    """As much of `Observed` as evidence asks for: one channel of static records, `each` poses in each."""
+    """As much of `Problem` as evidence asks for: one channel of static records, `each` poses in each."""
     rows = [
         SimpleNamespace(
             record=f"day {k}",

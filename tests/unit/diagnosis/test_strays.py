@@ -27,7 +27,7 @@ class Left:
 
 
 class Channel:
-    """As much of `Observed`: one channel of one record."""
+    """As much of `Problem`: one channel of one record."""
 
     def __init__(self, kind="motion", quantity="position"):
         self.row = Rows("run", "tip", 0, slice(0, N), np.ones(N, dtype=bool), 1.0, np.arange(N))

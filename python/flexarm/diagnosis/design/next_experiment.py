@@ -53,7 +53,7 @@ def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False)
     ----------
     choice : Choice
         What was named, and what else is within reach.
-    observed : Observed
+    problem : Problem
         The records at hand.
     unexplained : bool
         Whether no known effect explains the gap: then, what would describe the remainder.

@@ -39,9 +39,9 @@ class Bench:
 
     Attributes
     ----------
-    unknowns : Unknowns
+    nuisance : NuisanceModel
         Clocks, frames, nominal values.
-    slopes : ndarray, shape (n, m)
+    jacobian : ndarray, shape (n, m)
         Derivatives of the rows by them.
     probed : tuple of Probed
         Candidates and what their probes do to the rows; variants of an effect one after the other.
