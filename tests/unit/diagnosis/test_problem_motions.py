@@ -39,7 +39,7 @@ def problem(run, step):
 def test_what_an_imperfect_sensor_shows_costs_no_run_and_no_reading_of_the_others(run, monkeypatch):
     there = problem(run, 4e-3)
     arm = run.simulation.arm
-    before, made = there.residual(arm), there.runs.made
+    before, made = there.residual(arm), there.simulations.made
     read, plain = [], SimulatedRecord.residual
 
     def spied(self, signal, *given, **named):
