@@ -45,11 +45,6 @@ from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 
-BLOCKS = 24
-"""Blocks a record."""
-CLEARLY, ODDS = 0.2, log(200.0)
-"""What is clearly better: part of what is missed, and least ln B of (2); for 24 blocks the same."""
-
 
 def press_residuals(fit: Fit, problem: Problem) -> Floats:
     """e of (1): of every row, over the noise, what is missed if its group is left out; shape (n,)."""
@@ -71,7 +66,8 @@ def predicts_better(one: Fit, other: Fit, problem: Problem) -> bool:
     """Whether a model foretells what is left out clearly better than another one."""
     ratio = press_rms(other, problem) / max(press_rms(one, problem), 1e-300)
     odds = len(folds(problem)) * log(max(ratio, 1e-300))  # eq. (2)
-    return ratio * (1.0 - CLEARLY) > 1.0 and odds > ODDS
+    policy = problem.policy
+    return ratio * (1.0 - policy.predictive_share) > 1.0 and odds > policy.predictive_evidence
 
 
 def log_odds_lost(fits: Sequence[Fit], problem: Problem) -> list[float]:
@@ -95,12 +91,13 @@ def folds(problem: Problem) -> list[NDArray[np.int_]]:
 
 def time_blocks(problem: Problem) -> list[NDArray[np.int_]]:
     """Rows of each block: a stretch of one record, all channels."""
+    count = problem.policy.blocks
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
     for each, where in problem.channels():
         index = np.arange(where.start, where.stop)
         record = [row.time for row in problem.rows if row.record == each.record]
         first, last = min(t[0] for t in record), max(t[-1] for t in record)
-        number = np.minimum((BLOCKS * (each.time - first) / max(last - first, 1e-12)).astype(int), BLOCKS - 1)
+        number = np.minimum((count * (each.time - first) / max(last - first, 1e-12)).astype(int), count - 1)
         for j in np.unique(number):
             found.setdefault((each.record, int(j)), []).append(index[number == j])
     return [np.concatenate(parts) for parts in found.values()]

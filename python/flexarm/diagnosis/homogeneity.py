@@ -21,11 +21,6 @@ from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 
-UNLIKELY = 1e-3
-"""p of Q below which a parameter is said to move."""
-MOVES = 0.1
-"""Least part of itself by which it then moves."""
-
 
 def constancy(fit: Fit, problem: Problem, value: Mapping[Channel, float]) -> list[dict[str, Any]]:
     """Each effect's parameters by record; keys as `Diagnosis.constancy` says. Empty for one record."""
@@ -56,7 +51,7 @@ def constancy(fit: Fit, problem: Problem, value: Mapping[Channel, float]) -> lis
         p = float(chi2.sf(q, len(known) - 1))
         size = abs(parameter.value(z))
         member = fit.members[parameter.candidate]
-        constant = p > UNLIKELY or spread < MOVES * size
+        constant = p > problem.policy.chance or spread < problem.policy.alike * size
         found.append(
             {
                 "effect": member.name,

@@ -34,6 +34,7 @@ from flexarm.diagnosis.initial_conditions import (
     initial_condition_jacobian,
 )
 from flexarm.diagnosis.jacobian import differences, static_jacobian
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.residual_rows import Rows, evidence_rows, is_non_smooth, put_over_noise, rows_left
 from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.errors import InvalidParameter, NotConverged
@@ -62,6 +63,8 @@ class Problem:
         Of all simulations [s], [-].
     jobs : int
         Number of simulations at once.
+    policy : SelectionPolicy
+        Thresholds of a search for effects.
     placement : dict of str to Placement
         Clocks and frames by record.
     rows : tuple of Rows
@@ -79,6 +82,7 @@ class Problem:
     step: float = 2e-3
     alpha: float = -0.05
     jobs: int = 1
+    policy: SelectionPolicy = field(default_factory=SelectionPolicy)
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from flexarm.diagnosis.acceptance import STRAINED, strain
+from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
@@ -85,8 +85,8 @@ def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
 
 def _quiet(fit: Fit, about: Estimator) -> bool:
     """Whether nothing is left that would be looked at, and no unknown is strained."""
-    left = above_noise(fit.projected, about.problem, fit.non_smooth)
-    return max(left.values()) < QUIET and strain(fit) < STRAINED
+    left, policy = above_noise(fit.projected, about.problem, fit.non_smooth), about.problem.policy
+    return max(left.values()) < QUIET and conflict(fit, policy) < policy.conflict
 
 
 def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:

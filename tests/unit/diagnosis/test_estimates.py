@@ -11,6 +11,7 @@ from flexarm.arm.prior import Prior
 from flexarm.diagnosis.cross_validation import time_blocks
 from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.parameters import TransformedParameter
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.uncertainty import draws, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
 
@@ -41,7 +42,7 @@ def problem(discretisation_error=0.0):
         discretisation_error=discretisation_error,
     )
     records = {"run": SimpleNamespace(kind="motion")}
-    return Recorded(rows=[rows], records=records)
+    return Recorded(rows=[rows], records=records, policy=SelectionPolicy())
 
 
 def fitted(noise, slope, name="payload_mass"):

@@ -1,12 +1,11 @@
 """A law on a spring that the model lacks comes with that spring, which is fitted and named too."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from diagnoses import nominal, record, with_spring
 
 from flexarm.diagnosis import selection as choose
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import rivals_of
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidates import candidates
@@ -63,10 +62,10 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     law = next(p.candidate for p in probed if p.candidate.name == "backlash")
     assert carries((law,), spring) and not carries((spring,), law)
     best = estimator.linearised((spring, law))
-    assert rivals_of(0, best, estimator.fit(()), estimator, probed, (), {}) == []
+    assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, (), {}) == []
     asked = []
-    monkeypatch.setattr(choose, "accepted", lambda new, old, *_: asked.append(old.places) or True)
-    choose._backward(estimator, best, SimpleNamespace(projected=np.zeros(len(best.projected))))
+    monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
+    choose._backward(estimator, best, Criteria(estimator.problem, None))
     assert asked == [(SPRING,)]
 
 
