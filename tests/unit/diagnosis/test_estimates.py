@@ -133,7 +133,7 @@ def static_records(records, each):
         for k in range(records)
     ]  # fmt: skip
     named = {row.record: SimpleNamespace(kind="static") for row in rows}
-    return Recorded(rows=rows, records=named)
+    return Recorded(rows=rows, records=named, policy=SelectionPolicy())
 
 
 def test_static_records_that_are_off_as_a_whole_count_once_each():

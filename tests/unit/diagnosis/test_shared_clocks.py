@@ -6,7 +6,7 @@ from arms import crane, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.cross_validation import groups
+from flexarm.diagnosis.cross_validation import folds
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
@@ -84,7 +84,7 @@ def test_a_clock_that_was_set_anew_needs_a_name_of_its_own(machine, record):
 def test_blocks_of_time_hold_all_signals_whatever_their_clocks_say(machine, record):
     """By raw stamps, 1000 s apart, all of the torque was one block and all of the tip another."""
     problem = Problem(machine, {"a": record(0.15, 1)}, step=4e-3)
-    found = groups(problem)
+    found = folds(problem)
     assert len(found) == SelectionPolicy.blocks
     signal_of = np.concatenate([np.full(len(row.time), row.signal) for row in problem.rows])
     for block in found:
