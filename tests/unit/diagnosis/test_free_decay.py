@@ -9,12 +9,12 @@ from scipy.integrate import solve_ivp
 from flexarm import Record, Signal
 from flexarm.residual_analysis.free_decay import (
     PERIODS,
-    Piece,
-    decay,
-    describe_ring_downs,
-    fitted_piece,
-    mean,
-    ring_downs,
+    DecaySegment,
+    decay_segments,
+    describe_free_decays,
+    fitted_segment,
+    free_decays,
+    weighted_mean,
 )
 
 RNG = np.random.default_rng(31)
@@ -43,7 +43,7 @@ def test_a_linear_law_has_one_frequency_and_one_damping():
     """Eq. (1) holds from end to end; noise of a hundredth of the first amplitude."""
     time, zeta = stamps(9.0), 0.02
     x = 0.3 + 0.01 * time + np.exp(-zeta * OMEGA * time) * np.cos(OMEGA * time + 0.7)
-    pieces = list(decay(time, x + 0.01 * RNG.normal(size=len(time))))
+    pieces = list(decay_segments(time, x + 0.01 * RNG.normal(size=len(time))))
     assert len(pieces) >= 4
     for piece in pieces:
         assert abs(piece.frequency_hz - 2.2) < 4 * piece.frequency_std
@@ -55,7 +55,7 @@ def test_stated_errors_are_those_of_repeated_measurements():
     """One sigma over 60 draws of the noise is known to 9 %."""
     time = stamps(PERIODS / 2.2)
     x = np.exp(-0.03 * OMEGA * time) * np.cos(OMEGA * time)
-    pieces = [fitted_piece(time, x + 0.02 * RNG.normal(size=len(time)), 2.0)[0] for _ in range(60)]
+    pieces = [fitted_segment(time, x + 0.02 * RNG.normal(size=len(time)), 2.0)[0] for _ in range(60)]
     for name in ("frequency", "damping"):
         values = [getattr(p, "frequency_hz" if name == "frequency" else "damping_ratio") for p in pieces]
         assert np.std(values) == pytest.approx(np.mean([getattr(p, f"{name}_std") for p in pieces]), rel=0.3)
@@ -65,7 +65,7 @@ def test_dry_friction_damps_more_the_smaller_the_swing():
     """Eq. (2): zeta A = 2 F/(pi k) throughout, at one frequency; 4 F/k are lost in a period."""
     shift = 0.004
     time = stamps(9.0, 300.0)
-    pieces = list(decay(time, friction(time, 0.5, shift)))
+    pieces = list(decay_segments(time, friction(time, 0.5, shift)))
     assert pieces[-1].amplitude < 0.6 * pieces[0].amplitude
     for piece in pieces:
         assert piece.frequency_hz == pytest.approx(2.2, rel=2e-3)
@@ -81,7 +81,7 @@ def test_a_spring_that_softens_swings_slower_the_larger_its_swing():
         return [y[1], -(OMEGA**2) * y[0] * (1 + beta * y[0] ** 2) - 2 * zeta * OMEGA * y[1]]
 
     x = solve_ivp(law, (0, 9.0), [1.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-9).y[0]
-    pieces = list(decay(time, x))
+    pieces = list(decay_segments(time, x))
     assert pieces[0].frequency_hz < 0.97 * pieces[-1].frequency_hz
     for piece in pieces:
         wanted = 2.2 * np.sqrt(1 + 0.75 * beta * piece.amplitude**2)
@@ -90,13 +90,15 @@ def test_a_spring_that_softens_swings_slower_the_larger_its_swing():
 
 def test_noise_alone_has_no_pieces():
     time = stamps(20.0)
-    assert len(list(decay(time, RNG.normal(size=len(time))))) == 0
-    assert list(decay(time, np.zeros(len(time)))) == []
+    assert len(list(decay_segments(time, RNG.normal(size=len(time))))) == 0
+    assert list(decay_segments(time, np.zeros(len(time)))) == []
 
 
 def test_pieces_are_averaged_by_what_they_know():
     """Weights 1/sigma^2: 4 to 1 for the damping, 1 to 4 for the frequency; sigma of the mean 1/sqrt(sum)."""
-    found = mean([Piece(0.0, 1.0, 2.0, 0.01, 0.2, 0.001), Piece(5.0, 0.5, 2.5, 0.02, 0.1, 0.002)])
+    found = weighted_mean(
+        [DecaySegment(0.0, 1.0, 2.0, 0.01, 0.2, 0.001), DecaySegment(5.0, 0.5, 2.5, 0.02, 0.1, 0.002)]
+    )
     assert (found.time, found.amplitude) == pytest.approx((1.0, 0.9))
     assert (found.frequency_hz, found.damping_ratio) == pytest.approx((2.4, 0.012))
     assert (found.frequency_std, found.damping_std) == pytest.approx((0.04**0.5 / 5**0.5, 0.002 / 5**0.5))
@@ -118,20 +120,20 @@ def pair(x, until=2.0):
 
 
 def test_a_record_rings_down_from_where_its_drive_stands():
-    (found,) = ring_downs({"run": pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t))})
+    (found,) = free_decays({"run": pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t))})
     assert (found.record, found.signal, found.unit) == ("run", "tip", "m")
     assert found.pieces[0].time == pytest.approx(2.0 + 1.5 / 2.2, abs=0.05)
     assert found.pieces[0].amplitude == pytest.approx(np.exp(-0.02 * 3 * np.pi), rel=0.01)  # the second axis
     assert not found.frequency_moves
     assert not found.damping_moves
-    assert describe_ring_downs([found]) == ""
+    assert describe_free_decays([found]) == ""
 
 
 def test_what_moves_with_the_amplitude_is_said_in_a_sentence():
-    (found,) = ring_downs({"run": pair(lambda t: friction(t, 0.5, 0.004))})
+    (found,) = free_decays({"run": pair(lambda t: friction(t, 0.5, 0.004))})
     assert found.damping_moves
     assert not found.frequency_moves
-    said = describe_ring_downs([found])
+    said = describe_free_decays([found])
     assert said.startswith(
         "While the drive stands, the damping moves with the amplitude, as of no linear law"
     )
@@ -139,4 +141,4 @@ def test_what_moves_with_the_amplitude_is_said_in_a_sentence():
 
 
 def test_a_drive_that_never_stands_leaves_nothing_to_look_at():
-    assert ring_downs({"run": pair(np.cos, until=12.0)}) == []
+    assert free_decays({"run": pair(np.cos, until=12.0)}) == []

@@ -10,7 +10,7 @@ from motion import Arm
 from swings import Swing
 
 from flexarm.comparison.aligned_record import simulate_record
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 LINK, RATIO = Link(LENGTH, EI, RHO_A, mass=PAYLOAD, damping_ratio=0.02), 120.0
 SPRING = 1e5
@@ -26,7 +26,7 @@ def located(hub, spring=None):
     if spring is not None:
         joint = model.joints[0].replace(gear_ratio=RATIO)
         model = paper_arm(elements=4, damping_ratio=0.02, spring=spring).replace(joints=(joint,))
-    return locate(simulate_record(model, record))
+    return localise(simulate_record(model, record))
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def without_spring():
 def test_a_spring_that_the_model_lacks_is_tangential_slow_and_follows_the_torque(without_spring):
     first = without_spring.where[0]
     assert (first["signal"], first["direction"], first["band_hz"][0]) == ("tip", "tangential", 0.0)
-    assert without_spring.follows["tip"].best == "torque"
+    assert without_spring.dependence["tip"].best == "torque"
     assert without_spring.rotations.joints[0].hint == "compliance"
 
 
@@ -58,4 +58,4 @@ def test_backlash_jumps_where_the_torque_reverses():
 def test_friction_in_the_bearing_jumps_where_the_motion_reverses():
     found = located(Hub(stiffness=SPRING, damping=200.0, coulomb=60.0), SPRING)
     assert found.where[0]["when"] == "motion reversal"
-    assert found.follows["torque"].best == "sense of motion"
+    assert found.dependence["torque"].best == "sense of motion"
