@@ -167,11 +167,14 @@ class _WeightedResiduals:
         ]
         self.centre = np.array([each.centre for each in parameters])
         self.sigma = np.array([each.sigma for each in parameters])
-        self.out = [self._expected(signal) | gross.get(signal.name, False) for signal in self.signals]
+        self.out = [
+            simulated.outliers(signal, self._at_start(signal)) | gross.get(signal.name, False)
+            for signal in self.signals
+        ]
 
-    def _expected(self, signal: Signal) -> NDArray[np.bool_]:
-        """Return rows that an effect `outliers` of the model explains."""
-        return self.simulated.outliers(signal, self.simulated.residual(signal, self.start, hold=True))
+    def _at_start(self, signal: Signal) -> Floats:
+        """Return the residual of a signal at the initial guess."""
+        return self.simulated.residual(signal, self.start, hold=True)
 
     def __call__(self, values: Floats) -> Floats:
         placement = move_placement(self.start, self.parameters, values)
@@ -193,14 +196,9 @@ class _WeightedResiduals:
         for place in dict.fromkeys(each.place for each in self.parameters):
             values = float(sum(share[k] for k, each in enumerate(self.parameters) if each.place == place))
             of = [(s, out) for s, out in zip(self.signals, self.out, strict=True) if _depends_on(s, {place})]
-            readings = sum(self._readings(signal, out) for signal, out in of)
+            readings = sum(int(np.isfinite(self._at_start(s)[~out]).sum()) for s, out in of)
             found.append(EffectiveParameters(place, values, readings, tuple(signal.name for signal, _ in of)))
         return tuple(found)
-
-    def _readings(self, signal: Signal, out: NDArray[np.bool_]) -> int:
-        """Return the number of values that count."""
-        residual = self.simulated.residual(signal, self.start, hold=True)
-        return int(np.isfinite(residual[~out]).sum())
 
 
 def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[AlignmentParameter]) -> Floats:

@@ -22,7 +22,7 @@ from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
+    from flexarm.record import Record
 
 
 @takes(
@@ -90,12 +90,11 @@ def compare(
     pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
     simulated, aligned = pair.simulated, pair.aligned
     modes_hz = pair.modes_hz if bands is None else ()
-    gaps = {
-        name: signal_gap(
-            simulated, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(signal, aligned)
-        )
-        for name, signal in simulated.signals.items()
-    }
+    gaps = {}
+    for name, signal in simulated.signals.items():
+        outliers = aligned.outliers.get(name) if signal.quantity in SMOOTH else None
+        gaps[name] = signal_gap(simulated, signal, aligned.placement, pair.joint, modes_hz, bands, outliers)
+    unplaced = [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, simulated.arm)]
     steps = step_notes(arm, pair, step, alpha) if check_step else ()
     return Comparison(
         arm.name,
@@ -104,7 +103,7 @@ def compare(
         aligned,
         dict(simulated.skipped),
         modes_hz,
-        (*_about_effects(simulated.arm, record), *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        (*unplaced, *_notes(record, gaps, modes_hz, aligned, align), *steps),
     )
 
 
@@ -149,11 +148,6 @@ def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
     ]
 
 
-def _gross(signal: Signal, aligned: Alignment) -> NDArray[np.bool_] | None:
-    """Return outliers of a signal that count in no number, those of quantities that cannot jump."""
-    return aligned.outliers.get(signal.name) if signal.quantity in SMOOTH else None
-
-
 def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
     """Describe the use of the gross outliers of a signal."""
     if gap.gross:
@@ -163,11 +157,6 @@ def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
             f"{'count' if many else 'counts'} neither in the alignment nor in these numbers (--raw: in all)"
         )
     return f"{int(rows.sum())} outliers of {gap.name} were not used to align, but count in these numbers"
-
-
-def _about_effects(arm: Arm, record: Record) -> list[str]:
-    """Report effects at places that the record lacks."""
-    return [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, arm)]
 
 
 def _about_drives(record: Record) -> list[str]:

@@ -142,20 +142,20 @@ def _noise(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> 
     """Return the noise of the total, eq. (2)."""
     square = float(np.sum(simulated.noise(signal) ** 2))
     if signal.jitter_std > 0 and simulated.record.kind == "motion":
+        clock, clocks = placement.clock(signal), placement.clocks
         ahead, behind = (
-            simulated.residual(signal, _shifted(placement, signal, shift), hold=True)
+            simulated.residual(
+                signal,
+                replace(
+                    placement, clocks={**clocks, signal.clock: replace(clock, delay=clock.delay + shift)}
+                ),
+                hold=True,
+            )
             for shift in (-JITTER_STEP, JITTER_STEP)
         )
         rate = (behind - ahead) / (2 * JITTER_STEP)
         square += signal.jitter_std**2 * float(np.nanmean(np.sum(rate**2, axis=1)))
     return float(np.sqrt(square))
-
-
-def _shifted(placement: Placement, signal: Signal, shift: float) -> Placement:
-    """Return the placement with the signal's clock later by `shift` [s]."""
-    clock = placement.clock(signal)
-    moved = replace(clock, delay=clock.delay + shift)
-    return Placement({**placement.clocks, signal.clock: moved}, placement.frames)
 
 
 def _parts(

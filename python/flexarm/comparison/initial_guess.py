@@ -90,12 +90,6 @@ def _with_frames(simulations: Sequence[SimulatedRecord], starts: Sequence[Placem
     return found
 
 
-def _usable(simulated: SimulatedRecord, signal: Signal) -> bool:
-    """Return True if more than three rows hold a true value in every channel."""
-    known = np.isfinite(simulated.effects(signal).true(signal.values)).all(axis=1)
-    return int(known.sum()) > 3
-
-
 def _signal_to_noise(signal: Signal) -> float:
     """Return the signal-to-noise ratio of the motion of a signal."""
     spread = float(np.nanmax(np.nanstd(signal.values, axis=0)))
@@ -104,7 +98,12 @@ def _signal_to_noise(signal: Signal) -> float:
 
 def _highest_snr(simulated: SimulatedRecord, clock: str) -> Signal | None:
     """Return the signal of a clock with the highest signal-to-noise ratio."""
-    signals = [s for s in simulated.evidence.values() if s.clock == clock and _usable(simulated, s)]
+    signals = [
+        signal
+        for signal in simulated.evidence.values()
+        if signal.clock == clock
+        and np.isfinite(simulated.effects(signal).true(signal.values)).all(axis=1).sum() > 3
+    ]
     return max(signals, key=_signal_to_noise, default=None)
 
 

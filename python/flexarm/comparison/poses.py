@@ -98,7 +98,31 @@ class _StaticModel:
 
     def inputs(self, pose: str, true: Mapping[str, Floats] | None = None) -> _PoseInputs:
         """Return the inputs of a pose from the true values of its signals."""
-        return _pose_inputs(self.record, pose, self.true if true is None else true)
+        true = self.true if true is None else true
+        angles: dict[str, float] = {}
+        forces: dict[str, Floats] = {}
+        masses: dict[str, float] = {}
+        for signal in self.record.signals.values():
+            if signal.pose is None or not is_input(self.record, signal):
+                continue
+            values = true[signal.name]
+            rows = values[(signal.pose == pose) & np.isfinite(values).all(axis=1)]
+            if not len(rows):
+                if signal.name in self.record.drive:
+                    raise InvalidParameter(
+                        f"holds no value for the pose {pose!r}; "
+                        "a drive needs one for every pose of the record",
+                        where=f"signals.{signal.name}",
+                    )
+                continue
+            mean = rows.mean(axis=0)
+            if signal.quantity == "force" and signal.point is not None:
+                forces.setdefault(signal.point, np.zeros(3))[columns(signal.axes)] += mean
+            elif signal.quantity == "payload_mass" and signal.payload is not None:
+                masses[signal.payload] = float(mean[0])
+            elif signal.joint is not None:
+                angles[signal.joint] = float(mean[0])
+        return _PoseInputs(angles, forces, masses)
 
     def quantity_read_by(self, parameter: Parameter) -> str | None:
         """Return the quantity of the input sensor to which a parameter belongs, else None."""
@@ -165,30 +189,3 @@ def pose_numbers(record: Record) -> dict[str, Floats]:
         else signal.time
         for name, signal in record.signals.items()
     }
-
-
-def _pose_inputs(record: Record, pose: str, true: Mapping[str, Floats]) -> _PoseInputs:
-    """Return joint angles, forces and payload masses of one pose from true values of their signals."""
-    angles: dict[str, float] = {}
-    forces: dict[str, Floats] = {}
-    masses: dict[str, float] = {}
-    for signal in record.signals.values():
-        if signal.pose is None or not is_input(record, signal):
-            continue
-        values = true[signal.name]
-        rows = values[(signal.pose == pose) & np.isfinite(values).all(axis=1)]
-        if not len(rows):
-            if signal.name in record.drive:
-                raise InvalidParameter(
-                    f"holds no value for the pose {pose!r}; a drive needs one for every pose of the record",
-                    where=f"signals.{signal.name}",
-                )
-            continue
-        mean = rows.mean(axis=0)
-        if signal.quantity == "force" and signal.point is not None:
-            forces.setdefault(signal.point, np.zeros(3))[columns(signal.axes)] += mean
-        elif signal.quantity == "payload_mass" and signal.payload is not None:
-            masses[signal.payload] = float(mean[0])
-        elif signal.joint is not None:
-            angles[signal.joint] = float(mean[0])
-    return _PoseInputs(angles, forces, masses)

@@ -119,11 +119,9 @@ class SimulatedRecord:
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
         """Return measured minus predicted, shape (n, channels); for orientations a rotation vector."""
         values = self.predicted(signal, placement, hold)
-        return (
-            rotation_between(signal.values, values)
-            if signal.quantity == "orientation"
-            else signal.values - values
-        )
+        if signal.quantity == "orientation":
+            return rotation_between(signal.values, values)
+        return signal.values - values
 
     def noise(self, signal: Signal) -> Floats:
         """Return 1 sigma of the residual by component, 0 if not stated."""
@@ -165,7 +163,7 @@ def pair_record(
     simulation : Simulation
         The motion.
     record : Record
-        What was measured.
+        Measured data.
     stamps : dict, optional
         Stamps by signal; default: their times.
     inputs : dict of str to str, optional
@@ -180,7 +178,9 @@ def pair_record(
         if name in skipped:
             continue
         if not signal.valid.any():
-            skipped[name] = _empty(signal)
+            skipped[name] = "no row holds a value in every channel"
+            if 0 < len(signal.empty) < signal.values.shape[1]:
+                skipped[name] += f", {', '.join(signal.empty)} holds none; leave it out of axes and channels"
             continue
         try:
             read(simulation, signal, stamps[name][:1])
@@ -189,11 +189,3 @@ def pair_record(
         else:
             kept[name] = signal
     return SimulatedRecord(simulation, record, stamps, kept, skipped, simulation.arm if arm is None else arm)
-
-
-def _empty(signal: Signal) -> str:
-    """Return why a signal without a complete row is not compared, and what to do about it."""
-    found = "no row holds a value in every channel"
-    if 0 < len(signal.empty) < signal.values.shape[1]:
-        return f"{found}, {', '.join(signal.empty)} holds none; leave it out of axes and channels"
-    return found
