@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from flexarm.arm import Arm
+from flexarm.arm.gears import coupled_joints
 from flexarm.arm.link import Beam, RigidLink
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.comparison.alignment_parameters import drive_clock
@@ -50,12 +51,8 @@ def cardan_joints(arm: Arm, driven: Iterable[str]) -> dict[str, str]:
 
 def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
     """Joints that a drive turns in some record, or that a gear couples to one of them."""
-    found = {record.signals[name].joint for record in records for name in record.drive}
-    for _ in arm.gears:  # trains of gears
-        for gear in arm.gears:
-            if found & {gear.input, gear.output}:
-                found |= {gear.input, gear.output}
-    return {name for name in found if name is not None}
+    driven = {record.signals[name].joint for record in records for name in record.drive}
+    return coupled_joints((name for name in driven if name is not None), arm.gears)
 
 
 def causes(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
