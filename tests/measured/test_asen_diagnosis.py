@@ -16,7 +16,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.cross_validation import missed
 from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.moves.proposals import larger_fits
+from flexarm.diagnosis.moves.proposals import fit_singles
 from flexarm.diagnosis.nuisance import unknowns
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.ranking import best_of
@@ -115,9 +115,9 @@ def test_the_search_takes_the_offset_and_then_friction_of_the_motor(bench):
     assert len({each.candidate.place for each in nearest}) == len(NEAREST)
     null = fitter.fit(())
     criteria = Criteria(fitter.observed, null)
-    one, about = best_of(fitter, larger_fits(fitter, nearest, null, criteria), null, criteria)
+    one, about = best_of(fitter, fit_singles(fitter, nearest, null, criteria), null, criteria)
     assert one.places == (("sensor_offset", "tip"),)
-    two, _ = best_of(about, larger_fits(about, nearest, one, criteria), one, criteria)
+    two, _ = best_of(about, fit_singles(about, nearest, one, criteria), one, criteria)
     assert set(two.places) == {("sensor_offset", "tip"), ("motor_friction", "hub")}
 
 

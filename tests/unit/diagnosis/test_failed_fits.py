@@ -125,7 +125,7 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
 def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without_it(monkeypatch):
     monkeypatch.setattr(Criteria, "accepts", lambda *_: False)
     fitter = SimpleNamespace(fit=lambda *_, **__: Made("b"), about=raises, observed=None)
-    best, there = choose._backward(fitter, Made("ab"), CRITERIA)
+    best, there = choose.backward(CRITERIA, Made("ab"), fitter)
     assert (best.name, there) == ("b", fitter)
 
 

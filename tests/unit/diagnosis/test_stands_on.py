@@ -65,7 +65,7 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     assert rivals_of(0, best, Criteria(fitter.observed, fitter.fit(())), fitter, probed, (), {}) == []
     asked = []
     monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
-    choose._backward(fitter, best, Criteria(fitter.observed, None))
+    choose.backward(Criteria(fitter.observed, None), best, fitter)
     assert asked == [(SPRING,)]
 
 

@@ -31,6 +31,7 @@ from flexarm.diagnosis.candidate import WAVES, Candidate
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.fit import FAILED, Fit, Projection
 from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
+from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
 
@@ -69,6 +70,12 @@ class Takeover:
         """The effect of that size, or of so many times that size."""
         sized = self.candidate.sized((times * self.alphas).tolist())
         return replace(self.candidate, effect=sized)
+
+
+def confounding(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+    """Propose effects in the place of nuisance parameters in conflict; sizes count from stated values."""
+    here, at = (best, about) if best.members else (state.null, state.about_null)
+    return taken_over(at, state.probed, here)
 
 
 def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]:

@@ -21,10 +21,11 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import SPRINGS, Candidate, carries, value_of
+from flexarm.diagnosis.candidate import SPRINGS, Candidate, value_of
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.fit import FAILED, Fit
 from flexarm.diagnosis.minimisers import scanned
+from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 from flexarm.effects.joint_compliance import TYPICAL_DAMPING
@@ -49,35 +50,38 @@ def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
     return averaged
 
 
-def larger_fits(
+def singles(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+    """Propose the most promising single effects, unless nothing but a resolved conflict was left."""
+    here = best if best.members else state.null
+    if found and state.criteria.adequate(here):
+        return []
+    here = best if best.members else state.start
+    probed = state.candidates(best, about)
+    return fit_singles(about, probed, here, state.criteria, state.places, found)
+
+
+def fit_singles(
     fitter: Fitter,
     probed: Sequence[Probed],
     best: Fit,
     criteria: Criteria,
-    size: int = 1,
     places: Mapping[str, str] = NONE,
-    beside: Fit | None = None,
     found: Sequence[Fit] = (),
 ) -> list[Fit]:
-    """Fits of the most promising candidates, or sets of `size`, beside the effects of `best`.
+    """Return fits of the most promising candidates, given the effects of `best`.
 
-    `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
-    large and fitted already.
+    Where all leave a gap, so are those that explain most at low frequency, at the first step as many more as
+    the screening puts behind the first, and a backlash from other starts. `places` are joints that are one
+    place of the machine; `found` are as large and fitted already.
     """
-    policy, slow = criteria.policy, slow_part(fitter.observed)
-    if size > 1:
-        most = policy.proposals // 2
-        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, criteria, most)
-        if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(more):
-            sets = one_variant(together(fitter, probed, best, size, slow), 2 * policy.proposals)
-            more += _fitted(fitter, sets, best, criteria, most)
-        return more
+    policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
     wanted, others = _promising(fitter, probed, best, places, at_ends)
     more = _fitted(fitter, wanted, best, criteria)
     if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
-        slower = one_variant(screen(fitter, probed, best, seen=slow), policy.more_proposals)
-        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, criteria, found=more)
+        slow = screen(fitter, probed, best, seen=slow_part(fitter.observed))
+        slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
+        more += _fitted(fitter, slower, best, criteria, found=more)
     if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
         more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, criteria, found=more)
     if policy.allows("gap_scan") and criteria.all_leave_gaps([*found, *more]):
@@ -86,7 +90,7 @@ def larger_fits(
 
 
 def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
-    """The best model with a backlash once more, from a gap that leaves less (`diagnosis.minimisers`)."""
+    """Return the best model with a backlash refitted from the best of several gaps, if that is better."""
     bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
     with suppress(*FAILED):
         if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
@@ -94,21 +98,30 @@ def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
     return []
 
 
-def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[Fit]:
-    """A model with each of its springs elsewhere, as soft there, with the rest refitted.
+def pairs(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+    """Propose sets of two effects, unless `best` leaves nothing but a conflict."""
+    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 2)
 
-    A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
+
+def triples(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+    """Propose sets of three effects, unless `best` leaves nothing but a conflict."""
+    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 3)
+
+
+def fit_sets(fitter: Fitter, state: SearchState, beside: Fit, size: int) -> list[Fit]:
+    """Return fits of the sets that explain most, of pairs also at low frequency where all leave a gap.
+
+    Sets of three are fitted only where adding to `beside`, the best smaller set, does not lead.
     """
-    springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
-    alike, found = 1 + fitter.observed.policy.alike, []
-    for k, spring in enumerate(best.members):
-        others = tuple(m for i, m in enumerate(best.members) if i != k)
-        for place, candidate in springs.items():
-            if spring.name not in SPRINGS or place in best.places or carries(others, spring):
-                continue
-            with suppress(*FAILED):
-                members = (candidate.as_soft_as(spring), *others)
-                found.append(fitter.trial(members, best, alike * best.cost))
+    criteria, start, probed = state.criteria, state.start, state.probed
+    policy = criteria.policy
+    shares = [s for s in together(fitter, probed, start, size) if s.share > policy.least_reduction]
+    ahead = size == 2 or _leads(shares, beside, policy.alike)
+    most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
+    found = _fitted(fitter, wanted, start, criteria, most)
+    if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(found):
+        slow = together(fitter, probed, start, size, slow_part(fitter.observed))
+        found += _fitted(fitter, one_variant(slow, 2 * policy.proposals), start, criteria, most)
     return found
 
 
@@ -143,14 +156,6 @@ def _fitted(
         except FAILED:
             continue
     return found
-
-
-def _sets(fitter: Fitter, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None) -> list[Share]:
-    """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
-    policy = fitter.observed.policy
-    shares = [s for s in together(fitter, probed, best, size) if s.share > policy.least_reduction]
-    ahead = size == 2 or beside is None or _leads(shares, beside, policy.alike)
-    return one_variant(shares, 2 * policy.proposals) if ahead else []
 
 
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
