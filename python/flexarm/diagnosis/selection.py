@@ -17,12 +17,12 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.evidence import Channel, log_bayes_factor, worth
-from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import Channel, log_bayes_factor, variance_inflation
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
 from flexarm.diagnosis.moves.search_state import Move, SearchState
-from flexarm.diagnosis.noise_model import allow_for_drives, allow_for_steps
+from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
 from flexarm.diagnosis.screening import Probed
@@ -38,7 +38,7 @@ class Choice:
     ----------
     null, best : Fit
         The nominal model and the chosen one; both with unknowns fitted.
-    fitter : Fitter
+    estimator : Estimator
         About the chosen model.
     value : dict
         Worth of the samples, T of `evidence`, after the chosen model.
@@ -52,7 +52,7 @@ class Choice:
 
     null: Fit
     best: Fit
-    fitter: Fitter
+    estimator: Estimator
     value: Mapping[Channel, float]
     rivals: list[list[Rival]] = field(default_factory=list)
     needed: list[float] = field(default_factory=list)
@@ -61,27 +61,27 @@ class Choice:
     @property
     def gain(self) -> float:
         """Return ln Z of the chosen model over the nominal one."""
-        observed = self.fitter.observed
-        return log_bayes_factor(self.best, self.null, observed, self.value)
+        problem = self.estimator.problem
+        return log_bayes_factor(self.best, self.null, problem, self.value)
 
 
-def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
+def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Select effects: forward and backward, refine, swap."""
     tell = note or (lambda what, done: None)
-    observed, start = fitter.observed, fitter.fit(())
-    null, about_null = without_effects(start, fitter)
-    places = cardan_joints(observed.arm, driven_joints(observed.arm, observed.records.values()))
-    state = SearchState(probed, start, null, about_null, Criteria(observed, null), places)
-    best, about = forward_and_backward(state, fitter, tell)
-    most = observed.policy.most_effects
+    problem, start = estimator.problem, estimator.fit(())
+    null, about_null = without_effects(start, estimator)
+    places = cardan_joints(problem.arm, driven_joints(problem.arm, problem.records.values()))
+    state = SearchState(probed, start, null, about_null, Criteria(problem, null), places)
+    best, about = forward_and_backward(state, estimator, tell)
+    most = problem.policy.most_effects
     tell("weighing rivals", most / (most + 1))
     choice = swap(state, *settled(best, about))
-    gains = [(f, log_bayes_factor(f, null, observed, choice.value)) for f in state.tried]
+    gains = [(f, log_bayes_factor(f, null, problem, choice.value)) for f in state.tried]
     return replace(choice, tried=gains)
 
 
-def forward_and_backward(state: SearchState, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
-    """Return the model to which effects were added and needless ones dropped, and the fitter about it."""
+def forward_and_backward(state: SearchState, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
+    """Return the model to which effects were added and needless ones dropped, and the estimator about it."""
     best = state.null
     for _ in range(state.criteria.policy.rounds):
         larger, there = forward(state, best, about, tell)
@@ -91,8 +91,8 @@ def forward_and_backward(state: SearchState, about: Fitter, tell: Note) -> tuple
     return best, about
 
 
-def forward(state: SearchState, best: Fit, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
-    """Return the largest model of which each effect is accepted, and the fitter about it."""
+def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
+    """Return the largest model of which each effect is accepted, and the estimator about it."""
     while not state.criteria.explains(best):
         count = causes(best.members, state.places)
         if count >= most_effects(state, best):
@@ -115,7 +115,7 @@ def most_effects(state: SearchState, fit: Fit) -> int:
     return min(2, most) if count == 2 and state.criteria.leaves_most(fit) else most
 
 
-def enlarged(state: SearchState, best: Fit, about: Fitter) -> tuple[Fit, Fitter] | None:
+def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator] | None:
     """Return the best model with an effect more, at first with two or three if one explains too little.
 
     None if there is no candidate.
@@ -139,7 +139,7 @@ def enlarged(state: SearchState, best: Fit, about: Fitter) -> tuple[Fit, Fitter]
     return better, there
 
 
-def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Fitter) -> list[Fit]:
+def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Estimator) -> list[Fit]:
     """Return the models that moves propose, those that the policy allows."""
     found: list[Fit] = []
     for name, move in moves.items():
@@ -149,15 +149,17 @@ def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Fi
     return found
 
 
-def best_proposed(state: SearchState, about: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
+def best_proposed(
+    state: SearchState, about: Estimator, fits: Sequence[Fit], old: Fit
+) -> tuple[Fit, Estimator]:
     """Return the best of some models, or with one of its springs elsewhere where that is better."""
-    criteria, observed = state.criteria, state.criteria.observed
+    criteria, problem = state.criteria, state.criteria.problem
     best, about = best_of(about, fits, old, criteria)
-    near = best.cost < criteria.policy.model_errors * len(observed)
+    near = best.cost < criteria.policy.model_errors * len(problem)
     if near and criteria.policy.allows("model_errors") and criteria.leaves_gap(best):
         arm = about.with_effects(best.members)
-        allow_for_drives(observed, arm)
-        allow_for_steps(observed, arm)
+        allow_for_input_noise(problem, arm)
+        allow_for_discretisation_error(problem, arm)
     nearer = [f for f in proposed(state, ELSEWHERE, best, about) if f.cost < best.cost]
     if not nearer:
         return best, about
@@ -165,20 +167,20 @@ def best_proposed(state: SearchState, about: Fitter, fits: Sequence[Fit], old: F
     return (better, there) if better.cost < best.cost else (best, about)
 
 
-def backward(criteria: Criteria, best: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """Return a model without the effects that the others made needless."""
     k = 0 if criteria.policy.allows("backward") else len(best.members)
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
-        fewer = None if carries(rest, best.members[k]) else _fitted(fitter, rest, best)
+        fewer = None if carries(rest, best.members[k]) else _fitted(estimator, rest, best)
         if fewer is None or criteria.accepts(best, fewer):
             k += 1
         else:
-            best, fitter, k = fewer, about_or_here(fewer, fitter), 0
-    return best, fitter
+            best, estimator, k = fewer, about_or_here(fewer, estimator), 0
+    return best, estimator
 
 
-def swap(state: SearchState, best: Fit, about: Fitter) -> Choice:
+def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """Return a model with its alternatives, after those that are ahead took the places of its effects.
 
     None does so twice: of two that are equal each may be ahead of the other by a little.
@@ -192,27 +194,27 @@ def swap(state: SearchState, best: Fit, about: Fitter) -> Choice:
         if set(ahead.fit.places) in chosen:
             break
         state.tried.append(choice.best)  # which is the other's alternative now
-        fewer = backward(state.criteria, ahead.fit, about_or_here(ahead.fit, choice.fitter))
+        fewer = backward(state.criteria, ahead.fit, about_or_here(ahead.fit, choice.estimator))
         choice = with_alternatives(state, *settled(*fewer))
     return choice
 
 
-def with_alternatives(state: SearchState, best: Fit, about: Fitter) -> Choice:
+def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
-    value = worth(best.rest, criteria.observed)
+    value = variance_inflation(best.projected, criteria.problem)
     rivals, needed = [], []
     for k, member in enumerate(best.members):
         rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried, value))
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or carries(others, member)
         fewer = None if alone else without(others, about, state.tried)
-        needed.append(log_bayes_factor(best, fewer or state.null, criteria.observed, value))
+        needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem, value))
     return Choice(state.null, best, about, value, rivals, needed)
 
 
-def _fitted(fitter: Fitter, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:
+def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:
     try:
-        return fitter.fit(members, nearby=nearby)
-    except FAILED:
+        return estimator.fit(members, nearby=nearby)
+    except FIT_ERRORS:
         return None

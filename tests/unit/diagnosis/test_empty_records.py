@@ -8,13 +8,13 @@ from diagnoses import lean
 import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.remarks import swings
 from flexarm.errors import InvalidParameter
 from flexarm.report.sentences import hold_out_sentence
-from flexarm.validation.sensor_check import check, cleaned
+from flexarm.validation.sensor_check import check, clean_records
 
 NOISE = 5e-5
 
@@ -69,7 +69,7 @@ def test_if_no_record_holds_a_value_that_is_an_error():
     with pytest.raises(InvalidParameter, match="records: hold nothing to compare with a simulation"):
         flexarm.diagnose(crane(), {"none": without_axes(poses(8), 0, 1)}, jobs=1)
     with pytest.raises(InvalidParameter, match="other day: signals: holds nothing to compare"):
-        cleaned(crane(), {"other day": without_axes(poses(8), 0, 1)})
+        clean_records(crane(), {"other day": without_axes(poses(8), 0, 1)})
 
 
 def test_of_four_poses_none_is_held_back():
@@ -96,9 +96,9 @@ def test_an_axis_without_a_value_leaves_the_other_one():
 
 def test_a_record_of_which_no_row_is_evidence_swings_with_nothing():
     """As where its noise is not known; what is left of it is a record without residuals."""
-    observed = Observed(crane(), {"one": poses(8), "other": poses(6, seed=1)})
-    observed.rows = tuple(rows for rows in observed.rows if rows.record == "one")
-    assert list(swings(Fitter.nominal(observed, unknowns(observed)).fit(()), observed)) == []
+    problem = Problem(crane(), {"one": poses(8), "other": poses(6, seed=1)})
+    problem.rows = tuple(rows for rows in problem.rows if rows.record == "one")
+    assert list(swings(Estimator.nominal(problem, nuisance_model(problem)).fit(()), problem)) == []
 
 
 def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_report():

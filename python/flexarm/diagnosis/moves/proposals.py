@@ -4,7 +4,7 @@ A mass or a stiffness that is far off shifts the frequency at which an arm rings
 model is out of step: to first order nothing explains that any more, least of all the right size of the right
 effect. How the arm hangs, and what its motors bear, still follow in proportion.
 
-Larger models worth a fit: the effects that promise most, or sets of them, beside those that are there.
+Larger models that merit a fit: the effects that promise most, or sets of them, given those that are there.
 
 A screening (`diagnosis.screening`) puts effects and places in an order; the first few are fitted. Sets
 of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
@@ -22,21 +22,21 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import SPRINGS, Candidate, value_of
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit
-from flexarm.diagnosis.minimisers import scanned
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves.search_state import SearchState
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
 
-def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
+def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
     """Averages columns of residuals over `low_pass` seconds, channel by channel; poses stay as they are."""
     windows = []
-    for each, where in observed.channels():
-        if observed.records[each.record].kind == "motion" and len(each.time) > 1:
-            windows.append((where, round(observed.policy.low_pass / float(np.median(np.diff(each.time))))))
+    for each, where in problem.channels():
+        if problem.records[each.record].kind == "motion" and len(each.time) > 1:
+            windows.append((where, round(problem.policy.low_pass / float(np.median(np.diff(each.time))))))
 
     def averaged(columns: Floats) -> Floats:
         from scipy.ndimage import uniform_filter1d
@@ -50,7 +50,7 @@ def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
     return averaged
 
 
-def singles(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def singles(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Propose the most promising single effects, unless nothing but a resolved conflict was left."""
     here = best if best.members else state.null
     if found and state.criteria.adequate(here):
@@ -61,7 +61,7 @@ def singles(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) 
 
 
 def fit_singles(
-    fitter: Fitter,
+    estimator: Estimator,
     probed: Sequence[Probed],
     best: Fit,
     criteria: Criteria,
@@ -76,52 +76,54 @@ def fit_singles(
     """
     policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
-    wanted, others = _promising(fitter, probed, best, places, at_ends)
-    more = _fitted(fitter, wanted, best, criteria)
+    wanted, others = _promising(estimator, probed, best, places, at_ends)
+    more = _fitted(estimator, wanted, best, criteria)
     if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
-        slow = screen(fitter, probed, best, seen=slow_part(fitter.observed))
+        slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
         slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
-        more += _fitted(fitter, slower, best, criteria, found=more)
+        more += _fitted(estimator, slower, best, criteria, found=more)
     if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
-        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, criteria, found=more)
+        more += _fitted(
+            estimator, [s for s in others if not _there(s, best, more)], best, criteria, found=more
+        )
     if policy.allows("gap_scan") and criteria.all_leave_gaps([*found, *more]):
-        more += _from_other_gaps(fitter, more)
+        more += _from_other_gaps(estimator, more)
     return more
 
 
-def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Return the best model with a backlash refitted from the best of several gaps, if that is better."""
     bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
-    with suppress(*FAILED):
-        if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
+    with suppress(*FIT_ERRORS):
+        if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
             return [again]
     return []
 
 
-def pairs(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def pairs(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Propose sets of two effects, unless `best` leaves nothing but a conflict."""
     return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 2)
 
 
-def triples(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def triples(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Propose sets of three effects, unless `best` leaves nothing but a conflict."""
     return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 3)
 
 
-def fit_sets(fitter: Fitter, state: SearchState, beside: Fit, size: int) -> list[Fit]:
+def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -> list[Fit]:
     """Return fits of the sets that explain most, of pairs also at low frequency where all leave a gap.
 
     Sets of three are fitted only where adding to `beside`, the best smaller set, does not lead.
     """
     criteria, start, probed = state.criteria, state.start, state.probed
     policy = criteria.policy
-    shares = [s for s in together(fitter, probed, start, size) if s.share > policy.least_reduction]
+    shares = [s for s in together(estimator, probed, start, size) if s.share > policy.least_reduction]
     ahead = size == 2 or _leads(shares, beside, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
-    found = _fitted(fitter, wanted, start, criteria, most)
+    found = _fitted(estimator, wanted, start, criteria, most)
     if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(found):
-        slow = together(fitter, probed, start, size, slow_part(fitter.observed))
-        found += _fitted(fitter, one_variant(slow, 2 * policy.proposals), start, criteria, most)
+        slow = together(estimator, probed, start, size, slow_part(estimator.problem))
+        found += _fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
     return found
 
 
@@ -131,7 +133,7 @@ def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
 
 
 def _fitted(
-    fitter: Fitter,
+    estimator: Estimator,
     wanted: Sequence[Share],
     best: Fit,
     criteria: Criteria,
@@ -152,8 +154,8 @@ def _fitted(
         near = criteria.early_stop([*before, *found], best, criteria.policy.halfway)
         try:
             members = (*map(_relaxed, best.members), *share.members)
-            found.append(fitter.trial(members, best, near))
-        except FAILED:
+            found.append(estimator.trial(members, best, near))
+        except FIT_ERRORS:
             continue
     return found
 
@@ -167,25 +169,25 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 
 
 def _promising(
-    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
+    estimator: Estimator, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
 ) -> tuple[list[Share], list[Share]]:
     """Single candidates: those that explain most, and others.
 
     Where the best promises little, laws are looked at `at_ends` too.
     """
-    policy = fitter.observed.policy
-    shares = one_variant(screen(fitter, probed, best, places), len(probed))
-    sharp = sharpened(fitter, shares[: 2 * policy.proposals], best)
+    policy = estimator.problem.policy
+    shares = one_variant(screen(estimator, probed, best, places), len(probed))
+    sharp = sharpened(estimator, shares[: 2 * policy.proposals], best)
     at_ends = at_ends and policy.allows("prior_ends")
     if at_ends and (not sharp or sharp[0].share < policy.most_of_gap):
-        sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
+        sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}
     least = policy.negligible_share
     return wanted, [share for share in sharp if share.places not in there and share.share > least]
 
 
-def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:
+def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Share]:
     """Effects of one parameter at the ends of what is plausible.
 
     To first order a damping or a mass explains little of a gap that rings out of step by what it changes.
@@ -195,8 +197,8 @@ def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]
         if candidate.place in best.places or candidate.stands_on or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
-        with suppress(*FAILED):
-            prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
+        with suppress(*FIT_ERRORS):
+            prior = candidate.priors_in(estimator.with_effects((candidate,)))[name]
             ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
             found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]
     return found

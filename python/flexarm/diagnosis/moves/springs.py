@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from flexarm.diagnosis.candidate import SPRINGS, carries
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import fit_singles
 from flexarm.diagnosis.moves.rescreening import THROUGH_SPRINGS, new_springs
 from flexarm.diagnosis.moves.search_state import SearchState
 
 
-def twin_spring(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def twin_spring(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Propose laws in the joint of a spring that elsewhere fits as well as in the best model.
 
     Friction of a soft joint shows given that spring, not given a base that gives way in its place.
@@ -35,7 +35,7 @@ def _one_spring_apart(one: Fit, other: Fit) -> bool:
     return len(mine) == len(theirs) == 1 and all(name in SPRINGS for name, _ in mine | theirs)
 
 
-def spring_swap(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def spring_swap(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Propose a model that leaves a gap with each of its springs elsewhere, as soft there."""
     if not state.criteria.leaves_gap(best):
         return []
@@ -46,6 +46,6 @@ def spring_swap(state: SearchState, best: Fit, about: Fitter, found: Sequence[Fi
         for place, candidate in springs.items():
             if spring.name not in SPRINGS or place in best.places or carries(others, spring):
                 continue
-            with suppress(*FAILED):
+            with suppress(*FIT_ERRORS):
                 swapped.append(about.trial((candidate.as_soft_as(spring), *others), best, limit))
     return swapped
