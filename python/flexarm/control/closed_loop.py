@@ -27,7 +27,7 @@ from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
-from flexarm.simulation.endless import refuse_endless
+from flexarm.record.run_length import refuse_endless
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
 from flexarm.simulation.progress import Progress, reported

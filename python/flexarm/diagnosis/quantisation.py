@@ -1,6 +1,6 @@
 """Encoders that count in steps their records do not tell of, and what those steps do to everything else.
 
-Readings of such an encoder lie on a lattice (`flexarm.measurement.lattice`), which is seen in the readings
+Readings of such an encoder lie on a lattice (`flexarm.record.lattice`), which is seen in the readings
 themselves. No fit can take the steps back: what the drive did between two
 counts is lost, and moves everything it drives. How much follows from rounding once more: with f the smoothed
 drive,
@@ -25,10 +25,10 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.problem import Observed
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.lattice import lattice_step
 from flexarm.measurement.smoothing import smooth
 from flexarm.named_effects import Estimate, NamedEffect
 from flexarm.record import Record
+from flexarm.record.lattice import lattice_step
 
 COARSE = 5.0
 """Steps over the stated noise from which a record does not tell of them."""

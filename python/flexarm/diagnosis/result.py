@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from flexarm.arguments import PATH, takes
+from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
-from flexarm.residual_analysis.pooled_gap import PooledGap, pooled_gap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -128,7 +128,7 @@ class Diagnosis(SavedAsDirectory):
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `report.json`, checked against its format."""
-        from flexarm.diagnosis.report_file import report_dict
+        from flexarm.report.report_file import report_dict
 
         return report_dict(self)
 
@@ -179,7 +179,7 @@ class Diagnosis(SavedAsDirectory):
         --------
         >>> flexarm.Diagnosis.load("diagnosis").plot(record="other_day")  # doctest: +SKIP
         """
-        from flexarm.diagnosis.storage import stored
+        from flexarm.report.storage import stored
 
         return cls(**stored(path))
 

@@ -51,7 +51,7 @@ def places_seen(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
 
 def _places(record: Record, arm: Arm, point: str, rows: Mapping[str, NDArray[np.intp]]) -> Floats:
     """The same at rows of the drives, by name."""
-    from flexarm.measurement.kinematics import link_pose
+    from flexarm.arm.kinematics import link_pose
 
     count = len(next(iter(rows.values()))) if rows else 1
     values = {joint.name: np.full(count, record.joints.get(joint.name, 0.0)) for joint in arm.joints}

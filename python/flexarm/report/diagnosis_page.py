@@ -31,7 +31,7 @@ from flexarm.wording import interval, number, place_words, probability, scale, s
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import Alternative, Estimate, NamedEffect
-    from flexarm.reproduction.files import Drawing
+    from flexarm.report.files import Drawing
 
 Row = dict[str, Any]
 MOST_REJECTED = 12

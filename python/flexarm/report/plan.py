@@ -19,9 +19,9 @@ import numpy as np
 from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.design.plan_result import FAR
 from flexarm.report.diagnosis_page import effect_law
+from flexarm.report.files import Drawing, drawn, write_files
 from flexarm.report.sheets import margin_for, sheet
 from flexarm.report.template import filled
-from flexarm.reproduction.files import Drawing, drawn, write_files
 from flexarm.wording import listed, number, place_words
 
 if TYPE_CHECKING:

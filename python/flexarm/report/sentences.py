@@ -9,9 +9,9 @@ from flexarm.report.gap_tables import changed_signals, changes
 from flexarm.wording import listed, number, place_words, probability, scale, with_unit
 
 if TYPE_CHECKING:
+    from flexarm.comparison.pooled_gap import PooledGap
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import Alternative, NamedEffect
-    from flexarm.residual_analysis.pooled_gap import PooledGap
 
 
 HEADLINES = {

@@ -13,8 +13,8 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from flexarm.diagnosis.identifiability import refinements
-from flexarm.diagnosis.report_file import provenance_of
 from flexarm.output import write_file
+from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import rivals_sentence
 from flexarm.wording import listed, place_words, probability
 

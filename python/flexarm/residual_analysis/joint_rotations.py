@@ -24,10 +24,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.kinematics import point_jacobian
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.gap import drive_angles
-from flexarm.measurement.kinematics import point_jacobian
 from flexarm.residual_analysis.covariates import Followed, followed
 from flexarm.residual_analysis.motion_states import States, joined, states_of, tiers
 from flexarm.wording import with_unit

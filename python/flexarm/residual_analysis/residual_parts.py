@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.kinematics import point_jacobian
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_parts
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
-from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.torque import gear_ratio
 from flexarm.residual_analysis.motion_states import States, joined, states_of
 from flexarm.residual_analysis.motor_orders import MotorWaves, harmonic_parts, harmonics_of

@@ -9,7 +9,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
-from flexarm.simulation.endless import refuse_endless
+from flexarm.record.run_length import refuse_endless
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import pose_outliers
-from flexarm.measurement.lattice import lattice_step
 from flexarm.measurement.outliers import (
     AROUND,
     NEARBY,
@@ -37,6 +36,7 @@ from flexarm.measurement.outliers import (
     off_the_parabolas,
 )
 from flexarm.measurement.predict import read
+from flexarm.record.lattice import lattice_step
 from flexarm.validation.channel import channels
 from flexarm.validation.finding import Removed
 
