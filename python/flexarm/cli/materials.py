@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile, Problem
+from flexarm.material import Material
 
 _STIFFNESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "N/m2": 1.0}
 _DENSITY = {"kg/m3": 1.0, "g/cm3": 1e3, "t/m3": 1e3, "t/mm3": 1e12, "kg/mm3": 1e9}
