@@ -87,6 +87,11 @@ class Followed:
         """Of the best."""
         return self.shares[self.best]
 
+    @property
+    def explains_half(self) -> bool:
+        """Return True if the best state explains at least half of the squares."""
+        return self.share >= 0.5
+
     def __str__(self) -> str:
         others = sorted(self.beyond, key=lambda name: -self.beyond[name])
         rest = ", ".join(

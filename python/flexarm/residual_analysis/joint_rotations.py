@@ -84,6 +84,11 @@ class JointRotation:
         return float(np.sqrt(np.mean(self.angle**2)))
 
     @property
+    def relevant(self) -> bool:
+        """Return True if the joint holds a share of the gap that is worth a word."""
+        return self.share >= NAMED
+
+    @property
     def hint(self) -> str:
         """What would do that."""
         return HINTS.get(self.follows.best, "")
@@ -118,7 +123,7 @@ class JointRotations:
             follows = f"   {each.follows.best} ({100 * each.follows.share:.0f} %), as {each.hint} would"
             lines.append(
                 f"{each.joint:<14}{with_unit(each.rms, each.unit):>12}{100 * each.alone:7.0f}%"
-                f"{100 * each.share:7.0f}%{follows if each.share >= NAMED else ''}"
+                f"{100 * each.share:7.0f}%{follows if each.relevant else ''}"
             )
         return "\n".join(lines)
 
