@@ -17,7 +17,7 @@ import numpy as np
 from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.configuration import version
-from flexarm.diagnosis.acceptance import LEFT_SHARE, NEARLY_ALL, leaves_anything, leaves_gap
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import next_experiment
 from flexarm.diagnosis.estimator import Fitter
@@ -36,6 +36,7 @@ from flexarm.diagnosis.noise_model import (
 )
 from flexarm.diagnosis.nuisance import unknowns
 from flexarm.diagnosis.perturbations import SOFTER
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
@@ -70,6 +71,7 @@ def diagnose(
     seed: int = 0,
     step: float = 2e-3,
     alpha: float = -0.05,
+    policy: SelectionPolicy | None = None,
     progress: Progress = None,
 ) -> Diagnosis:
     """Names the physical effect that a model lacks, where it sits, and how sure that is.
@@ -89,6 +91,8 @@ def diagnose(
         Of the bootstrap; same seed, same answer.
     step, alpha : float
         Of all simulations [s], [-].
+    policy : SelectionPolicy, optional
+        Thresholds of the search; all have a default.
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -122,13 +126,18 @@ def diagnose(
     parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
     observed = Observed(
-        arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
+        arm,
+        parted.training,
+        step=COARSE * step,
+        alpha=alpha,
+        jobs=jobs or os.cpu_count() or 1,
+        policy=policy or SelectionPolicy(),
     )
     allow_for_drives(observed, observed.arm)
     shaken = shaken_signals(observed)
     observed, coarse = with_coarse_encoders(weighed_by_drives(observed), seed)
     choice = _chosen(observed, tell)
-    out = hidden_strays(choice.best, choice.null, observed)
+    out = hidden_strays(choice.best, Criteria(observed, choice.null))
     if out.any():
         remarks = (*remarks, *strays_told(out, observed))
         parted = replace(parted, training=left_out(parted.training, out, observed))
@@ -211,9 +220,10 @@ def _conclusion(
     """
     sizes = estimates(choice.best, observed, seed)
     drifts = tuple(constancy(choice.best, observed, choice.value))
-    wrong = any(not each["constant"] for each in drifts) and leaves_anything(choice.best, observed)
-    share = NEARLY_ALL if far_out(choice.best) else LEFT_SHARE
-    open_gap = wrong or leaves_gap(choice.best, choice.null, observed, share)
+    criteria = Criteria(observed, choice.null)
+    wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
+    share = criteria.policy.negligible_share if far_out(choice.best) else None
+    open_gap = wrong or criteria.leaves_gap(choice.best, share)
     ends = ends_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (
