@@ -25,7 +25,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Observed
-from flexarm.measurement.outliers import SMOOTH, beyond_all, nearby, off_the_median
+from flexarm.measurement.outliers import SMOOTH, beyond_range_of_others, deviation_from_median, nearby
 from flexarm.record import Record
 
 AROUND = 2.0
@@ -42,14 +42,14 @@ def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
         if record.kind == "static":
             continue
         values = rest[where][:, None]
-        rows, off, usual = off_the_median(values)
+        rows, off, usual = deviation_from_median(values)
         if not len(rows):
             continue
         size = np.abs(off)
         least = observed.policy.outlier
         far = ((size > least * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (1)
         if far.any() and record.signals[each.signal].quantity not in SMOOTH:
-            far &= beyond_all(values, far)
+            far &= beyond_range_of_others(values, far)
         if far.mean() < MOST:
             found[where.start + rows] = far
     return found

@@ -1,4 +1,4 @@
-"""The diagnosis: load -> check -> align -> simulate -> locate -> screen -> fit -> choose -> patch -> verify.
+"""The diagnosis: check -> align -> simulate -> localise -> screen -> fit -> choose -> patch -> verify.
 
 Each step is a function of its own module, with a result that one can look at alone; this page calls them in
 their order.

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.measurement.outliers import told
+from flexarm.measurement.outliers import listed
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.channel import Channel
 from flexarm.validation.regression import independent
@@ -156,8 +156,8 @@ class Removed:
     def __str__(self) -> str:
         count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
         size = with_unit(self.size, self.unit)
-        poses = f" ({told(self.poses, 'pose')})" if self.poses else ""
-        return f"{count} of {self.signal} in {self.record}, {told(self.rows)}{poses}, {size} off, removed"
+        poses = f" ({listed(self.poses, 'pose')})" if self.poses else ""
+        return f"{count} of {self.signal} in {self.record}, {listed(self.rows)}{poses}, {size} off, removed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -30,13 +30,13 @@ from flexarm.measurement.outliers import (
     NEARBY,
     NEIGHBOURS,
     SMOOTH,
-    beyond_all,
+    beyond_range_of_others,
+    deviation_from_median,
+    deviation_from_parabolas,
     nearby,
-    off_the_median,
-    off_the_parabolas,
 )
 from flexarm.measurement.predict import read
-from flexarm.record.lattice import lattice_step
+from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.channel import channels
 from flexarm.validation.finding import Removed
 
@@ -97,7 +97,7 @@ def clean_evidence(
         noise = simulated.effects(signal).noise(signal.noise_std or 0.0)
         rows = _isolated(spikes(residual, noise, ringing(simulated, signal, placement)))
         if signal.quantity not in SMOOTH:
-            rows &= beyond_all(residual, rows)
+            rows &= beyond_range_of_others(residual, rows)
         if rows.any() and rows.mean() < MOST:
             record = without(record, signal, rows)
             found.append(_removed(name, signal, rows, residual))
@@ -123,10 +123,10 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
     found = np.zeros(len(samples), dtype=bool)
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) > NEIGHBOURS:
-        nearest = off_the_parabolas(samples[rows][:, None])[:, 0]
+        nearest = deviation_from_parabolas(samples[rows][:, None])[:, 0]
         usual = 2 * SPREAD * float(np.median(nearest))
         least = LEAST * float(np.ptp(samples[rows]))
-        limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * lattice_step(samples))
+        limit = max(DRIVE_NOISE * noise, usual, least, COUNTS * quantisation_step(samples))
         found[rows] = nearest > np.maximum(limit, BENDS * _bends_beside(samples[rows]))
     return found
 
@@ -168,10 +168,10 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
         Vibration that the model predicts around each row.
     """
     found = np.zeros(len(residual), dtype=bool)
-    rows, off, usual = off_the_median(residual)
+    rows, off, usual = deviation_from_median(residual)
     if not len(rows):
         return found
-    size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
+    size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
     limit = np.maximum(np.maximum(NOISE * noise, SPREAD * usual), NEARBY * nearby(size))
     limit[[0, 1, -2, -1]] *= AT_ENDS
     found[rows] = np.any(

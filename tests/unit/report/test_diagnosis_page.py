@@ -16,7 +16,7 @@ from flexarm.output import stems
 from flexarm.report.diagnosis import _figures, write
 from flexarm.report.diagnosis_page import page
 from flexarm.report.files import Drawing, style
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 VERDICTS = sorted(diagnoses.ALL)
 VOID = {"meta", "img", "br", "wbr", "link", "input", "hr"}
@@ -197,7 +197,7 @@ def torque_only():
         effects=(named,),
         before={"other": gap},
         after={"other": gap},
-        located=locate(pair),
+        located=localise(pair),
         located_after=None,
         main_signal="hinge torque",
     )
