@@ -49,8 +49,8 @@ from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import NamedEffect
-from flexarm.validation.finding import Checked
-from flexarm.validation.sensor_check import check, cleaned, named_records
+from flexarm.validation.finding import ValidationResult
+from flexarm.validation.sensor_check import check, clean_records, named_records
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -123,7 +123,7 @@ def diagnose(
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = with_noise_of(checked.records, held)
-    parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
+    parted = _parted(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
     observed = Observed(
         arm,
@@ -238,7 +238,7 @@ def _conclusion(
 
 def _unusable(
     arm: Arm,
-    checked: Checked,
+    checked: ValidationResult,
     training: tuple[str, ...],
     remarks: tuple[str, ...],
     provenance: dict[str, Any],
@@ -297,7 +297,7 @@ def _same_values(one: Record, other: Record) -> bool:
     )
 
 
-def _parted(arm: Arm, checked: Checked, held_out: Checked) -> _Parted:
+def _parted(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> _Parted:
     """Training and check: a record of its own, or else blocks of time of each."""
     named = checked.comparable()
     remarks = (*map(str, held_out.outliers), *held_out.remarks)
