@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats, frozen
-from flexarm.measurement.states import StateSnapshots
+from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.sensitivity import Sensitivities
 from flexarm.statics.batch import StaticSolution
 

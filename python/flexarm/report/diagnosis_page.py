@@ -103,8 +103,8 @@ def _where_rows(d: Diagnosis) -> Iterator[Row]:
 
 def _follows_rows(d: Diagnosis) -> Iterator[Row]:
     """Which state explains the gap of a signal best, where one does."""
-    for signal, found in (d.located.follows if d.located is not None else {}).items():
-        if found.explains_half:
+    for signal, found in (d.located.dependence if d.located is not None else {}).items():
+        if found.relevant:
             yield {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
 
 
@@ -120,7 +120,7 @@ def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
             "rms": with_unit(each.rms, each.unit),
             "alone": f"{100 * each.alone:.0f} %",
             "share": f"{100 * each.share:.0f} %",
-            "follows": f"{each.follows.best} ({100 * each.follows.share:.0f} %)" if named else "–",
+            "follows": f"{each.dependence.best} ({100 * each.dependence.share:.0f} %)" if named else "–",
             "hint": each.hint if named else "",
         }
 
