@@ -53,7 +53,7 @@ def factor_to(si: str, unit: str) -> float | None:
 
 
 def si_factor(unit: str, allowed: tuple[str, ...]) -> tuple[str, float]:
-    """The SI unit among `allowed` that `unit` belongs to, and the factor to it.
+    """Return the SI unit among `allowed` that `unit` belongs to, and the factor to it.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ STIFFEST = 2e12
 
 
 def read_materials(texts: Iterable[str], unit: str) -> tuple[dict[str, Material], list[Problem]]:
-    """Materials by group, "" for all cells without one, and what is to be said about them.
+    """Return materials by group, "" for all cells without one, and what is to be said about them.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def _refused(what: str) -> InvalidFile:
 
 
 def _first(error: ValueError) -> str:
-    """What pydantic found, in one line."""
+    """Return the first error of pydantic in one line."""
     errors = getattr(error, "errors", None)
     if errors is None:
         return " ".join(str(error).split())
@@ -91,7 +91,7 @@ def _in_si(text: str, given: dict[str, tuple[float, str]], unit: str) -> tuple[f
 
 
 def _with_unit(text: str, value: float, unit: str, known: dict[str, float]) -> float | None:
-    """The value in SI, or None if it has no unit."""
+    """Return the value in SI, or None if it has no unit."""
     if not unit:
         return None
     if unit not in known:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def with_link_lengths(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
-    """The arm with links of the lengths that a record states, eq. (1).
+    """Return the arm with links of the lengths that a record states, eq. (1).
 
     Raises
     ------
@@ -42,7 +42,7 @@ def with_link_lengths(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
 
 
 def _bowed(arm: Arm, link: str, factor: float) -> Arm:
-    """The arm with the tip of a bowed link so many times further off."""
+    """Return the arm with the tip offset of a bowed link times a factor."""
     bow: Any = arm.effect("link_bow", link)
     return arm if bow is None else arm.with_effect(bow.replace(tip_offset=scaled(factor, bow.tip_offset)))
 

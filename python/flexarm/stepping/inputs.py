@@ -1,4 +1,4 @@
-"""What joints are told, and the numbers that the core takes of it."""
+"""Inputs of joints, and the numbers that the core takes of them."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Inputs:
         return self._joints[name], factor, self.told.get(name, "motor") != "torque"
 
     def kinds(self, held: bool = False) -> dict[str, _core.DriveKind]:
-        """What the core's joints are told; a motor's angle at the input of the gears before it.
+        """Return the kind of drive of each joint; a motor's angle acts at the input of its gears.
 
         Parameters
         ----------
@@ -107,7 +107,7 @@ class Inputs:
 
 
 def _checked(name: str, value: Input, is_angle: bool) -> Floats:
-    """A number that is no float, or an angle with rate and acceleration, as a row.
+    """Return a number that is no float, or an angle with rate and acceleration, as a row.
 
     Raises
     ------

@@ -96,7 +96,7 @@ class Stepper:
     def start(
         self, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
     ) -> State:
-        """Equilibrium at rest, all joints held; those told a torque or nothing are then let go.
+        """Return the equilibrium at rest, all joints held; those told a torque or nothing are then let go.
 
         The torque that held a joint is `joint(state, name).motor_torque`.
 
@@ -124,7 +124,7 @@ class Stepper:
     def step(
         self, state: State, inputs: Mapping[str, Input], forces: Mapping[str, ArrayLike] | None = None
     ) -> State:
-        """The state one step later; the one given stays as it is.
+        """Return the state one step later; the one given stays as it is.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Stepper:
         return State(self._key, self._core.advance(self._moment(state), self._inputs.rows(inputs), points))
 
     def joint(self, state: State, name: str) -> JointReading:
-        """Angles, rates and torques of a joint.
+        """Return angles, rates and torques of a joint.
 
         Raises
         ------
@@ -170,7 +170,7 @@ class Stepper:
         return PointReading(x, v, a, R, omega)
 
     def sensor(self, state: State, name: str) -> Floats:
-        """What a sensor of the model reads, without noise, rounding or delay: one number a channel, SI.
+        """Return the reading of a sensor without noise, rounding or delay: one number a channel, SI.
 
         Raises
         ------
@@ -206,7 +206,7 @@ class Stepper:
         return state.moment(self._system)
 
     def _hash(self) -> str:
-        """Of the model, its parts, and what is told and pushed: all that decides what a state is made of."""
+        """Return the hash of the model, its parts, the inputs and the loaded points."""
         found = hashlib.sha256(toml_text(self._arm.to_dict()).encode())
         for link in self._arm.links:
             if link.type == "superelement" and Path(link.file).is_file():
