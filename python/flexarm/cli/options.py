@@ -102,9 +102,9 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
                 f"must be NAME=RAD such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}",
             )
         if name not in joints:
-            raise InvalidFile(
-                model, "--joint", f"there is no moving joint {name!r}; there are {', '.join(joints)}"
-            )
+            from flexarm.arm.consistency import missing
+
+            raise InvalidFile(model, "--joint", missing("moving joint", name, joints))
         if name in values:
             raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
         values[name] = float(number)

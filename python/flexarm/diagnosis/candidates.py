@@ -32,7 +32,7 @@ from flexarm.diagnosis.perturbations import (
     typical_of,
     variants,
 )
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects.joint_compliance import TYPICAL_DAMPING, TYPICAL_STIFFNESS, JointCompliance
 from flexarm.errors import InvalidParameter
 from flexarm.residual_analysis.spectrum import periodogram
@@ -57,13 +57,13 @@ IN_MOTION = (
 
 
 def candidates(
-    observed: Observed, arm: Arm, rhythm: Sequence[float] = (), softer: Sequence[float] = (1.0,)
+    problem: Problem, arm: Arm, rhythm: Sequence[float] = (), softer: Sequence[float] = (1.0,)
 ) -> list[Candidate]:
     """All that can act on these records in a model, variants of one effect one after the other.
 
     Parameters
     ----------
-    observed : Observed
+    problem : Problem
         The records.
     arm : Arm
         The model.
@@ -73,22 +73,22 @@ def candidates(
         How much softer than typical springs are probed, such as `SOFTER`.
     """
     found: list[Candidate] = []
-    poses = all(record.kind == "static" for record in observed.records.values())
+    poses = all(record.kind == "static" for record in problem.records.values())
     for name in KNOWN_EFFECTS:
         if name in LEFT_OUT or (poses and name in IN_MOTION):
             continue
-        for at in places_of(name, observed, arm):
-            found += _at_place(name, at, arm, rhythm, softer, _stated(name, at, arm, observed))
+        for at in places_of(name, problem, arm):
+            found += _at_place(name, at, arm, rhythm, softer, _stated(name, at, arm, problem))
     return [_of_poses(candidate) for candidate in found] if poses else found
 
 
-def _stated(name: str, at: str, arm: Arm, observed: Observed) -> dict[str, Prior]:
+def _stated(name: str, at: str, arm: Arm, problem: Problem) -> dict[str, Prior]:
     """Priors that follow from the records, and of springs from the model."""
     if name == "sensor_offset":
-        return offset_priors(at, observed)
+        return offset_priors(at, problem)
     if name in SPRINGS:
         return spring_priors(arm.effect(name, at), arm)
-    return command_priors() if name == "time_delay" and at in late_commands(observed) else {}
+    return command_priors() if name == "time_delay" and at in late_commands(problem) else {}
 
 
 def _of_poses(candidate: Candidate) -> Candidate:
@@ -147,10 +147,10 @@ FINE = 4.0
 """Frequencies a width of a peak, which is one over the length of the record."""
 
 
-def rhythms(rest: Floats, observed: Observed, most: int = 3) -> list[float]:
+def rhythms(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
     """The `most` frequencies [Hz] at which a residual swings most, the strongest first."""
-    motions = [each for each in observed.rows if observed.records[each.record].kind == "motion"]
-    length = observed.seconds
+    motions = [each for each in problem.rows if problem.records[each.record].kind == "motion"]
+    length = problem.seconds
     if length <= 0:
         return []
     frequency = np.arange(LOWEST, HIGHEST, 1.0 / (FINE * length))

@@ -14,7 +14,7 @@ from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.diagnosis.candidate import SHAPES, SPRINGS, WAVES, value_of
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects.joint_compliance import TYPICAL_DAMPING, TYPICAL_STIFFNESS
 from flexarm.effects.link_bow import LinkBow
 
@@ -107,14 +107,14 @@ def _probe_value(prior: Prior, null: float) -> float:
     return null + (prior.high - prior.typical) / QUANTILE
 
 
-def offset_priors(signal: str, observed: Observed) -> dict[str, Prior]:
+def offset_priors(signal: str, problem: Problem) -> dict[str, Prior]:
     """What the zero of a sensor may be off: its range is at least what it read."""
-    rows = [row for row in observed.rows if row.signal == signal]
-    readings = [np.abs(observed.records[row.record].signals[signal].values[:, row.channel]) for row in rows]
+    rows = [row for row in problem.rows if row.signal == signal]
+    readings = [np.abs(problem.records[row.record].signals[signal].values[:, row.channel]) for row in rows]
     most = max(float(np.nanmax(each)) for each in readings)
     high = max(OF_READING * most, OF_NOISE * max(row.sigma for row in rows))
     source = f"{100 * OF_READING:g} % of the greatest reading in the records"
-    unit = observed.records[rows[0].record].signals[signal].unit
+    unit = problem.records[rows[0].record].signals[signal].unit
     return {"offset": Prior(-high, high, 0.0, "linear", unit, source)}
 
 

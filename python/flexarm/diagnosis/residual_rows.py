@@ -30,12 +30,12 @@ from flexarm.errors import InvalidParameter
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.noise import repeated_noise
 
-CORNERS = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
+NON_SMOOTH = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
 
 
-def has_corners(arm: Arm) -> bool:
+def is_non_smooth(arm: Arm) -> bool:
     """Whether a model has such a law."""
-    return any(effect.name in CORNERS for effect in arm.effects)
+    return any(effect.name in NON_SMOOTH for effect in arm.effects)
 
 
 REPEATS = 6
@@ -75,15 +75,15 @@ class Rows:
     kept: NDArray[np.bool_]
     sigma: float
     time: Floats
-    shaken: float = 0.0
-    unsteady: float = 0.0
+    input_noise: float = 0.0
+    discretisation_error: float = 0.0
 
-    def no_gap(self, corners: bool) -> float:
+    def explained_square(self, non_smooth: bool) -> float:
         """Mean square, over sigma^2, of what the right model leaves there beside noise.
 
         `corners` tells whether its laws have some.
         """
-        return self.shaken + (self.unsteady if corners else 0.0)
+        return self.input_noise + (self.discretisation_error if non_smooth else 0.0)
 
 
 def evidence_rows(name: str, pair: SimulatedRecord, placement: Placement, start: int) -> Iterator[Rows]:

@@ -56,9 +56,9 @@ def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
     while begin + LEAST <= blocks.count:
         end = blocks.grown(begin)
         if end - begin >= LEAST:
-            found.append(_to_the_sample((begin * BLOCK, end * BLOCK - 1), scaled))
+            found.append(_extended((begin * BLOCK, end * BLOCK - 1), scaled))
         begin = max(end, begin + 1)
-    return _without_creeping(found, scaled)
+    return _without_slow_motion(found, scaled)
 
 
 class _Blocks:
@@ -97,9 +97,9 @@ class _Blocks:
         return found
 
 
-def _to_the_sample(stand: Dwell, scaled: Floats) -> Dwell:
+def _extended(dwell: Dwell, scaled: Floats) -> Dwell:
     """Extend a dwell into the blocks before and after, less `SPARED` samples at either end."""
-    first, last = stand
+    first, last = dwell
     level = np.mean(scaled[first : last + 1])
 
     def alike(samples: Floats) -> int:
@@ -113,7 +113,7 @@ def _to_the_sample(stand: Dwell, scaled: Floats) -> Dwell:
     return begin + SPARED * (begin > 0), end - SPARED * (end < len(scaled) - 1)
 
 
-def _without_creeping(found: list[Dwell], scaled: Floats) -> list[Dwell]:
+def _without_slow_motion(found: list[Dwell], scaled: Floats) -> list[Dwell]:
     level = [float(np.mean(scaled[first : last + 1])) for first, last in found]
     creeps = [False] * len(found)
     for k in range(len(found) - 1):
@@ -121,4 +121,4 @@ def _without_creeping(found: list[Dwell], scaled: Floats) -> list[Dwell]:
         far = max(np.abs(between - level[k]).max(initial=0.0), abs(level[k + 1] - level[k]))
         if far < CREEP:
             creeps[k] = creeps[k + 1] = True
-    return [stand for stand, creeping in zip(found, creeps, strict=True) if not creeping]
+    return [dwell for dwell, creeping in zip(found, creeps, strict=True) if not creeping]

@@ -27,7 +27,7 @@ LIMIT = 25.0
 """Of (1): 5 sigma of one degree of freedom."""
 AROUND = 64
 """Samples before and after a dwell that test it."""
-BESIDE = np.array([2, 4, 6, 8, 10, 12, 14, 16, 20, 24, 32])
+NEXT_TO = np.array([2, 4, 6, 8, 10, 12, 14, 16, 20, 24, 32])
 """Samples from the end of a dwell to the breaks next to it."""
 NEAR = 20.0
 """Sigmas within which a motion does not reverse next to a dwell."""
@@ -48,7 +48,7 @@ def place_knots_at_rest(time: Floats, scaled: Floats, breaks: Indices) -> tuple[
         if still.of(begin, end) - misfit.of(begin, end) < _allowed(fewer):  # eq. (1)
             kept.append((first, last))
     breaks, standing = _parted(breaks, kept)
-    return breaks, _without_turning_back(time, scaled, breaks, standing)
+    return breaks, _monotone_next_to_dwells(time, scaled, breaks, standing)
 
 
 def _allowed(fewer: int) -> float:
@@ -68,17 +68,20 @@ class _Misfit:
         return float(self._sums[min(end + 1, last)] - self._sums[max(begin, 0)])
 
 
-def _without_turning_back(
+def _monotone_next_to_dwells(
     time: Floats, scaled: Floats, breaks: Indices, standing: Sequence[int]
 ) -> frozenset[int]:
     """Return the equal coefficients of a spline that is monotone next to its dwells, where (1) allows it."""
     held = constant_in(standing)
     free = _Misfit(time, scaled, breaks, held)
-    beside = [side for k in standing for side in _beside(free.coefficients, k)]
-    equal: list[set[int]] = [set() for _ in beside]
+    sides = [side for k in standing for side in _outwards(free.coefficients, k)]
+    equal: list[set[int]] = [set() for _ in sides]
     while True:
         now = _Misfit(time, scaled, breaks, held.union(*equal))
-        turning = [_turning(now.coefficients, side) - same for side, same in zip(beside, equal, strict=True)]
+        turning = [
+            _breaking_monotonicity(now.coefficients, side) - same
+            for side, same in zip(sides, equal, strict=True)
+        ]
         if not any(turning):
             break
         for same, more in zip(equal, turning, strict=True):
@@ -91,7 +94,7 @@ def _without_turning_back(
     return held.union(*equal)
 
 
-def _beside(coefficients: Floats, interval: int) -> Iterator[list[int]]:
+def _outwards(coefficients: Floats, interval: int) -> Iterator[list[int]]:
     """Yield the coefficients from a dwell outwards to the first that is `NEAR` away, before and after it."""
     level = coefficients[interval]
     for outwards in (range(interval, -1, -1), range(interval + 3, len(coefficients))):
@@ -100,7 +103,7 @@ def _beside(coefficients: Floats, interval: int) -> Iterator[list[int]]:
             yield list(range(outwards[0], far + outwards.step, outwards.step))
 
 
-def _turning(coefficients: Floats, outwards: Sequence[int]) -> set[int]:
+def _breaking_monotonicity(coefficients: Floats, outwards: Sequence[int]) -> set[int]:
     """Return the indices that break monotonicity."""
     way = np.sign(coefficients[outwards[-1]] - coefficients[outwards[0]])
     return {max(a, b) for a, b in pairwise(outwards) if way * (coefficients[b] - coefficients[a]) < 0}
@@ -115,10 +118,10 @@ def _parted(breaks: Indices, standing: Sequence[Dwell]) -> tuple[Indices, tuple[
     keep[breaks] = True
     held = [(first, last) for first, last in standing if np.count_nonzero(keep[first : last + 1]) > 2]
     for first, last in held:
-        beside = np.concatenate([[first, last], first - BESIDE, last + BESIDE])
-        beside = beside[(beside > 1) & (beside < len(keep) - 2)]
-        keep[beside - 1] = keep[beside + 1] = False  # breaks are at least two samples apart
-        keep[beside] = True
+        sides = np.concatenate([[first, last], first - NEXT_TO, last + NEXT_TO])
+        sides = sides[(sides > 1) & (sides < len(keep) - 2)]
+        keep[sides - 1] = keep[sides + 1] = False  # breaks are at least two samples apart
+        keep[sides] = True
     for first, last in held:
         keep[first : last + 1] = False
         keep[[first, last]] = True

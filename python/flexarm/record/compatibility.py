@@ -63,11 +63,12 @@ def validate(record: Record, arm: Arm) -> list[Problem]:
 
 def implausible_values(record: Record, arm: Arm) -> list[Problem]:
     """Return values that this arm cannot show, as they stand in the record."""
+    shafts = {gear.input for gear in arm.gears}
     return [
         *_positions(record, arm),
         *_angles(record, arm),
         *_undriven(record, arm),
-        *_too_fast(record, arm),
+        *implausible_rates(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts]),
         *frame_problems(record, arm),
         *payload_problems(record, arm),
     ]
@@ -174,23 +175,13 @@ def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
     driven = {str(record.signals[name].joint) for name in record.drive}
     driven = coupled_joints(driven | {controller.joint for controller in arm.controllers}, arm.gears)
     for signal in record.of_quantity("joint_angle").values():
-        if signal.side == "motor" and signal.joint not in driven and _moves(signal):
+        seen = signal.values[signal.valid, 0]
+        moves = len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)
+        if signal.side == "motor" and signal.joint not in driven and moves:
             yield Problem(
                 f"signals.{signal.name}",
                 f"is a motor's angle and moves, but is not in drive: the model holds {signal.joint!r} still",
             )
-
-
-def _moves(signal: Signal) -> bool:
-    """Return True if an encoder moves by more than its noise and one of its steps."""
-    seen = signal.values[signal.valid, 0]
-    return len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)
-
-
-def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:
-    """Return joints that turn as fast as motors, except shafts before gears."""
-    shafts = {gear.input for gear in arm.gears}
-    return implausible_rates(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:

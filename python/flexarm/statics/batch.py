@@ -211,12 +211,9 @@ def _seen(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads
     }
 
 
-_NO_FORCES = np.full((2, 6), np.nan)
-"""Of links without sections."""
-
-
 def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:
+    """Return section forces at both ends, shape (2, 6); NaN for links without sections."""
     if kind != "beam":
-        return _NO_FORCES
+        return np.full((2, 6), np.nan)
     forces = _core.section_forces(system, state, loads, link)
     return np.array([forces.start, forces.end])

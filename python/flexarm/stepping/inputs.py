@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
@@ -71,10 +72,7 @@ class Inputs:
         moving = [joint.name for joint in self._arm.moving_joints]
         for name, what in self.told.items():
             if name not in moving:
-                raise InvalidParameter(
-                    f"there is no moving joint {name!r}; there are {', '.join(moving) or 'none'}",
-                    where="told",
-                )
+                raise InvalidParameter(missing("moving joint", name, moving), where="told")
             if what not in _KINDS:
                 raise InvalidParameter(
                     f"must be one of {', '.join(_KINDS)}, got {what!r}", where=f"told.{name}"

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
 from flexarm.arm import Arm
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
 from flexarm.errors import InvalidParameter
@@ -178,7 +179,7 @@ class Stepper:
             If there is no such sensor, or it measures what no state holds, such as a voltage.
         """
         if name not in self._sensors:
-            raise InvalidParameter(_unknown(name, "sensor", self._sensors))
+            raise InvalidParameter(missing("sensor", name, self._sensors))
         instant = StateSnapshots.of(self._arm, self._system, [self._moment(state).state])
         values: Floats = instant.readings(self._sensors[name])[0]
         return values
@@ -221,9 +222,5 @@ class Stepper:
 
 def _index(places: Mapping[str, int], name: str, kind: str) -> int:
     if not isinstance(name, str) or name not in places:
-        raise InvalidParameter(_unknown(name, kind, places))
+        raise InvalidParameter(missing(kind, name, places))
     return places[name]
-
-
-def _unknown(name: str, kind: str, known: Collection[str]) -> str:
-    return f"there is no {kind} {name!r}; there are {', '.join(known) or 'none'}"

@@ -11,7 +11,7 @@ import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.perturbations import OF_STATED, SOFTER, STEP, spring_priors
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects import JointCompliance
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_joints.toml"
@@ -25,8 +25,8 @@ def springs_at_the_hinge():
     """Candidates of a model with `STATED`, and the model."""
     run = run_of("one joint")
     arm = run.simulation.arm.with_effect(STATED)
-    observed = Observed(arm, {"run": run.showing({}, 1).record})
-    return [c for c in candidates(observed, arm, softer=SOFTER) if c.name == STATED.name], arm
+    problem = Problem(arm, {"run": run.showing({}, 1).record})
+    return [c for c in candidates(problem, arm, softer=SOFTER) if c.name == STATED.name], arm
 
 
 def test_it_is_probed_a_little_softer_and_so_soft_that_it_moves_a_mode():
