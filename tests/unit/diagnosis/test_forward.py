@@ -24,7 +24,7 @@ LINEAR = {1: ["a", "b", "c", "d"], 2: ["cd"], 3: []}
 ELSEWHERE: dict[str, list[str]] = {}
 """Models with another spring, by those with the one that was tried."""
 NOTHING = SimpleNamespace(channels=lambda: [], records={}, policy=SelectionPolicy())
-"""As much of `Observed` as is asked for: no channel."""
+"""As much of `Problem` as is asked for: no channel."""
 
 
 BARE = SimpleNamespace(members=(), places=(), cost=100.0)
