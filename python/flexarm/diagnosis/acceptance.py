@@ -50,7 +50,7 @@ class Criteria:
 
     Attributes
     ----------
-    observed : Observed
+    problem : Problem
         The records, and the policy.
     null : Fit
         The model without effects.

@@ -18,7 +18,7 @@ What is left *above the noise* in a channel, over the noise, is
 .. math:: s_c^2 = \min(\gamma_0 - 1 - d_c, \max_{1 \le l \le L} |\gamma_l|)/(1 + d_c), \quad
           \text{at least } 0                                                                         (3)
 
-with what noise of the drives and finer time steps move there, d (`diagnosis.noise_model`, `step_errors`): the
+with what noise of the drives and finer time steps move there, d (`diagnosis.noise_model`, `noise_model`): the
 smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no order
 in time, but those of one record share what the model lacks there. With gamma_0 and gamma_w the mean square
 and the mean product of two different poses of a record, over all static records of a signal, n_c poses are

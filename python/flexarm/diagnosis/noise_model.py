@@ -123,7 +123,7 @@ def input_noise_by_signal(problem: Problem) -> dict[str, float]:
 
 
 def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[str]:
-    """A sentence on what `shaken_signals` found, if that is something."""
+    """A sentence on what `input_noise_by_signal` found, if that is something."""
     if not sizes:
         return []
     drives = dict.fromkeys(name for record in problem.records.values() for name in record.drive)

@@ -62,10 +62,10 @@ class Rows:
         1 sigma of the noise [SI].
     time : ndarray
         Instants of the kept rows by the drive's clock [s], or numbers of poses.
-    shaken : float
-        Mean square, over sigma^2, of what noise of the drives moves there (`drive_noise`).
-    unsteady : float
-        The same of what finer time steps still move of models whose laws have corners (`step_errors`).
+    input_noise : float
+        Mean square, over sigma^2, of what noise of the drives moves there (`noise_model`).
+    discretisation_error : float
+        The same of what finer time steps still move of models whose laws have corners (`noise_model`).
     """
 
     record: str
