@@ -10,6 +10,7 @@ from pytest import approx
 
 from flexarm.named_effects import NamedEffect
 from flexarm.report.diagnosis import _figures
+from flexarm.report.files import style
 from flexarm.report.state_figures import (
     against_states,
     located_sides,
@@ -18,7 +19,6 @@ from flexarm.report.state_figures import (
     shown_joints,
     state_of,
 )
-from flexarm.reproduction.figures import style
 from flexarm.residual_analysis.localisation import localise
 
 
