@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.motor_limits import stall_torque, within
 from flexarm.arm.prior import Prior
-from flexarm.effects.motor_limits import stall_torque, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.motor_limits import back_emf_damping, stall_torque, within
 from flexarm.arm.prior import Prior
 from flexarm.effects.coulomb_friction import STICK_WIDTH
-from flexarm.effects.motor_limits import back_emf_damping, stall_torque, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:

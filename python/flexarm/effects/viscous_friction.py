@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.motor_limits import back_emf_damping, within
 from flexarm.arm.prior import Prior
-from flexarm.effects.motor_limits import back_emf_damping, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
