@@ -28,7 +28,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.nuisance import Unknowns
 from flexarm.diagnosis.parameters import Coordinate
-from flexarm.diagnosis.residual_rows import CORNERS, has_corners
+from flexarm.diagnosis.residual_rows import has_corners
 from flexarm.errors import InvalidParameter, NotConverged
 
 
@@ -122,7 +122,7 @@ class Fit:
     @property
     def has_corners(self) -> bool:
         """Whether some law of the model has corners."""
-        return has_corners(self.unknowns.arm) or any(member.name in CORNERS for member in self.members)
+        return has_corners(self.unknowns.arm) or not all(member.effect.smooth for member in self.members)
 
     @property
     def places(self) -> tuple[tuple[str, str], ...]:

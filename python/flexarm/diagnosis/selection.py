@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.acceptance import (
     accepted,
     explained,
@@ -26,14 +27,14 @@ from flexarm.diagnosis.acceptance import (
     worth_a_name,
 )
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
-from flexarm.diagnosis.candidate import SPRINGS, carries
+from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.fit import FAILED, Fit
 from flexarm.diagnosis.moves.confounding import taken_over
 from flexarm.diagnosis.moves.proposals import TWIN, larger_fits, other_springs
-from flexarm.diagnosis.moves.rescreening import THROUGH_SPRINGS, awakened, nearby, new_springs
+from flexarm.diagnosis.moves.rescreening import awakened, nearby, new_springs
 from flexarm.diagnosis.noise_model import allow_for_drives, allow_for_steps
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
@@ -204,7 +205,7 @@ class _Search:
         twin = min(twins, key=lambda f: f.cost)
         joints = new_springs(twin) - new_springs(best)
         laws = [p for p in self._awakened(twin, about) if p.candidate.at in joints]
-        laws = [p for p in laws if p.candidate.name in THROUGH_SPRINGS]
+        laws = [p for p in laws if p.candidate.effect.acts_through_spring()]
         return larger_fits(about, laws, twin, self.null) if laws else []
 
     def _sets(self, about: Fitter, size: int, beside: Fit) -> list[Fit]:
@@ -280,7 +281,7 @@ class _Search:
 def _one_spring_apart(one: Fit, other: Fit) -> bool:
     """Whether two models differ by where one spring is."""
     mine, theirs = (set(a.places) - set(b.places) for a, b in ((one, other), (other, one)))
-    return len(mine) == len(theirs) == 1 and all(name in SPRINGS for name, _ in mine | theirs)
+    return len(mine) == len(theirs) == 1 and all(effect_class(name).is_spring for name, _ in mine | theirs)
 
 
 def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:

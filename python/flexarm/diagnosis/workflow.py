@@ -16,6 +16,7 @@ import numpy as np
 
 from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import LEFT_SHARE, NEARLY_ALL, leaves_anything, leaves_gap
 from flexarm.diagnosis.candidates import candidates, rhythms
@@ -35,7 +36,6 @@ from flexarm.diagnosis.noise_model import (
     with_noise_of,
 )
 from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.perturbations import SOFTER
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
@@ -319,7 +319,7 @@ def _chosen(observed: Observed, tell: Callable[[float, str], object]) -> Choice:
     rhythm = rhythms(fitter.fit(()).rest, observed)
     probed = probe(
         fitter,
-        candidates(observed, fitter.unknowns.arm, rhythm, SOFTER),
+        candidates(observed, fitter.unknowns.arm, rhythm, SpringEffect.softer),
         lambda done: tell(0.15 + 0.25 * done, "screening"),
     )
     return choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))

@@ -35,6 +35,12 @@ class CoulombFriction(Effect):
     """
 
     name: ClassVar[str] = "coulomb_friction"
+    torque_at = "output"
+    in_motion = ("torque",)
+    smooth = False
+    one_signed = True
+    non_negative = ("torque",)
+    varies_with = "rate"
     torque: Number = value_in("N m", "friction torque at the output bearing", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:

@@ -31,6 +31,11 @@ class ViscousFriction(Effect):
     """
 
     name: ClassVar[str] = "viscous_friction"
+    torque_at = "output"
+    in_motion = ("coefficient",)
+    one_signed = True
+    non_negative = ("coefficient",)
+    varies_with = "rate"
     coefficient: Number = value_in("N m s/rad", "viscous friction of the output bearing", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:

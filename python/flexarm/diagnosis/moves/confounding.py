@@ -27,7 +27,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import FORBIDDEN, STRAINED, strain
-from flexarm.diagnosis.candidate import WAVES, Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.fit import FAILED, Fit, Projection
 from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
@@ -147,7 +147,7 @@ def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
     Waves have frequencies of their own, and a spring that another law needs moves the arm by itself.
     """
     again = same_in_small_steps(candidate, others)
-    return candidate.name in WAVES or candidate.needs is not None or again
+    return candidate.effect.is_wave or candidate.needs is not None or again
 
 
 def _takes_over(

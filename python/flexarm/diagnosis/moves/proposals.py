@@ -19,15 +19,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import DENT, explained, leaves_gap, limit_beside, quiet
-from flexarm.diagnosis.candidate import SPRINGS, Candidate, carries, value_of
+from flexarm.diagnosis.candidate import Candidate, carries, value_of
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.fit import FAILED, Fit
 from flexarm.diagnosis.minimisers import scanned
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
-from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
 AVERAGED = 1.0
 """Length of the average [s]: a few periods of a heavy arm, a small part of its motion."""
@@ -112,8 +112,8 @@ def larger_fits(
 
 
 def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
-    """The best model with a backlash once more, from a gap that leaves less (`diagnosis.minimisers`)."""
-    bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
+    """The best model with several minima once more, from one that leaves less (`diagnosis.minimisers`)."""
+    bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
     with suppress(*FAILED):
         if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
             return [again]
@@ -125,15 +125,15 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
 
     A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
     """
-    springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
+    springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.effect.is_spring}
     found = []
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         for place, candidate in springs.items():
-            if spring.name not in SPRINGS or place in best.places or carries(others, spring):
+            if not spring.effect.is_spring or place in best.places or carries(others, spring):
                 continue
             with suppress(*FAILED):
-                members = (candidate.as_soft_as(spring), *others)
+                members = (candidate.acting_as(spring) or candidate, *others)
                 found.append(fitter.trial(members, best, TWIN * best.cost))
     return found
 
@@ -238,7 +238,7 @@ def _leads(shares: Sequence[Share], beside: Fit) -> bool:
 
 def _relaxed(member: Candidate) -> Candidate:
     """A spring with a typical damping: what it had may have stood in for the effect that is added."""
-    if member.name not in SPRINGS or "damping" not in member.free:
+    if not isinstance(member.effect, SpringEffect) or "damping" not in member.free:
         return member
-    damping = TYPICAL_DAMPING * value_of(member.effect, "stiffness")
+    damping = member.effect.typical_damping * value_of(member.effect, "stiffness")
     return replace(member, effect=member.effect.with_parameters({"damping": damping}))
