@@ -3,10 +3,10 @@
     python scripts/count.py            # a table in Markdown
     python scripts/count.py --names    # also where each constant and effect name stands
 
-Counted by the syntax tree of `python/flexarm`. A numeric constant is a module's name in capitals whose value is
-a number or numbers. An effect name is a string in the code that is a name of the vocabulary. A one-use helper is
-a private function that its module calls once. Circles are of modules that import one another, at the top or inside
-functions; imports for type checkers alone are left out.
+Counted by the syntax tree of `python/flexarm`. A numeric constant is a module's name in capitals whose value
+is a number or numbers. An effect name is a string in the code that is a name of the vocabulary. A one-use
+helper is a private function that its module calls once. Circles are of modules that import one another, at
+the top or inside functions; imports for type checkers alone are left out.
 """
 
 from __future__ import annotations
@@ -148,9 +148,14 @@ def main() -> None:
     vocabulary = frozenset(
         n.value
         for n in ast.walk(effects)
-        if isinstance(n, ast.Constant) and isinstance(n.value, str) and n.value.isidentifier() and "_" in n.value
+        if isinstance(n, ast.Constant)
+        and isinstance(n.value, str)
+        and n.value.isidentifier()
+        and "_" in n.value
     ) | {"backlash", "outliers", "saturation"}
-    print("| package | files | lines | numeric constants | effect names | one-use helpers | deferred imports |")
+    print(
+        "| package | files | lines | numeric constants | effect names | one-use helpers | deferred imports |"
+    )
     print("|---|---|---|---|---|---|---|")
     core = [m for m in modules.values() if m.package in CORE]
     groups = {p: [m for m in core if m.package == p] for p in CORE}

@@ -23,7 +23,7 @@ from typing import Any
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-COUNTS = {"single": 20, "double": 12, "poor": 8, "none": 6, "outside": 6, "fault": 5}
+COUNTS = {"single": 12, "double": 7, "poor": 4, "none": 4, "outside": 4, "fault": 4}
 """Cases drawn from a seed, by group."""
 RELATIVE, OF_SIGMA = 1e-4, 1e-3
 """Differences of numbers that count as rounding: of the number itself, and of its standard deviation."""

@@ -13,6 +13,7 @@ from flexarm.errors import InvalidFile
 # what is replaced, by what, where the error stands, what it says besides
 MISTAKES = {
     "unknown key": ("elements = 4", "elments = 4", "links.rod.elments", "did you mean 'elements'?"),
+    "deep tables": ("[[payloads]]", "[a" + 5000 * ".b" + "]\n[[payloads]]", "a", "unknown key"),
     "unknown table": ("[[payloads]]", "[[payload]]", "payload", "did you mean 'payloads'?"),
     "missing key": ("mass = 14.1\n", "", "payloads.load.mass", "is missing; needed is mass [kg]"),
     "missing axis": ("axis = [0, 1, 0]\n", "", "joints.hinge.axis", "is missing; a revolute joint needs"),

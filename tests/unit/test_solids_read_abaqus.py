@@ -194,3 +194,8 @@ def test_meshlane_reads_the_same_mesh(tmp_path, order):
     assert (next(iter(mine.cells.values())) == theirs.cells[0].data).all()
     assert list(mine.point_sets["top"]) == list(theirs.point_sets["top"])
     assert volume(mine) == pytest.approx(volume(part), rel=1e-12)
+
+
+def test_a_bar_element_without_nodes_is_no_index_error(bar):
+    bar.write_text(BAR + "*ELEMENT, TYPE=T3D2, ELSET=bars\n , 28\n")
+    assert read_mesh(bar, unit="mm").n_points > 0

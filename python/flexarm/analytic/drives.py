@@ -1,4 +1,4 @@
-"""What moves the joint: a torque, or a motor angle through a spring or rigidly; and friction.
+"""Drives of the joint: a torque, or a motor angle through a spring or rigidly; and friction.
 
 Prescribed angles and torques are functions of time `f(t, nu)` that return their nu-th derivative,
 as SciPy's `PPoly`, `CubicSpline` and `BSpline` do. Angles are in rad, torques in N m, both at the
@@ -18,7 +18,7 @@ class TimeFunction(Protocol):
     """A function of time with derivatives, such as `scipy.interpolate.CubicSpline`."""
 
     def __call__(self, t: Any, nu: int = 0, /) -> Any:
-        """The nu-th derivative at `t` [s]."""
+        """Return the nu-th derivative at `t` [s]."""
         ...
 
 
@@ -46,7 +46,7 @@ class CoulombFriction:
             raise InvalidParameter(f"friction's smoothing rate must be positive, got {self.rate} rad/s")
 
     def __call__(self, hub_rate: float) -> float:
-        """τ_fric [N m]."""
+        """Return τ_fric [N m]."""
         return -self.torque * math.tanh(hub_rate / self.rate)
 
 
@@ -101,5 +101,5 @@ class JointTorque:
     friction: CoulombFriction | None = None
 
     def __call__(self, t: float) -> float:
-        """τ at `t` [N m]."""
+        """Return τ at `t` [N m]."""
         return float(self.torque(t)) if callable(self.torque) else float(self.torque)

@@ -101,7 +101,7 @@ class ExactModes:
         return self.omega / (2 * math.pi)
 
     def shape(self, x: Array | float, derivative: int = 0) -> Array:
-        """k-th derivatives dᵏφ_i/dxᵏ at `x` [m], in kg^-½ m^-k; shape (n_modes, len(x))."""
+        """Return derivatives dᵏφ_i/dxᵏ at `x` [m], in kg^-½ m^-k; shape (n_modes, len(x))."""
         xi = np.atleast_1d(np.asarray(x, dtype=float)) / self.link.length
         rows = [
             row[0] * _rigid(xi, derivative) if lam == 0 else row @ trial_functions(lam, xi, derivative)
@@ -111,7 +111,7 @@ class ExactModes:
 
 
 def exact_modes(link: FlexibleLink, count: int, hub_stiffness: float = math.inf) -> ExactModes:
-    """First `count` modes of a link whose hub is held by a rotational spring.
+    """Return the first `count` modes of a link whose hub is held by a rotational spring.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def exact_modes(link: FlexibleLink, count: int, hub_stiffness: float = math.inf)
 
 
 def wavenumber(ends: EndConditions, index: int) -> float:
-    """Root λ of the frequency equation with `index` roots below it."""
+    """Return the root λ of the frequency equation with `index` roots below it."""
     from scipy.optimize import brentq
 
     if ends.hub_stiffness == 0 and index == 0:
@@ -169,12 +169,12 @@ def wavenumber(ends: EndConditions, index: int) -> float:
 
 
 def frequency_determinant(ends: EndConditions, lam: float) -> float:
-    """Determinant of the end conditions, rows scaled by positive numbers; zero at a frequency."""
+    """Return the determinant of the end conditions, rows scaled by positive numbers; zero at a frequency."""
     return float(np.linalg.det(end_matrix(ends, lam)))
 
 
 def end_matrix(ends: EndConditions, lam: float) -> Array:
-    """Rows (A2) and (A3) for the functions (A4), each divided by its largest entry."""
+    """Return the rows (A2) and (A3) for the functions (A4), each divided by its largest entry."""
     at_hub = [trial_functions(lam, np.zeros(1), k)[:, 0] / lam**k for k in range(4)]
     at_tip = [trial_functions(lam, np.ones(1), k)[:, 0] / lam**k for k in range(4)]
     if math.isinf(ends.hub_stiffness):
@@ -190,7 +190,7 @@ def end_matrix(ends: EndConditions, lam: float) -> Array:
 
 
 def trial_functions(lam: float, xi: Array, derivative: int = 0) -> Array:
-    """The four functions of (A4), differentiated `derivative` times in ξ; shape (4, len(ξ))."""
+    """Return the four functions of (A4), differentiated `derivative` times in ξ; shape (4, len(ξ))."""
     s, c = np.sin(lam * xi), np.cos(lam * xi)
     sine, cosine = ((s, c), (c, -s), (-s, -c), (-c, s))[derivative % 4]
     decay, growth = np.exp(-lam * xi), np.exp(-lam * (1 - xi))
@@ -199,7 +199,7 @@ def trial_functions(lam: float, xi: Array, derivative: int = 0) -> Array:
 
 
 def frequencies_below(ends: EndConditions, lam: float) -> int:
-    """Number of frequencies below λ, eq. (A5); a rigid rotation counts."""
+    """Return the number of frequencies below λ, eq. (A5); a rigid rotation counts."""
     c, s, ch, sh = math.cos(lam), math.sin(lam), math.cosh(lam), math.sinh(lam)
     delta = 1 - c * ch
     tip_force = lam**3 * (s * ch + c * sh) / delta - ends.tip_mass * lam**4
@@ -217,14 +217,14 @@ def frequencies_below(ends: EndConditions, lam: float) -> int:
 
 
 def _clamped_clamped_below(lam: float) -> int:
-    """Roots of 1 = cos(λ) cosh(λ) below λ: one near each (k + ½) π, k = 1, 2, ..."""
+    """Return the roots of 1 = cos(λ) cosh(λ) below λ: one near each (k + ½) π, k = 1, 2, ..."""
     half_waves = int(lam / math.pi)
     sign = 1 if math.cos(lam) * math.cosh(lam) < 1 else -1
     return half_waves - int((-1) ** half_waves * sign < 0)
 
 
 def _null_vector(ends: EndConditions, lam: float) -> Array:
-    """Coefficients of (A4) that satisfy the end conditions at a root."""
+    """Return the coefficients of (A4) that satisfy the end conditions at a root."""
     if lam == 0:
         return np.array([1.0, 0.0, 0.0, 0.0])
     vector: Array = np.linalg.svd(end_matrix(ends, lam))[2][-1]
@@ -232,12 +232,12 @@ def _null_vector(ends: EndConditions, lam: float) -> Array:
 
 
 def _rigid(xi: Array, derivative: int) -> Array:
-    """The rigid rotation ξ and its derivatives."""
+    """Return the rigid rotation ξ and its derivatives."""
     return xi if derivative == 0 else np.full_like(xi, float(derivative == 1))
 
 
 def modal_masses(modes: ExactModes) -> Array:
-    """∫ ρA φ² dx + M_e φ(L)² + J_e φ_x(L)² + J_h φ_x(0)², shape (n_modes,)."""
+    """Return ∫ ρA φ² dx + M_e φ(L)² + J_e φ_x(L)² + J_h φ_x(0)², shape (n_modes,)."""
     link = modes.link
     x, dm = mass_points(link, len(modes.wavenumbers))
     tip_slope = modes.shape(link.length, 1)[:, 0]
@@ -248,13 +248,13 @@ def modal_masses(modes: ExactModes) -> Array:
 
 
 def mass_points(link: FlexibleLink, n_modes: int) -> tuple[Array, Array]:
-    """Points x [m] and masses dm [kg] for integrals of two shapes' product; the last is the load."""
+    """Return points x [m] and masses dm [kg] for integrals of two shapes' product; the last is the load."""
     x, weight = beam_points(link, n_modes)
     return np.append(x, link.length), np.append(link.mass_per_length * weight, link.tip_mass)
 
 
 def beam_points(link: FlexibleLink, n_modes: int) -> tuple[Array, Array]:
-    """Gauss-Legendre points and weights [m], twelve on every half-wave of the highest mode."""
+    """Return Gauss-Legendre points and weights [m], twelve on every half-wave of the highest mode."""
     node, weight = np.polynomial.legendre.leggauss(12)
     n_panels = n_modes + 3
     start = np.arange(n_panels)[:, None] / n_panels

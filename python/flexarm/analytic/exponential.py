@@ -51,7 +51,7 @@ class Propagator:
         return cls(h, phi_functions(h * A, 4), phi_functions(h / 2 * A, 1))
 
     def runge_kutta(self, nonlinear: Callable[[float, Array], Array], t: float, z: Array) -> Array:
-        """One step of (E1), (E2)."""
+        """Make one step of (E1), (E2)."""
         h, (E, f1, f2, f3, _), (E_half, f_half) = self.h, self.full, self.half
         N = nonlinear(t, z)
         a = E_half @ z + h / 2 * (f_half @ N)
@@ -66,7 +66,7 @@ class Propagator:
         return result
 
     def forced(self, load: Callable[[float], Array], t: float, z: Array) -> Array:
-        """One step of (E3)."""
+        """Make one step of (E3)."""
         g = _CUBIC @ np.array([load(t + part * self.h) for part in _THIRDS])
         terms = [math.factorial(j) * (self.full[j + 1] @ g[j]) for j in range(4)]
         result: Array = self.full[0] @ z + self.h * np.sum(terms, axis=0)  # eq. (E3)
@@ -78,7 +78,7 @@ Advance = Callable[[Propagator, float, Array], Array]
 
 
 def phi_functions(Z: Array, highest: int) -> tuple[Array, ...]:
-    """φ_0(Z) to φ_highest(Z), all from one exponential of a block matrix."""
+    """Return φ_0(Z) to φ_highest(Z), all from one exponential of a block matrix."""
     from scipy.linalg import expm
 
     n = len(Z)
@@ -91,7 +91,7 @@ def phi_functions(Z: Array, highest: int) -> tuple[Array, ...]:
 
 
 def march(A: Array, advance: Advance, z: Array, time: Array, step: float) -> Array:
-    """States at `time`, each interval divided into equal steps no longer than `step`; shape (n, len(z))."""
+    """Return states at `time`, in equal steps no longer than `step` in each interval; shape (n, len(z))."""
     propagators: dict[float, Propagator] = {}
     states = [z]
     for start, stop in pairwise(time):

@@ -80,7 +80,7 @@ def simulate(
 
 
 def _exponential(system: JointedArm, start: Array, time: Array, step: float) -> Array:
-    """States z by (E2) for equation (1), by (E3) for equation (2)."""
+    """Return the states z by (E2) for equation (1), by (E3) for equation (2)."""
     if system.drive.friction is not None:
         raise InvalidParameter("friction is stiff and not linear: choose method Radau, not exponential")
     if not (step > 0 and math.isfinite(step)):
@@ -115,7 +115,7 @@ def _solve_ivp(
 
 
 def _start(arm: Equation, drive: Drive, t: float, angle: float, rate: float) -> tuple[Array, Array]:
-    """Equilibrium at rest, or held at `angle` and then turned straight with `rate`."""
+    """Return the equilibrium at rest, or held at `angle` and then released straight with `rate`."""
     if isinstance(drive, MotorAngle):
         phi, phi_rate = float(drive.angle(t)), float(drive.angle(t, 1))
         turning = phi_rate if drive.rigid else 0.0  # a hub that follows φ has φ's rate

@@ -49,23 +49,23 @@ class JointedArm:
 
     @classmethod
     def of(cls, arm: Equation, drive: Drive) -> JointedArm:
-        """Choose what is free: all coordinates, or those that leave the hub where the motor is."""
+        """Choose the free coordinates: all, or those that leave the hub where the motor is."""
         rigid = isinstance(drive, MotorAngle) and drive.rigid
         return cls(arm, drive, Freedom.hub_prescribed(arm) if rigid else Freedom.all(arm))
 
     def reduce(self, t: float, q: Array, v: Array) -> Array:
-        """State z of coordinates and rates; what the drive prescribes is taken out."""
+        """Return the state z of coordinates and rates, without what the drive prescribes."""
         e, T, motor = self.freedom.rigid, self.freedom.free, self._motor(t)
         return np.concatenate([T.T @ (q - e * motor.angle), T.T @ (v - e * motor.rate)])
 
     def expand(self, z: Array, motor: Motor) -> tuple[Array, Array]:
-        """Coordinates q and their rates."""
+        """Return the coordinates q and their rates."""
         e, T = self.freedom.rigid, self.freedom.free
         y, u = np.split(z, 2)
         return e * motor.angle + T @ y, e * motor.rate + T @ u
 
     def rhs(self, t: float, z: Array) -> Array:
-        """dz/dt, eq. (M1)."""
+        """Return dz/dt, eq. (M1)."""
         motor = self._motor(t)
         q, v = self.expand(z, motor)
         e, T, alpha = self.freedom.rigid, self.freedom.free, self.arm.basis.rotation
@@ -79,7 +79,7 @@ class JointedArm:
         return np.concatenate([z[len(z) // 2 :], acceleration])
 
     def linear_part(self) -> Array:
-        """A of z' = A z + N(t, z): springs, dampers and, in equation (2), gravity's constant tangent."""
+        """Return A of z' = A z + N(t, z): springs, dampers and, in (2), gravity's constant tangent."""
         T, p = self.freedom.free, self.arm.basis.hub_slope
         spring, damper = 0.0, 0.0
         if isinstance(self.drive, MotorAngle) and not self.drive.rigid:
@@ -93,7 +93,7 @@ class JointedArm:
         return np.block([[zero, one], [-T.T @ K @ T, -T.T @ D @ T]])
 
     def motion(self, time: Array, z: Array) -> ArmMotion:
-        """Coordinates, torque and tip at every time."""
+        """Return coordinates, torque and tip at every time."""
         motors = [self._motor(t) for t in time]
         states = [self.expand(row, motor) for row, motor in zip(z, motors, strict=True)]
         q, v = (np.array(part) for part in zip(*states, strict=True))
@@ -102,7 +102,7 @@ class JointedArm:
         return make_motion(self.arm, time, q, v, angles, torque)
 
     def torque(self, t: float, z: Array) -> float:
-        """The drive's torque on the hub [N m], friction excluded."""
+        """Return the drive's torque on the hub [N m], friction excluded."""
         motor = self._motor(t)
         q, v = self.expand(z, motor)
         if not (isinstance(self.drive, MotorAngle) and self.drive.rigid):

@@ -38,15 +38,15 @@ class LinearModal(ModalArm):
     about: float = 0.0
 
     def coupling(self, q: Array) -> float:
-        """Zero: the mass matrix is the identity."""
+        """Return zero: the mass matrix is the identity."""
         return 0.0
 
     def forces(self, q: Array, v: Array, drive_angle: float | None = None) -> Array:
-        """Every force of (2) but those at the joint."""
+        """Return every force of (2) but those at the joint."""
         return self.elastic_forces(q, v) + self.gravity_forces(q, drive_angle)
 
     def gravity_forces(self, q: Array, drive_angle: float | None = None) -> Array:
-        """(L1) under a prescribed angle, else (L2)."""
+        """Return (L1) under a prescribed angle, else (L2)."""
         if drive_angle is None:
             start, tangent, q_r = self._expansion
             force: Array = start + tangent @ (q - q_r)  # eq. (L2)
@@ -63,5 +63,5 @@ class LinearModal(ModalArm):
         return exact.gravity_forces(q_r), exact.gravity_tangent(q_r), q_r
 
     def gravity_tangent(self, q: Array, drive_angle: float | None = None) -> Array:
-        """dQ_g/dq: zero in (L1)."""
+        """Return dQ_g/dq: zero in (L1)."""
         return self._expansion[1] if drive_angle is None else np.zeros_like(self.basis.Cw)

@@ -80,7 +80,7 @@ class ModalBasis:
 def pinned_free_basis(
     link: FlexibleLink, n_bending: int, *, hub_moment_shape: bool = True, foreshortening: bool = True
 ) -> ModalBasis:
-    """Modes of the pinned link as assumed shapes, their integrals by Gauss-Legendre quadrature.
+    """Return modes of the pinned link as assumed shapes, integrated by Gauss-Legendre quadrature.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class _Samples:
         )  # fmt: skip
 
     def mass(self) -> Array:
-        """∫ φ_i φ_j dm with hub and rotary inertia; the identity for exact modes."""
+        """Return ∫ φ_i φ_j dm with hub and rotary inertia; the identity for exact modes."""
         link = self.link
         beam = link.mass_per_length * (self.shape * self.weight) @ self.shape.T
         load = link.tip_mass * np.outer(self.tip_shape, self.tip_shape)
@@ -147,7 +147,7 @@ class _Samples:
     def with_shape(
         self, shape: Array, slope: Array, curvature: Array, ends: tuple[float, float, float]
     ) -> _Samples:
-        """One more shape, then the Ritz vectors of them all: mass-orthonormal, stiffness diagonal."""
+        """Add one more shape and take the Ritz vectors of all: mass-orthonormal, stiffness diagonal."""
         rows = zip((self.shape, self.slope, self.curvature), (shape, slope, curvature), strict=True)
         at_ends = zip((self.hub_slope, self.tip_shape, self.tip_slope), ends, strict=True)
         wide = _Samples(
@@ -171,14 +171,14 @@ class _Samples:
         return _Samples(self.link, omega, self.x, self.weight, *rows, *ends)
 
     def _mass_beside_rotation(self) -> Array:
-        """Mass matrix of the bending shapes once the rigid rotation (unit mass) is taken out of them."""
+        """Return mass matrix of the bending shapes without their share of the unit-mass rigid rotation."""
         mass = self.mass()
         rest: Array = mass[1:, 1:] - np.outer(mass[1:, 0], mass[0, 1:])
         return rest
 
 
 def _hub_moment_shape(link: FlexibleLink, x: Array) -> tuple[Array, Array, Array, tuple[float, float, float]]:
-    """Clamped beam whose tip is loaded: its bending moment falls from the hub to zero at the tip."""
+    """Return the shape of a clamped beam with tip load: its moment falls from the hub to zero at the tip."""
     L = link.length
     shape, slope, curvature = x**2 * (3 * L - x) / 6, x * (2 * L - x) / 2, L - x
     return shape, slope, curvature, (0.0, L**3 / 3, L**2 / 2)

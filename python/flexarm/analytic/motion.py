@@ -54,13 +54,13 @@ class ArmMotion:
 
 
 def directions(angle: Array | float) -> tuple[Array, Array]:
-    """Radial and tangential unit vectors (x, z) at an angle from the upright vertical; shape (..., 2)."""
+    """Return radial and tangential unit vectors (x, z) at an angle from the vertical; shape (..., 2)."""
     s, c = np.sin(angle), np.cos(angle)
     return np.stack([s, c], axis=-1), np.stack([c, -s], axis=-1)
 
 
 def tip_position(arm: ModalArm, q: Array) -> Array:
-    """Tip x, z [m] for coordinates of shape (..., n + 1), eq. (B1) of `modal_basis`."""
+    """Return the tip x, z [m] for coordinates of shape (..., n + 1), eq. (B1) of `modal_basis`."""
     basis = arm.basis
     radial, tangential = directions(arm.frame_angle(q))
     deflection = q[..., 1:] @ basis.tip_shape[1:]

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModalArm:
-    """What equations (1) and (2) share: shapes, damping, gravity, posture.
+    """The common part of equations (1) and (2): shapes, damping, gravity, posture.
 
     Attributes
     ----------
@@ -76,12 +76,12 @@ class ModalArm:
         return math.pi if self.hanging else 0.0
 
     def frame_angle(self, q: Array) -> Array:
-        """θ of (N1) [rad] for coordinates of shape (..., n + 1)."""
+        """Return θ of (N1) [rad] for coordinates of shape (..., n + 1)."""
         angle: Array = q @ self.basis.rotation + self.zero_angle
         return angle
 
     def elastic_forces(self, q: Array, v: Array) -> Array:
-        """-Ω q - D v."""
+        """Return -Ω q - D v."""
         force: Array = -(self.basis.omega**2) * q - self.damping * v
         return force
 
@@ -99,15 +99,15 @@ class NonlinearModal(ModalArm):
     printed: bool = False
 
     def coupling(self, q: Array) -> float:
-        """Scalar c = qᵀ Cw q, so that the mass matrix is I + c α αᵀ."""
+        """Return the scalar c = qᵀ Cw q, so that the mass matrix is I + c α αᵀ."""
         return float(q @ self.basis.Cw @ q)
 
     def forces(self, q: Array, v: Array, drive_angle: float | None = None) -> Array:
-        """Every force of (1) but those at the joint; `drive_angle` is not used."""
+        """Return every force of (1) but those at the joint; `drive_angle` is not used."""
         return self.elastic_forces(q, v) - self.gyroscopic_forces(q, v) + self.gravity_forces(q)
 
     def gyroscopic_forces(self, q: Array, v: Array) -> Array:
-        """(2 qdᵀ Cw q I - Cw q qdᵀ) Ca qd."""
+        """Return (2 qdᵀ Cw q I - Cw q qdᵀ) Ca qd."""
         rate = float(self.basis.rotation @ v)
         Cw_q = self.basis.Cw @ q
         factor = 1.0 if self.printed else 2.0
@@ -115,7 +115,7 @@ class NonlinearModal(ModalArm):
         return force
 
     def gravity_forces(self, q: Array) -> Array:
-        """Q_g = -dV/dq with (N1)."""
+        """Return Q_g = -dV/dq with (N1)."""
         basis, theta = self.basis, float(self.frame_angle(q))
         s, c = math.sin(theta), math.cos(theta)
         Nq = basis.gravity_stiffness @ q
@@ -124,7 +124,7 @@ class NonlinearModal(ModalArm):
         return force
 
     def gravity_tangent(self, q: Array, drive_angle: float | None = None) -> Array:
-        """dQ_g/dq, symmetric; `drive_angle` is not used."""
+        """Return dQ_g/dq, symmetric; `drive_angle` is not used."""
         basis, theta = self.basis, float(self.frame_angle(q))
         s, c = math.sin(theta), math.cos(theta)
         Nq, load = basis.gravity_stiffness @ q, self._bending_load
@@ -134,7 +134,7 @@ class NonlinearModal(ModalArm):
         return self.gravity * tangent
 
     def energies(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Kinetic, elastic and gravity energy [J] of states of shape (..., n + 1)."""
+        """Return the kinetic, elastic and gravity energy [J] of states of shape (..., n + 1)."""
         basis, theta = self.basis, self.frame_angle(q)
         coupling = np.einsum("...i,ij,...j", q, basis.Cw, q)
         kinetic = (np.sum(v**2, axis=-1) + coupling * (v @ basis.rotation) ** 2) / 2

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OneLinkArm:
-    """What the modal equations need to know of an arm.
+    """The data of an arm that the modal equations use.
 
     Attributes
     ----------
@@ -76,19 +76,19 @@ class OneLinkArm:
         )
 
     def nonlinear(self, n_bending: int = 4) -> NonlinearModal:
-        """Equation (1) with n bending shapes."""
+        """Return equation (1) with n bending shapes."""
         basis = pinned_free_basis(self.link, n_bending)
         return NonlinearModal(
             basis, tuple(self.beam_damping * basis.omega[1:] / 2), self.gravity, self.hanging
         )
 
     def linear(self, n_bending: int = 4) -> LinearModal:
-        """Equation (2) with n bending shapes."""
+        """Return equation (2) with n bending shapes."""
         basis = pinned_free_basis(self.link, n_bending)
         return LinearModal(basis, tuple(self.beam_damping * basis.omega[1:] / 2), self.gravity, self.hanging)
 
     def drive(self, angle: TimeFunction) -> MotorAngle:
-        """The joint driven by a motor angle φ(t, nu), output-referred [rad]."""
+        """Drive the joint by a motor angle φ(t, nu), output-referred [rad]."""
         return MotorAngle(angle, self.stiffness, self.joint_damping)
 
 

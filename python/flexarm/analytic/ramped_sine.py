@@ -39,7 +39,7 @@ class RampedSine:
             raise InvalidParameter(f"rise of a ramped sine must be positive, got {self.rise} s")
 
     def __call__(self, t: ArrayLike, nu: int = 0, /) -> Array:
-        """The nu-th derivative at `t` [s], by Leibniz' rule."""
+        """Return the nu-th derivative at `t` [s], by Leibniz' rule."""
         time, omega = np.maximum(np.asarray(t, dtype=float), 0.0), 2 * math.pi * self.frequency
         x = np.minimum(time / self.rise, 1.0)
         value = np.zeros_like(time)

@@ -10,7 +10,7 @@ from flexarm.errors import InvalidParameter
 
 
 def rigid_tip(length: float, angle: Array | float, hanging: bool = False) -> Array:
-    """Tip of a rigid arm, L (sin θ, cos θ).
+    """Return the tip of a rigid arm, L (sin θ, cos θ).
 
     Parameters
     ----------

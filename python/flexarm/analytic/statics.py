@@ -28,7 +28,7 @@ MAX_ITERATIONS = 50
 
 @dataclass(frozen=True)
 class Freedom:
-    """q = e φ + T y: what a drive leaves free.
+    """q = e φ + T y: the coordinates that a drive leaves free.
 
     Attributes
     ----------
@@ -43,26 +43,26 @@ class Freedom:
 
     @classmethod
     def all(cls, arm: Equation) -> Freedom:
-        """Every coordinate is free: a torque or a spring acts at the hub."""
+        """Free every coordinate: a torque or a spring acts at the hub."""
         return cls(np.zeros(arm.basis.n_modes), np.eye(arm.basis.n_modes))
 
     @classmethod
     def hub_prescribed(cls, arm: Equation) -> Freedom:
-        """The hub angle pᵀ q is φ."""
+        """Prescribe the hub angle: pᵀ q is φ."""
         p = arm.basis.hub_slope
         free = np.linalg.svd(p[None, :])[2][1:].T
         return cls(rigid_rotation(arm), free)
 
 
 def rigid_rotation(arm: Equation) -> Array:
-    """e: coordinates of the rigid rotation by one radian."""
+    """Return e, the coordinates of the rigid rotation by one radian."""
     e = np.zeros(arm.basis.n_modes)
     e[0] = 1 / arm.basis.rotation[0]
     return e
 
 
 def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
-    """Coordinates q at rest under a held motor angle.
+    """Return the coordinates q at rest under a held motor angle.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) 
 
 
 def stiffness_matrix(arm: Equation, q: Array, spring: float, drive_angle: float | None) -> Array:
-    """Ω - dQ_g/dq + k p pᵀ of (S2)."""
+    """Return Ω - dQ_g/dq + k p pᵀ of (S2)."""
     p = arm.basis.hub_slope
     tangent = arm.gravity_tangent(q, drive_angle)
     matrix: Array = np.diag(arm.basis.omega**2) - tangent + spring * np.outer(p, p)
@@ -109,7 +109,7 @@ def stiffness_matrix(arm: Equation, q: Array, spring: float, drive_angle: float 
 
 
 def small_vibrations_hz(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
-    """Frequencies [Hz] of (S2) about the equilibrium at a held motor angle, rising.
+    """Return the frequencies [Hz] of (S2) about the equilibrium at a held motor angle, rising.
 
     Raises
     ------

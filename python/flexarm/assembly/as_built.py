@@ -15,7 +15,7 @@ from flexarm.assembly.machine import Load, Machine, Member, machine_of
 
 
 def as_built(machine: Machine) -> Arm:
-    """The machine as an arm without effects."""
+    """Return the machine as an arm without effects."""
     arm = machine.arm
     return arm.replace(
         effects=(),
@@ -27,7 +27,7 @@ def as_built(machine: Machine) -> Arm:
 
 
 def weight_as_built(arm: Arm) -> WeightStatement:
-    """The weight statement of an arm with its effects.
+    """Return the weight statement of an arm with its effects.
 
     Raises
     ------

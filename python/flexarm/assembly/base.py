@@ -14,12 +14,12 @@ from flexarm.assembly.machine import Base, Machine
 
 
 def tilted(base: Base) -> Matrix:
-    """Rotation of everything that stands on the base, about its origin."""
+    """Return the rotation of everything that stands on the base, about its origin."""
     return from_vector((*base.tilt, 0.0))
 
 
 def pedestal(machine: Machine) -> _core.Pedestal | None:
-    """The pedestal of a compliant base; None where the base stands still. It tilts with the base."""
+    """Return the pedestal of a compliant base, or None where the base is rigid. It tilts with the base."""
     base = machine.base
     if isinf(base.stiffness):
         return None

@@ -26,7 +26,7 @@ _THEORIES = {
 
 
 def core_arm(arm: Arm, loaded: Iterable[str] = (), *, nominal: bool = False) -> _core.Arm:
-    """The arm as the core takes it.
+    """Return the arm as the core takes it.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def core_arm(arm: Arm, loaded: Iterable[str] = (), *, nominal: bool = False) -> 
 def assemble(
     arm: Arm, drives: Mapping[str, _core.DriveKind] | None = None, loaded: Iterable[str] = ()
 ) -> _core.System:
-    """The assembled arm.
+    """Assemble the arm.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def assemble(
 
 
 def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
-    """Drive angle of every joint, in the model's order: 0 where not given, through gears either way.
+    """Return the drive angle of every joint in the model's order: 0 where not given, through gears.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
 
 
 def _through_gears(arm: Arm, joints: Mapping[str, float]) -> dict[str, float]:
-    """The values and what gears make of them: angle of the input = ratio x angle of the output."""
+    """Complete values through gears: angle of the input = ratio x angle of the output."""
     values = dict(joints)
     for _ in arm.gears:  # as often as there are gears, for trains of them
         for gear in arm.gears:
@@ -124,7 +124,7 @@ def _through_gears(arm: Arm, joints: Mapping[str, float]) -> dict[str, float]:
 
 
 def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:
-    """Forces at points, base axes [N], as the core takes them.
+    """Return forces at points, base axes [N], as the core takes them.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What stands between a motor and its link, as effects find and patch it.
+"""The drive train between a motor and its link, as effects find and patch it.
 
 motor phi -> transmission psi(phi) -> reducer on psi - theta -> link theta; docs/theory.md, "Joints and drive
 trains".
@@ -16,7 +16,7 @@ Law = _core.CableTorque | _core.ViscousFriction | _core.DahlFriction | _core.Lug
 
 @dataclass
 class Transmission:
-    """What the teeth make of the motor's angle: psi = phi/scale + amplitude sin(multiple n phi + phase).
+    """The teeth's map of the motor's angle: psi = phi/scale + amplitude sin(multiple n phi + phase).
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Transmission:
     phase: float = 0.0
 
     def core(self) -> _core.Transmission:
-        """The same as the core takes it."""
+        """Return the transmission as the core takes it."""
         return _core.Transmission(
             scale=self.scale, amplitude=self.amplitude, multiple=self.multiple, phase=self.phase
         )
@@ -68,13 +68,13 @@ class DriveTrain:
     bearing: list[Law] = field(default_factory=list)
 
     def teeth(self) -> Transmission:
-        """The transmission, exact until it is patched."""
+        """Return the transmission, exact until it is patched."""
         if self.transmission is None:
             self.transmission = Transmission()
         return self.transmission
 
     def core(self) -> _core.DriveTrain:
-        """The same as the core takes it: a rigid train has no stage between motor and link."""
+        """Return the train as the core takes it: a rigid one has no stage between motor and link."""
         return _core.DriveTrain(
             gear_ratio=self.gear_ratio,
             rotor_inertia=self.rotor_inertia,

@@ -72,7 +72,7 @@ class Member:
 
 @dataclass
 class Base:
-    """What the arm stands on.
+    """The base of the arm.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Machine:
 
 
 def machine_of(arm: Arm) -> Machine:
-    """The machine that an arm with its effects describes."""
+    """Return the machine that an arm with its effects describes."""
     machine = nominal_machine(arm)
     for effect in sorted(arm.effects, key=lambda effect: order_of(effect.name)):
         effect.patch(machine)
@@ -111,7 +111,7 @@ def machine_of(arm: Arm) -> Machine:
 
 
 def nominal_machine(arm: Arm) -> Machine:
-    """The machine without effects."""
+    """Return the machine without effects."""
     return Machine(
         arm=arm,
         drive_trains={joint.name: DriveTrain(joint.gear_ratio, joint.rotor_inertia) for joint in arm.joints},

@@ -42,7 +42,7 @@ class VoltageDrive:
 
     @classmethod
     def of(cls, motor: Motor, joint: Joint) -> VoltageDrive:
-        """The motor of a joint."""
+        """Return the drive of a joint's motor."""
         constant = motor.torque_constant * joint.gear_ratio
         torque_per_volt = motor.efficiency * constant / motor.resistance
         return cls(
@@ -53,7 +53,7 @@ class VoltageDrive:
         )
 
     def hold(self, voltage: Real, rate: Real) -> tuple[Real, Real]:
-        """Voltage after its limit [V] and the torque a u to hold [N m]."""
+        """Return the voltage after its limit [V] and the torque a u to hold [N m]."""
         u = _limited(voltage, self.greatest_voltage)
         loss = self.back_emf * rate
         return u, _limited(self.torque_per_volt * u - loss, self.greatest_torque) + loss  # eq. (1)
@@ -77,7 +77,7 @@ class TorqueDrive:
 
     @classmethod
     def of(cls, controller: Controller, motor: Motor | None, joint: Joint) -> TorqueDrive:
-        """The motor of a joint, if the model has one, and its controller's limit."""
+        """Return the drive of a joint with its motor, if the model has one, and its controller's limit."""
         own = getattr(controller, "torque_limit", None) or inf
         if motor is None:
             return cls(own)
@@ -85,7 +85,7 @@ class TorqueDrive:
         return cls(min(own, of_motor), VoltageDrive.of(motor, joint))
 
     def hold(self, torque: Real, rate: Real) -> tuple[Real, Real]:
-        """Voltage that it takes [V], NaN without a motor, and the torque to hold [N m]."""
+        """Return the voltage that it takes [V], NaN without a motor, and the torque to hold [N m]."""
         held = _limited(torque, self.greatest_torque)
         if self.motor is None:
             return float("nan"), held
@@ -100,7 +100,7 @@ _A = TypeVar("_A", bound=Actuator)
 
 
 def actuator_of(arm: Arm, controller: Controller) -> Actuator:
-    """What drives the joint of a controller."""
+    """Return the drive of the joint of a controller."""
     joint = arm.joint(controller.joint)
     motor = next((motor for motor in arm.motors if motor.joint == joint.name), None)
     if isinstance(controller, Cascade) or motor is None:
@@ -109,7 +109,7 @@ def actuator_of(arm: Arm, controller: Controller) -> Actuator:
 
 
 def differentiated(drive: _A, pairs: Sequence[tuple[_A, _A]], spreads: Sequence[float]) -> _A:
-    """The same drive with the derivatives of its numbers.
+    """Return the drive with the derivatives of its numbers.
 
     Parameters
     ----------

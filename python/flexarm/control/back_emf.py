@@ -23,12 +23,12 @@ from flexarm.simulation import Simulation
 
 
 def losses_of(arm: Arm, controllers: Mapping[str, Controller]) -> dict[str, float]:
-    """c of each joint [N m s/rad]; zero where a current loop sets the torque."""
+    """Return c of each joint [N m s/rad]; zero where a current loop sets the torque."""
     return {name: value_of(actuator_of(arm, each).back_emf) for name, each in controllers.items()}
 
 
 def with_losses(arm: Arm, losses: Mapping[str, float]) -> Arm:
-    """The arm with the losses as viscous friction of its motors."""
+    """Return the arm with the losses as viscous friction of its motors."""
     for name, coefficient in losses.items():
         if coefficient == 0:
             continue
@@ -38,7 +38,7 @@ def with_losses(arm: Arm, losses: Mapping[str, float]) -> Arm:
 
 
 def without_losses(run: Simulation, losses: Mapping[str, float]) -> Simulation:
-    """The run with the losses taken out of motor torques and energies, eq. (1)."""
+    """Remove the losses from motor torques and energies, eq. (1)."""
     torque, lost = run.motor_torque.copy(), np.zeros(len(run.time))
     for name, coefficient in losses.items():
         j = run.joints.index(name)

@@ -51,7 +51,7 @@ def simulate_closed_loop(
     sensitivities: Iterable[str] = (),
     progress: Progress = None,
 ) -> Simulation:
-    """A run from equilibrium at rest along commands.
+    """Simulate from equilibrium at rest along commands.
 
     Until the start the motors hold the arm where its encoders show the first command; an integral part starts
     there.
@@ -126,7 +126,7 @@ def _alone(
     options: _core.TransientOptions,
     progress: Progress,
 ) -> Simulation:
-    """The run without derivatives."""
+    """Simulate without derivatives."""
     equilibrium = task.at_rest(options.start)
     holding = _core.motor_torques(task.held, equilibrium.state, False)
     loops = {
@@ -149,7 +149,7 @@ def _differentiated(
     options: _core.TransientOptions,
     progress: Progress,
 ) -> Simulation:
-    """The run with its derivatives."""
+    """Simulate with derivatives."""
     options.tolerance = DIFFERENTIATED
     by = Differentiation(task, wanted, options.start, record)
     plant, loops, times = by.plant(options), by.loops(), grid.times(options)
@@ -170,7 +170,7 @@ def _sampled(
     grid: SampleGrid,
     progress: Progress,
 ) -> tuple[Floats, Floats]:
-    """Takes the run to its end; the voltages [V] of every tick and joint and their derivatives.
+    """Take the run to its end; return the voltages [V] of every tick and joint and their derivatives.
 
     Where there is no voltage they are NaN.
     """
@@ -200,7 +200,7 @@ def _finished(
     grid: SampleGrid,
     voltage: Floats,
 ) -> Simulation:
-    """The run with what its loops were asked for, and their voltages [V] of every step."""
+    """Return the run with its commands, and the voltages [V] of every step."""
     run = without_losses(simulation_of(task.arm, transient, options, Energies.of(transient)), task.losses)
     command = np.full(run.drive_angle.shape, np.nan)
     for name in task.controllers:

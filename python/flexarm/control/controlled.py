@@ -1,4 +1,4 @@
-"""An arm whose joints follow commands: what the core is asked for, and how a run of it starts.
+"""An arm whose joints follow commands: its system in the core, and the start of its run.
 
 Until the start the motors hold the arm at rest where their encoders show the first command.
 """
@@ -43,7 +43,7 @@ class ControlledArm:
 
     @classmethod
     def of(cls, arm: Arm, drive: Drive) -> ControlledArm:
-        """The arm with its own controllers.
+        """Return the arm with its own controllers.
 
         Raises
         ------
@@ -91,31 +91,31 @@ class ControlledArm:
 
     @property
     def motions(self) -> list[_core.PiecewisePolynomial]:
-        """What moves the other joints; commanded ones are not read."""
+        """Motions that drive the other joints; commanded ones are not read."""
         others = {name: joint for name, joint in self.drive.joints.items() if name not in self.controllers}
         return motions(self.arm, replace(self.drive, joints=others))
 
     def first_values(self, start: float) -> dict[str, float]:
-        """Where driven joints stand at the start [rad or m]."""
+        """Return the positions of driven joints at the start [rad or m]."""
         first = {name: float(joint(start)) for name, joint in self.drive.joints.items()}
         for name, controller in self.controllers.items():
             first[name] = _shown_at(self.arm, controller, first[name])
         return first
 
     def first_motions(self, start: float) -> list[_core.PiecewisePolynomial]:
-        """The same for every joint, held."""
+        """Return constant motions that hold every joint at its first value."""
         first = self.first_values(start)
         return [_core.PiecewisePolynomial.constant(first.get(joint.name, 0.0)) for joint in self.arm.joints]
 
     def at_rest(self, start: float, system: _core.System | None = None) -> _core.Equilibrium:
-        """Equilibrium of the held arm, or of another system of it, with these first values."""
+        """Return the equilibrium of the held arm, or of another system of it, with these first values."""
         values = joint_values(self.arm, {**self.drive.rest, **self.first_values(start)})
         gravity = _core.Loads(gravity=np.array(self.arm.gravity))
         return _core.static_equilibrium(self.held if system is None else system, values, gravity)
 
 
 def _shown_at(arm: Arm, controller: Controller, command: float) -> float:
-    """Where the controller's encoder shows the command."""
+    """Return the angle at which the controller's encoder shows the command."""
     angle = Sensing(arm, controller).true_angle(command)
     if isnan(angle):
         raise InvalidParameter(

@@ -39,7 +39,7 @@ from flexarm.simulation.solve import derived
 
 
 class Differentiation:
-    """What a run under controllers is differentiated by, and its derivatives.
+    """The parameters and the derivatives of a run under controllers.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class Differentiation:
         )
 
     def plant(self, options: _core.TransientOptions) -> DifferentiatedPlant:
-        """The arm with the derivatives of all that it shows, at its start."""
+        """Return the arm with the derivatives of all that it shows, at its start."""
         task = self._task
         run = _core.DifferentiatedSampledRun(
             task.system,
@@ -111,7 +111,7 @@ class Differentiation:
         return DifferentiatedPlant(run, len(self._arms))
 
     def loops(self) -> dict[str, Loop]:
-        """The loops of commanded joints, with the derivatives of sensors, motors and holding torques."""
+        """Return the loops of commanded joints, with derivatives of sensors, motors and holding torques."""
         arm, found = self._task.arm, {}
         torques = _core.motor_torques(self._task.held, self._equilibrium.state, False)
         slopes = self._holding_slopes()
@@ -131,14 +131,14 @@ class Differentiation:
         return found
 
     def commands(self, name: str, times: Floats) -> Sequence[Real]:
-        """What a joint is asked for at times [s]."""
+        """Return the commands of a joint at times [s]."""
         values, slopes = self._task.drive.joints[name](times), self._command_slopes(name, times)
         return [Dual(float(value), slope) for value, slope in zip(values, slopes, strict=True)]
 
     def collected(
         self, run: Simulation, derivatives: _core.Transient, voltage_slopes: Floats
     ) -> Sensitivities:
-        """The derivatives of a run's arrays.
+        """Return the derivatives of a run's arrays.
 
         Parameters
         ----------
@@ -161,7 +161,7 @@ class Differentiation:
         return collected(self._wanted, self._places, arrays)
 
     def _loss_slopes(self, name: str, run: Simulation, rate_slopes: Floats) -> Floats:
-        """d(c φ')/dp of the back-EMF c φ', (instant, parameter)."""
+        """Return d(c φ')/dp of the back-EMF c φ', (instant, parameter)."""
         losses = [tuple(replace(self._task, arm=arm).losses[name] for arm in pair) for pair in self._arms]
         slopes = [
             (above - below) / spread for (above, below), spread in zip(losses, self._spreads, strict=True)
@@ -171,7 +171,7 @@ class Differentiation:
         return found
 
     def _command_slopes(self, name: str, times: Floats) -> Floats:
-        """Derivatives of what a joint is asked for, (instant, parameter)."""
+        """Return the derivatives of a joint's commands, (instant, parameter)."""
         slopes = np.zeros((len(times), len(self._arms)))
         told = _places_of(self._record, ("joint_command",))
         for k, (pair, place) in enumerate(zip(self._arms, self._places, strict=True)):
@@ -182,7 +182,7 @@ class Differentiation:
         return slopes
 
     def _redriven(self, arm: Arm) -> ControlledArm:
-        """Another arm along the same record."""
+        """Return another arm along the same record."""
         drive = self._task.drive if self._record is None else Drive.from_record(self._record, arm)
         return replace(self._task, arm=arm, drive=drive)
 
@@ -196,7 +196,7 @@ class Differentiation:
             )
 
     def _holding_slopes(self) -> Floats:
-        """Derivatives of the torques that hold the arm, (parameter, joint)."""
+        """Return the derivatives of the torques that hold the arm, (parameter, joint)."""
         state, found = self._equilibrium.state, []
         for k, pair in enumerate(self._still):
             high, low = (
@@ -212,12 +212,12 @@ class Differentiation:
 
 
 def commanded_at(time: Floats) -> Floats:
-    """Instants at which commands are looked up [s]: one that changes at an instant counts from it on."""
+    """Return instants at which commands are read [s]: one that changes at an instant counts from it on."""
     return time + 1e-9
 
 
 def _places_of(record: Record | None, quantities: Sequence[str]) -> set[str]:
-    """Signals of these quantities that drive, and their clocks."""
+    """Return the driving signals of these quantities, and their clocks."""
     if record is None:
         return set()
     signals = [record.signals[name] for name in record.drive]

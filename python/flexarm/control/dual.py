@@ -90,17 +90,17 @@ Real = float | Dual
 
 
 def value_of(number: Real) -> float:
-    """The number without its derivatives."""
+    """Return the number without its derivatives."""
     return number.value if isinstance(number, Dual) else number
 
 
 def slopes_of(number: Real, count: int) -> Floats:
-    """Its derivatives by so many parameters; zeros of one that does not depend on them."""
+    """Return its derivatives with respect to `count` parameters; zeros of a plain number."""
     return number.slopes if isinstance(number, Dual) else np.zeros(count)
 
 
 def between(value: float, pairs: Sequence[tuple[float, float]], spreads: Sequence[float]) -> Real:
-    """A number that parameters change, by differences.
+    """Return a number with its derivatives by finite differences.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""The deflection that a controller reads, thousands of times a run: what does not change is computed once.
+r"""The deflection that a controller reads at every sample; constant parts are computed once.
 
 With the joints at q the undeformed link stands at [Brockett1984]
 
@@ -45,7 +45,7 @@ class _Line:
     slides: bool
 
     def back(self, point: Point, q: float) -> Point:
-        """S(q)^-1 of a point: a shift, or Rodrigues' formula for the angle -q."""
+        """Return S(q)^-1 of a point: a shift, or Rodrigues' formula for the angle -q."""
         x, y, z = point
         kx, ky, kz = self.axis
         if self.slides:
@@ -96,7 +96,7 @@ class DeflectionGauge:
                 self._lines.append((names.index(joint.name), line))
 
     def read(self, position: Floats, angles: Floats) -> float:
-        """Deflection [m] of the point at `position` [m], joints at `angles` [rad, m]."""
+        """Return the deflection [m] of the point at `position` [m], joints at `angles` [rad, m]."""
         point: Point = tuple(position.tolist())
         for joint, line in self._lines:  # eq. (1), the base first
             point = line.back(point, float(angles[joint]))
@@ -104,7 +104,7 @@ class DeflectionGauge:
         return x * point[0] + y * point[1] + z * point[2] - self._zero  # eq. (2)
 
     def slopes(self, position: Floats, angles: Floats) -> tuple[Floats, Floats]:
-        """Derivatives of the deflection by the position, shape (3,), and by every joint's angle [m/rad].
+        """Return derivatives with respect to the position, shape (3,), and to every joint's angle [m/rad].
 
         (2) is linear in the position; by angles they are differences, right to 1e-11 of the distance.
         """
@@ -120,7 +120,7 @@ class DeflectionGauge:
         return by_position, by_angle
 
     def __eq__(self, other: object) -> bool:
-        """Whether both show the same of every motion."""
+        """Return True if both show the same of every motion."""
         return isinstance(other, DeflectionGauge) and vars(self) == vars(other)
 
     __hash__ = None  # type: ignore[assignment]

@@ -16,7 +16,7 @@ from flexarm.errors import InvalidParameter
 
 @dataclass(frozen=True)
 class SampleGrid:
-    """When controllers sample, and the equal steps in between.
+    """The sample instants of controllers, and the equal steps in between.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class SampleGrid:
 
     @classmethod
     def of(cls, controllers: Mapping[str, Controller], longest: float) -> SampleGrid:
-        """The grid of some controllers; its step is the largest part of a tick no longer than `longest` [s].
+        """Return the grid of some controllers; its step is the largest part of a tick up to `longest` [s].
 
         Raises
         ------
@@ -51,12 +51,12 @@ class SampleGrid:
         return self.tick / self.substeps
 
     def times(self, options: _core.TransientOptions) -> Floats:
-        """When ticks of a run begin [s]; what changes at one counts from it on, whatever its last bit."""
+        """Return when ticks of a run begin [s], a little late so that a change at a tick counts."""
         count = ceil((options.end - options.start) / self.tick - 1e-9)
         return options.start + self.tick * (np.arange(count, dtype=np.float64) + 1e-6)
 
     def held(self, ticks: Floats, count: int) -> Floats:
-        """What is held over ticks, shape (tick, ...), at so many instants of the run."""
+        """Repeat values held over ticks, shape (tick, ...), at the first `count` instants of the run."""
         return np.concatenate([np.repeat(ticks, self.substeps, axis=0), ticks[-1:]])[:count]
 
 

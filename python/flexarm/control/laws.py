@@ -18,7 +18,7 @@ from flexarm.control.dual import Real
 
 @dataclass(frozen=True)
 class Reading:
-    """What a controller sees at a sample.
+    """The readings of a controller at a sample.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class CascadeLaw:
         self._step: Real = 0.0
 
     def torque(self, controller: Cascade, command: Real, reading: Reading) -> Real:
-        """T of (1) [N m]; `settle` ends the sample."""
+        """Return T of (1) [N m]; `settle` ends the sample."""
         error = controller.position_gain * (command - reading.angle) - reading.rate
         proportional = controller.velocity_gain * error
         if controller.integral_time is None:
@@ -57,13 +57,13 @@ class CascadeLaw:
         return proportional + self._integral  # eq. (1)
 
     def settle(self, limited: bool) -> None:
-        """Takes the integral part to the next sample, unless the torque is at its limit."""
+        """Take the integral part to the next sample, unless the torque is at its limit."""
         if not limited:
             self._integral += self._step  # eq. (1)
 
 
 def feedback_voltage(controller: StateFeedback, command: Real, reading: Reading) -> Real:
-    """u = K_1 (φ_c - φ) - K_3 φ' - K_2 d - K_4 d' [V]."""
+    """Return u = K_1 (φ_c - φ) - K_3 φ' - K_2 d - K_4 d' [V]."""
     return (
         controller.position_gain * (command - reading.angle)
         - controller.rate_gain * reading.rate

@@ -53,7 +53,7 @@ class Loop:
         holding: Floats,
         schedule: Callable[[float], Controller] | None = None,
     ) -> Loop:
-        """The loop of a model's controller, or of one whose gains change in the run.
+        """Return the loop of a model's controller, or of one whose gains change in the run.
 
         `holding` are the torques that hold the arm at the start, one a joint [N m].
         """
@@ -67,7 +67,7 @@ class Loop:
         )
 
     def sample(self, plant: Plant, command: Real) -> tuple[Real, Real]:
-        """Voltage [V] and torque to hold [N m] of this sample."""
+        """Return the voltage [V] and torque to hold [N m] of this sample."""
         controller, reading = self._at(plant.time), self._sensing.read(plant)
         if not isinstance(controller, Cascade):
             return self._actuator.hold(feedback_voltage(controller, command, reading), reading.rate)
@@ -78,5 +78,5 @@ class Loop:
 
 
 def joint_number(arm: Arm, controller: Controller) -> int:
-    """Of the joint that a controller drives."""
+    """Return the index of the joint that a controller drives."""
     return [joint.name for joint in arm.joints].index(controller.joint)

@@ -1,4 +1,4 @@
-"""The arm between two samples: what sensors could see of it, and the torques that it is told.
+"""The arm between two samples: the true values of its sensors, and its motor torques.
 
 With derivatives every value is a `flexarm.control.dual.Dual`, and so are the torques.
 """
@@ -35,23 +35,23 @@ class Plant:
         return self._run.time
 
     def angle(self, joint: int, output: bool) -> Real:
-        """θ (output side) or φ [rad or m]."""
+        """Return θ (output side) or φ [rad or m]."""
         return float((self._run.joint_angles if output else self._run.drive_angles)[joint])
 
     def rate(self, joint: int, output: bool) -> Real:
-        """Their rates [rad/s or m/s]."""
+        """Return their rates [rad/s or m/s]."""
         return float((self._run.joint_rates if output else self._run.drive_rates)[joint])
 
     def deflection(self, gauge: DeflectionGauge) -> Real:
-        """What a gauge without errors shows [m]."""
+        """Return the reading of a deflection sensor without errors [m]."""
         return gauge.read(*self.seen_by(gauge))
 
     def seen_by(self, gauge: DeflectionGauge) -> tuple[Floats, Floats]:
-        """Position of a gauge's point [m], and the angles of all joints [rad or m]."""
+        """Return the position of a sensor's point [m], and the angles of all joints [rad or m]."""
         return np.asarray(self._run.point_position(gauge.point)), np.asarray(self._run.joint_angles)
 
     def advance(self, torques: Sequence[Real], n_steps: int) -> None:
-        """Steps with motor torques held, one a joint [N m]."""
+        """Advance some steps with motor torques held, one a joint [N m]."""
         self._run.advance(np.array(torques), n_steps)
 
 
@@ -72,29 +72,29 @@ class DifferentiatedPlant(Plant):
         self.n_parameters = n_parameters
 
     def angle(self, joint: int, output: bool) -> Real:
-        """θ (output side) or φ [rad or m]."""
+        """Return θ (output side) or φ [rad or m]."""
         run = self._differentiated
         slopes = run.joint_angle_slopes if output else run.drive_angle_slopes
         return Dual(value_of(super().angle(joint, output)), slopes[joint])
 
     def rate(self, joint: int, output: bool) -> Real:
-        """Their rates [rad/s or m/s]."""
+        """Return their rates [rad/s or m/s]."""
         run = self._differentiated
         slopes = run.joint_rate_slopes if output else run.drive_rate_slopes
         return Dual(value_of(super().rate(joint, output)), slopes[joint])
 
     def deflection(self, gauge: DeflectionGauge) -> Real:
-        """What a gauge without errors shows [m], along the motion."""
+        """Return the reading of a deflection sensor without errors [m], with its derivatives."""
         by_position, by_angle = gauge.slopes(*self.seen_by(gauge))
         moving = self._differentiated.point_position_slopes(gauge.point)
         turning = self._differentiated.joint_angle_slopes
         return Dual(value_of(super().deflection(gauge)), by_position @ moving + by_angle @ turning)
 
     def advance(self, torques: Sequence[Real], n_steps: int) -> None:
-        """Steps with motor torques and their derivatives held."""
+        """Advance some steps with motor torques and their derivatives held."""
         slopes = np.array([slopes_of(torque, self.n_parameters) for torque in torques])
         self._differentiated.advance(np.array([value_of(torque) for torque in torques]), slopes, n_steps)
 
     def result(self) -> _core.DifferentiatedRun:
-        """The run and its derivatives."""
+        """Return the run and its derivatives."""
         return self._differentiated.result()

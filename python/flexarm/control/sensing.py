@@ -1,4 +1,4 @@
-"""What a controller sees of the arm: readings of the model's sensors at the sample instants.
+"""Readings of a controller: the model's sensors at the sample instants.
 
     angle    the joint_angle sensor at the joint, motor side before output side, rounded to its step
     rate     the joint_rate sensor at the joint; without one (φ_k - φ_{k-1})/T_s of the readings      (1)
@@ -67,7 +67,7 @@ class Sensing:
         return tuple(self._effects)
 
     def read(self, plant: Plant) -> Reading:
-        """Reading at this instant; differences (1) are zero at the first one."""
+        """Read the sensors at this instant; differences (1) are zero at the first one."""
         angle = self._shown(self._angle, plant.angle(self._joint, _output(self._angle)))
         deflection = self._shown(self._deflection, self._bent(plant))
         last_angle, last_deflection = self._last or (angle, deflection)
@@ -78,13 +78,13 @@ class Sensing:
         return Reading(angle, rate, deflection, (deflection - last_deflection) / self._period)
 
     def true_angle(self, shown: float) -> float:
-        """The angle at which the angle sensor shows a value, its steps aside; NaN where nothing does."""
+        """Return the angle at which the angle sensor shows a value, without quantisation; else NaN."""
         if self._angle is None:
             return shown
         return float(self._effects[self._angle.name].true(np.array([[shown]]))[0, 0])
 
     def _shown(self, sensor: Sensor | None, true: Real) -> Real:
-        """What a sensor shows of a true value."""
+        """Return what a sensor shows of a true value."""
         if sensor is None or not self._errs(sensor):
             return true
         seen, step = self._effects[sensor.name], self._steps[sensor.name]
@@ -95,7 +95,7 @@ class Sensing:
         return bool(seen.before or seen.after or self._steps[sensor.name] > 0)
 
     def _bent(self, plant: Plant) -> Real:
-        """Deflection as a record would have it, of this one instant [m]."""
+        """Return the deflection at this instant without errors [m]."""
         return plant.deflection(self._gauge) if self._gauge is not None else 0.0
 
 
@@ -155,7 +155,7 @@ def _output(sensor: Sensor | None) -> bool:
 
 
 def _sensor(arm: Arm, joint: str, quantity: str) -> Sensor | None:
-    """The joint's sensor of that quantity, motor side before output side."""
+    """Return the joint's sensor of that quantity, motor side before output side."""
     found = [sensor for sensor in arm.sensors if sensor.joint == joint and sensor.quantity == quantity]
     return min(found, key=lambda sensor: sensor.side != "motor") if found else None
 

@@ -1,1 +1,1 @@
-"""A model, virtual records of it and a mesh to try the commands on: what `flexarm example` writes."""
+"""The example that `flexarm example` writes: a model, virtual records of it and a mesh."""

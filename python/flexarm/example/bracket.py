@@ -19,7 +19,7 @@ MATERIAL = """*MATERIAL, NAME=STEEL
 
 
 def bracket() -> str:
-    """The file's text: sets BORE (the bearing seat) and FLANGE (the face that carries), steel, N mm s t."""
+    """Return the file's text: sets BORE (bearing seat) and FLANGE (face that carries), steel, N mm s t."""
     size = MILLIMETRE
     mesh = revolved(
         [
@@ -41,7 +41,7 @@ def _nodes(mesh: SolidMesh) -> list[str]:
 
 
 def _cells(mesh: SolidMesh) -> list[str]:
-    """Hexahedra of 20 nodes, whose order in Abaqus is that of VTK."""
+    """Return hexahedra of 20 nodes, whose order in Abaqus is that of VTK."""
     rows = []
     for i, nodes in enumerate(mesh.cells["hex20"], 1):
         rows.append(_listed(np.array([i, *(nodes[:15] + 1)], dtype=np.int32)) + ",")

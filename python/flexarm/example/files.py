@@ -40,7 +40,7 @@ STOPS = {
 
 
 def write(directory: Path) -> None:
-    """Writes model, records, motion, mesh and what tells of them into a directory that is there."""
+    """Write model, records, motion, mesh and the files that describe them into an existing directory."""
     arm = _model(directory)
     hidden = machine(arm)
     hidden.to_toml(directory / "machine.toml")
@@ -56,7 +56,7 @@ def _shipped(name: str) -> str:
 
 
 def _model(directory: Path) -> Arm:
-    """The model, written as it is shipped, comments and all."""
+    """Return the model as it is shipped, with comments."""
     from flexarm.arm import Arm
 
     path = directory / "arm.toml"
@@ -65,7 +65,7 @@ def _model(directory: Path) -> Arm:
 
 
 def machine(arm: Arm) -> Arm:
-    """The machine that the records show."""
+    """Return the machine that the records show."""
     from flexarm.arm.link import Beam
     from flexarm.effects import Backlash
 
@@ -81,7 +81,7 @@ def machine(arm: Arm) -> Arm:
 def virtual_record(
     machine: Arm, seconds: float, stops: tuple[float, ...], seed: int, mass: float | None = None
 ) -> Record:
-    """What the machine's sensors see of a motion from stop to stop.
+    """Return the readings of the machine's sensors of a motion from stop to stop.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _carried(mass: float | None) -> Mapping[str, CarriedPayload]:
 
 
 def _swing() -> str:
-    """The planned motion: upright, to 1.2 rad, and to rest."""
+    """Return the planned motion: upright, to 1.2 rad, and to rest."""
     time, angle = joined((0.0, 1.2), 6.0)
     rows = [f"{t:.1f},{q:.6f}" for t, q in zip(time[::25], angle[::25], strict=True)]
     head = "# From upright to 1.2 rad: the motor's angle over the ratio [rad].\ntime_s,hinge\n"

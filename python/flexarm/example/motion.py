@@ -13,7 +13,7 @@ INTERVAL = 4e-3
 
 
 def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
-    """Minimum-jerk moves from stop to stop [Flash1985].
+    """Return minimum-jerk moves from stop to stop [Flash1985].
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ class LinearModel(Result):
 
     @takes(frequency_hz=NUMBERS)
     def frequency_response(self, frequency_hz: ArrayLike) -> Complex:
-        """C (i omega - A)^-1 B + D: shape (frequency, output, input)."""
+        """Return C (i omega - A)^-1 B + D: shape (frequency, output, input)."""
         omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=float))
         one, B = np.eye(len(self.A)), self.B.astype(complex)
         found = [self.C @ np.asarray(np.linalg.solve(1j * w * one - self.A, B)) + self.D for w in omega]
@@ -85,7 +85,7 @@ class LinearModel(Result):
         )
 
     def static_gain(self) -> Floats:
-        """D - C A^-1 B, what outputs come to under constant inputs: shape (output, input).
+        """Return D - C A^-1 B, the outputs under constant inputs: shape (output, input).
 
         Raises
         ------
@@ -97,7 +97,7 @@ class LinearModel(Result):
         return np.asarray(self.D - self.C @ np.linalg.solve(self.A, self.B))
 
     def to_scipy(self) -> StateSpace:
-        """The same as scipy.signal.StateSpace."""
+        """Return the model as scipy.signal.StateSpace."""
         from scipy.signal import StateSpace
 
         return StateSpace(self.A, self.B, self.C, self.D)
@@ -123,7 +123,7 @@ class LinearModel(Result):
         return control.ss(self.A, self.B, self.C, self.D, **labels)
 
     def contents(self) -> Contents:
-        """What is stored: matrices over named states, inputs and outputs with their units."""
+        """Return what is stored: matrices over named states, inputs and outputs with their units."""
         named = {"state": self.state_names, "input": self.input_names, "output": self.output_names}
         units = {"state": self.state_units, "input": self.input_units, "output": self.output_units}
         return Contents(
@@ -138,7 +138,7 @@ class LinearModel(Result):
 
     @takes(path=PATH)
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
-        """Writes the model: as a MAT file where the name ends in .mat, else as NetCDF.
+        """Write the model: as a MAT file where the name ends in .mat, else as NetCDF.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ class LinearModel(Result):
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> LinearModel:
-        """Reads what `save` wrote, by the ending of its name.
+        """Read what `save` wrote, by the ending of its name.
 
         Raises
         ------
@@ -184,7 +184,7 @@ class LinearModel(Result):
         return cls(arm=arm, **arrays, **texts)
 
     def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
-        """Size of the frequency response from an input (default: first) to an output, or all of its unit."""
+        """Plot the frequency response of an input (default: first) to an output, or to all of its unit."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax
@@ -203,14 +203,14 @@ class LinearModel(Result):
         return f"[{unit}/({self.input_units[k]})]"
 
     def _range_hz(self) -> Floats:
-        """From a tenth of the lowest frequency to twice the tenth one, dense enough for peaks."""
+        """Return frequencies from a tenth of the lowest to twice the tenth one, dense enough for peaks."""
         own = np.abs(self.poles) / (2 * np.pi)
         own = np.unique(own[own > 1e-6])
         low, high = (own[0], own[min(len(own), 10) - 1]) if len(own) else (0.1, 10.0)
         return np.asarray(np.geomspace(low / 10, 2 * high, 2000))
 
     def summary(self) -> str:
-        """The result in lines that a person reads."""
+        """Return the result in lines that a person reads."""
         lines = [f"linear model of {self.arm.name}: {len(self.A)} states"]
         at_rest = ", ".join(f"{n} {v:g}" for n, v in zip(self.joints, self.joint_values, strict=True))
         lines.append(f"about the equilibrium with drives at {at_rest}")
@@ -225,7 +225,7 @@ class LinearModel(Result):
         return "\n".join(lines)
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The object of `flexarm linearise --json`."""
+        """Return the object of `flexarm linearise --json`."""
         ports = {
             "inputs": (self.input_names, self.input_units, self.input_at_rest),
             "outputs": (self.output_names, self.output_units, self.output_at_rest),

@@ -26,7 +26,7 @@ def linearise(
     outputs: Iterable[str | Sensor] | None = None,
     modes: int | None = None,
 ) -> LinearModel:
-    """State equations x' = A x + B u, y = C x + D u of small motions about the equilibrium under gravity.
+    """Linearise small motions about the equilibrium under gravity: x' = A x + B u, y = C x + D u.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _sensors(arm: Arm, asked: Iterable[str | Sensor] | None) -> list[Sensor]:
 
 
 def _by_acceleration(response: Response, asked: list[Port], arm: Arm, sensors: list[Sensor]) -> list[int]:
-    """Inputs whose acceleration drives: those that ask for it, and angles that no proper response has.
+    """Return inputs whose acceleration drives: those that ask for it, and angles without proper response.
 
     Raises
     ------

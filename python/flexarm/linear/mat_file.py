@@ -31,7 +31,7 @@ _HEADER = 128
 
 
 def read_mat(path: str | Path) -> dict[str, Value]:
-    """Variables by name: real arrays, texts, and lists of texts; others are left out.
+    """Read variables by name: real arrays, texts, and lists of texts; others are left out.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def read_mat(path: str | Path) -> dict[str, Value]:
 
 
 def _elements(raw: bytes, order: str) -> Iterator[tuple[int, bytes]]:
-    """Type and bytes of one element after another."""
+    """Yield type and bytes of one element after another."""
     at = 0
     while at < len(raw):
         if len(raw) - at < 8:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
-    """Writes variables, labels and attributes; the file appears when it is whole and replaces no input.
+    """Write variables, labels and attributes; the file appears when it is complete and replaces no input.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> N
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """The dataset that `save` got.
+    """Read the dataset that `save` wrote.
 
     Raises
     ------
@@ -67,13 +67,13 @@ def load(path: str | Path) -> xr.Dataset:
 
 
 def _identifier(name: str) -> str:
-    """A name that MATLAB takes as a variable's: a part may be called "2-hub"."""
+    """Return a name that MATLAB takes as a variable's: a part may be called "2-hub"."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return plain if plain[0].isalpha() else f"x{plain}"
 
 
 def _column(values: object) -> object:
-    """Texts as a column of cells, numbers along one axis as a column."""
+    """Return texts as a column of cells, numbers along one axis as a column."""
     if isinstance(values, list | tuple):
         cells = np.empty((len(values), 1), dtype=object)
         cells[:, 0] = [str(text) for text in values]

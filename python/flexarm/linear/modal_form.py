@@ -38,7 +38,7 @@ class Mechanics:
     F: Floats
 
     def along(self, T: Floats) -> Mechanics:
-        """The same in coordinates y of z = T y."""
+        """Return the system in coordinates y of z = T y."""
         return Mechanics(T.T @ self.M @ T, T.T @ self.C @ T, T.T @ self.K @ T, T.T @ self.F)
 
 
@@ -59,7 +59,7 @@ class Signal:
     size: Floats
 
     def rate(self, A: Floats, B: Floats) -> Signal:
-        """The quantities' derivative along x' = A x + B_0 u + B_1 u' + B_2 u''; U_2 must be zero."""
+        """Return the derivative along x' = A x + B_0 u + B_1 u' + B_2 u''; U_2 must be zero."""
         U, size = self.X @ B, np.abs(self.X) @ np.abs(B)
         U[1:] += self.U[:2]
         size[1:] += self.size[:2]
@@ -91,7 +91,7 @@ class ModalForm:
 
 
 def modal_form(system: Mechanics, count: int | None = None) -> ModalForm:
-    """The state equations, with the lowest `count` modes or all.
+    """Return the state equations, with the lowest `count` modes or all.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def modal_form(system: Mechanics, count: int | None = None) -> ModalForm:
 
 
 def _split(M: Floats, largest: float | None = None) -> tuple[Floats, Floats]:
-    """Orthonormal directions in which a semi-definite matrix acts, and in which it does not."""
+    """Return orthonormal directions in which a semi-definite matrix acts, and in which it does not."""
     if not len(M):
         return np.zeros((0, 0)), np.zeros((0, 0))
     values, vectors = np.linalg.eigh(0.5 * (M + M.T))
@@ -130,7 +130,7 @@ def _split(M: Floats, largest: float | None = None) -> tuple[Floats, Floats]:
 
 
 def _followers(system: Mechanics, slack: Floats) -> tuple[Floats, Floats]:
-    """Coordinates c of what follows at once: z_c = flexibility u - follows z of the others."""
+    """Condense massless coordinates c: z_c = flexibility u - follows z of the others."""
     K_cc = slack.T @ system.K @ slack
     compliance = slack @ _solve(K_cc, slack.T)
     return compliance @ system.K, compliance @ system.F[0]
@@ -149,7 +149,7 @@ def _solve(K: Floats, right: Floats) -> Floats:
 
 
 def _modes(system: Mechanics) -> tuple[Floats, Floats]:
-    """omega^2, rising, and shapes of unit modal mass."""
+    """Return omega^2, rising, and shapes of unit modal mass."""
     from scipy.linalg import eigh
 
     if not len(system.M):
@@ -159,7 +159,7 @@ def _modes(system: Mechanics) -> tuple[Floats, Floats]:
 
 
 def _flexibility(shapes: Floats, values: Floats, F: Floats) -> Floats:
-    """Equation (2).
+    """Return (2).
 
     Raises
     ------
@@ -176,7 +176,7 @@ def _flexibility(shapes: Floats, values: Floats, F: Floats) -> Floats:
 
 
 def _first_order(system: Mechanics, T_a: Floats, T_b: Floats) -> tuple[Floats, Floats]:
-    """A and B of the states (eta, b, eta'); the modes' mass is 1."""
+    """Return A and B of the states (eta, b, eta'); the modes' mass is 1."""
     n, m = T_a.shape[1], T_b.shape[1]
     rows = np.hstack([T_a, T_b])
     force = -rows.T @ np.hstack([system.K @ T_a, system.K @ T_b, system.C @ T_a])  # of states on (a, b)
@@ -194,7 +194,7 @@ def _first_order(system: Mechanics, T_a: Floats, T_b: Floats) -> tuple[Floats, F
 
 
 def _names(modes: int, relaxing: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names and units: modal coordinates are in sqrt(kg) m."""
+    """Return names and units of the states: modal coordinates are in sqrt(kg) m."""
     names = [
         *(f"mode_{k}" for k in range(1, modes + 1)),
         *(f"relaxation_{k}" for k in range(1, relaxing + 1)),

@@ -1,4 +1,4 @@
-"""An arm at its equilibrium: what drives it, how it moves, what is read of it."""
+"""An arm at its equilibrium: its inputs, its motion and its readings."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from flexarm.linear.tangent import Tangent, tangent
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """An arm at its equilibrium, what drives it and what is read.
+    """An arm at its equilibrium, with its inputs and readings.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Near:
         locked: set[str],
         sensors: Sequence[Sensor],
     ) -> Near:
-        """The arm at rest under its weight, drives held; `locked` joints are held without being an input."""
+        """Return the arm at rest under its weight, drives held; `locked` joints are held and no input."""
         loaded = [port.place for port in asked if port.kind == "force"]
         held = assemble(arm, loaded=loaded)
         values = joint_values(arm, joints)
@@ -95,7 +95,7 @@ class Near:
         )
 
     def response(self, modes: int | None) -> tuple[Response, tuple[str, ...], tuple[str, ...]]:
-        """State equations with derivatives of angles, and names and units of the states."""
+        """Return state equations with derivatives of angles, and names and units of the states."""
         t, drives, pushes = self.tangent, self._drives(), self._pushes()
         MCK = (t.K, t.C, t.M)
         F = np.stack([-t.N.T @ X @ t.G @ drives for X in MCK])
@@ -109,13 +109,13 @@ class Near:
         return Response(form.A, form.B, C, D, size), form.states, form.units
 
     def at_rest(self, told: list[Port]) -> list[float]:
-        """Inputs of the equilibrium."""
+        """Return the inputs of the equilibrium."""
         index = {joint.name: i for i, joint in enumerate(self.arm.joints)}
         constant = {"angle": np.array(self.values), "torque": self.holding}
         return [float(constant[p.kind][index[p.place]]) if p.kind in constant else 0.0 for p in told]
 
     def _drives(self) -> Floats:
-        """Angles w of the driven motors by the inputs."""
+        """Return the angles w of the driven motors by the inputs."""
         found = np.zeros((len(self.driven), len(self.asked)))
         for k, port in enumerate(self.asked):
             if port.kind in _DRIVES:
@@ -124,7 +124,7 @@ class Near:
         return found
 
     def _pushes(self) -> Floats:
-        """Generalised forces along the columns of S by the inputs."""
+        """Return the generalised forces along the columns of S by the inputs."""
         index = {joint.name: i for i, joint in enumerate(self.arm.joints)}
         found = self.forces.copy()
         for k, port in enumerate(self.asked):
@@ -133,7 +133,7 @@ class Near:
         return found
 
     def _torques(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Torques of all joints' motors by S' amplitudes, their two derivatives, and the inputs."""
+        """Return torques of all joints' motors by S' amplitudes, their two derivatives, and the inputs."""
         t, n = self.tangent, len(self.arm.joints)
         index = {joint.name: i for i, joint in enumerate(self.arm.joints)}
         by = [np.zeros((n, t.motions.shape[1])) for _ in range(3)]
@@ -148,7 +148,7 @@ class Near:
         return by[0], by[1], by[2], by_inputs
 
     def _outputs(self, form: ModalForm, drives: Floats) -> tuple[Floats, Floats, Floats]:
-        """C, D of the inputs and their derivatives, and the size of the summands of D."""
+        """Return C, D of the inputs and their derivatives, and the size of the summands of D."""
         read, z = self.readings, self.tangent.N.shape[1]
         *torques, by_inputs = self._torques()
         direct = (read.position, read.velocity, read.acceleration)
@@ -173,7 +173,7 @@ _DRIVES = ("drive", "angle", "acceleration")
 def _force_columns(
     arm: Arm, system: _core.System, state: _core.State, near: Tangent, asked: list[Port]
 ) -> Floats:
-    """Work of a unit force at a point along every column of S: the point's velocity in base axes."""
+    """Return the work of a unit force at a point along every column of S: the point's velocity."""
     S, still = near.motions, np.zeros(len(near.M))
     found = np.zeros((S.shape[1], len(asked)))
     points = [point.name for point in arm.points]

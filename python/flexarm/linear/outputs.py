@@ -1,4 +1,4 @@
-r"""What sensors read near an equilibrium.
+r"""Sensor readings near an equilibrium and their derivatives.
 
 A reading h depends on where the arm is, on its velocities and accelerations, and on the torques of motors.
 Along the columns of S = [N G] (tangent.py) its derivatives are central differences of the project's own
@@ -54,7 +54,7 @@ class Derivatives:
 def derivatives(
     arm: Arm, system: _core.System, state: _core.State, tangent: Tangent, sensors: Sequence[Sensor]
 ) -> Derivatives:
-    """Readings and their derivatives at an equilibrium; motors' torques are not part of the first three."""
+    """Return readings and derivatives at an equilibrium; motors' torques are not part of the first three."""
     S, still = tangent.motions, np.zeros(len(tangent.M))
     size = np.abs(S).max(axis=0, initial=1e-300)
     displacements, rates = DISPLACEMENT / size, RATE / size
@@ -84,13 +84,13 @@ def derivatives(
 
 
 def _readings(instants: Instants, sensors: Sequence[Sensor]) -> Floats:
-    """All sensors' channels side by side: shape (states, outputs)."""
+    """Return all sensors' channels side by side: shape (states, outputs)."""
     found = [instants.readings(sensor) for sensor in sensors]
     return np.hstack(found) if found else np.zeros((len(instants.time), 0))
 
 
 def _by_torque(rest: Instants, sensors: Sequence[Sensor]) -> Floats:
-    """Derivatives by the motors' torques, on which readings depend linearly."""
+    """Return the derivatives with respect to the motors' torques, on which readings depend linearly."""
     base = _readings(rest, sensors)[0]
     found = np.zeros((len(base), len(rest.joints)))
     for j in range(len(rest.joints)):

@@ -1,4 +1,4 @@
-"""Inputs and outputs of a linear model by name: what the user asks for, and what it means for the arm."""
+"""Inputs and outputs of a linear model by name."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Port:
     axis : int
         Of a force: 0, 1, 2 for the base's x, y, z.
     slides : bool
-        Whether the joint is prismatic.
+        True if the joint is prismatic.
     """
 
     kind: str
@@ -42,14 +42,14 @@ class Port:
         )
 
     def unit(self) -> str:
-        """Its unit."""
+        """Return its unit."""
         turns = {"angle": "rad", "acceleration": "rad/s2", "torque": "N m", "force": "N"}
         slides = {"angle": "m", "acceleration": "m/s2", "torque": "N", "force": "N"}
         return (slides if self.slides else turns)[self.kind]
 
 
 def ports(arm: Arm, asked: Asked | None) -> tuple[list[Port], set[str]]:
-    """Inputs in their order, and the joints whose motors are held without being one.
+    """Return the inputs in their order, and the joints whose motors are held without being one.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _check(arm: Arm, moving: Collection[str], name: str, kind: str) -> None:
 
 
 def _behind_gears(arm: Arm, told: Collection[str]) -> set[str]:
-    """Joints that are not held by a motor of their own: outputs of gears, and inputs whose output is told."""
+    """Return joints without a motor of their own: outputs of gears, and inputs whose output is given."""
     reached = set(told)
     for _ in arm.gears:  # as often as there are gears, for trains of them
         reached |= {gear.input for gear in arm.gears if gear.output in reached}
@@ -107,7 +107,7 @@ def _behind_gears(arm: Arm, told: Collection[str]) -> set[str]:
 
 
 def motor_of(arm: Arm, joint: str) -> tuple[str, float]:
-    """The joint whose motor sets this one's angle, through gears, and that motor's angle over this one's."""
+    """Return the joint whose motor sets this one's angle through gears, and the ratio of the two angles."""
     factor, inputs = 1.0, {gear.output: gear for gear in arm.gears}
     while joint in inputs:
         factor *= inputs[joint].ratio
@@ -116,7 +116,7 @@ def motor_of(arm: Arm, joint: str) -> tuple[str, float]:
 
 
 def outputs(arm: Arm, asked: Iterable[str | Sensor] | None) -> list[Sensor]:
-    """Sensors that are the outputs.
+    """Return the sensors that are the outputs.
 
     Parameters
     ----------

@@ -46,14 +46,14 @@ class Response:
     size: Floats
 
     def improper(self) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        """Whether (3) has derivatives of input k in output i: shape (outputs, inputs)."""
+        """Return True where (3) has derivatives of input k in output i: shape (outputs, inputs)."""
         first = self.D[1] + self.C @ self.B[2]
         size = self.size[1] + np.abs(self.C) @ np.abs(self.B[2])
         second = np.abs(self.D[2]) > ROUNDING * self.size[2]
         return np.asarray((np.abs(first) > ROUNDING * size) | second)
 
     def by_acceleration(self, chosen: list[int]) -> Response:
-        """These inputs' second derivatives as inputs, values and rates as the last states: (4)."""
+        """Return (4): second derivatives of these inputs as inputs, values and rates as the last states."""
         k, n = len(chosen), len(self.A)
         if k == 0:
             return self
@@ -71,6 +71,6 @@ class Response:
         return Response(A, B, C, D, self.size)
 
     def proper(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """A, B, C, D of (2), (3), without the factors of u' and u''."""
+        """Return A, B, C, D of (2), (3), without the factors of u' and u''."""
         moved = self.B[1] + self.A @ self.B[2]
         return self.A, self.B[0] + self.A @ moved, self.C, self.D[0] + self.C @ moved

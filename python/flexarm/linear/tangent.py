@@ -61,7 +61,7 @@ class Tangent:
 
 
 def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequence[int]) -> Tangent:
-    """The tangent of a system whose motors are all free.
+    """Return the tangent of a system whose motors are all free.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequen
 
 
 def _quasi_static(N: Floats, G: Floats, K: Floats) -> Floats:
-    """G with N^T K G = 0; as it is where the arm has a motion without stiffness."""
+    """Return G with N^T K G = 0, or as it is where the arm has a motion without stiffness."""
     from scipy.linalg import eigvalsh
 
     stiffness = N.T @ K @ N
@@ -112,7 +112,7 @@ def _quasi_static(N: Floats, G: Floats, K: Floats) -> Floats:
 
 
 def _null_space(J: Floats) -> Floats:
-    """Orthonormal columns that span the null space."""
+    """Return orthonormal columns that span the null space."""
     from scipy.linalg import qr
 
     if not len(J):

@@ -28,7 +28,7 @@ AXIS = [0.0, 1.0, 0.0]
 
 
 def solid_arm(hinge: SolidHinge, like: Arm | None = None) -> Arm:
-    """The finite-element model: the solid hinge with tube, load and points of another model.
+    """Return the finite-element model: the solid hinge with tube, load and points of another model.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def solid_arm(hinge: SolidHinge, like: Arm | None = None) -> Arm:
 
 
 def bench_arm(hinge: SolidHinge, like: Arm) -> Arm:
-    """The same with the reducer as a spring and damper, and all that acts in the drive of another model.
+    """Return the arm with the reducer as a spring and damper, and the drive effects of another model.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def bench_arm(hinge: SolidHinge, like: Arm) -> Arm:
 
 
 def shaft_stiffness(hinge: SolidHinge) -> float:
-    """Torsional stiffness of the reducer between its interfaces, all else free [N m/rad]."""
+    """Return the torsional stiffness of the reducer between its interfaces, all else free [N m/rad]."""
     part = hinge.parts["reducer"]
     about_axis = 6 + 4  # rotation about y of the second interface, the first one held
     held = part.stiffness[6:12, 6:12]
@@ -86,7 +86,7 @@ def shaft_stiffness(hinge: SolidHinge) -> float:
 
 
 def hinge_tables(hinge: SolidHinge, ratio: float = 120.0) -> Tables:
-    """Joints, gear, links and rigid bodies of the hinge alone."""
+    """Return the joints, gear, links and rigid bodies of the hinge alone."""
     rigid = hinge.design.rigid
     return {
         "joints": [
@@ -123,7 +123,7 @@ def hinge_tables(hinge: SolidHinge, ratio: float = 120.0) -> Tables:
 
 
 def _with_tube(tables: Tables, like: Arm, hinge: SolidHinge, name: str) -> Tables:
-    """The tables with the tube, its load and the points of another model, all as far from the hinge axis."""
+    """Add tube, load and points of another model, all as far from the hinge axis."""
     tube = like.link("tube")
     assert isinstance(tube, Beam)
     start = hinge.design.hub.flange_radius
@@ -144,7 +144,7 @@ def _with_tube(tables: Tables, like: Arm, hinge: SolidHinge, name: str) -> Table
 
 
 def _from(position: tuple[float, float, float], start: float) -> list[float]:
-    """A place on the tube, counted from where it begins."""
+    """Return a place on the tube, measured from its start."""
     x, y, z = position
     return [x, y, round(z - start, 12)]
 
@@ -169,7 +169,7 @@ def _part(hinge: SolidHinge, name: str) -> Tables:
 
 
 def _rigid_bodies(hinge: SolidHinge) -> list[Tables]:
-    """Motor and the halves of the cross-roller ring, lumped at the interfaces that carry them."""
+    """Return the motor and the halves of the cross-roller ring, lumped at the interfaces that carry them."""
     rigid = hinge.design.rigid
     polar = rigid.ring_mass * rigid.ring_radius**2
     ring = {"mass": rigid.ring_mass, "inertia": [polar / 2, polar, polar / 2], "position": [0.0, 0.0, 0.0]}

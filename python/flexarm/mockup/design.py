@@ -84,7 +84,7 @@ class DampingTimes(Table):
 
 
 class RigidBodies(Table):
-    """What is not elastic: motor, its rotor, the two halves of the cross-roller ring."""
+    """The bodies that are not elastic: motor, its rotor, the two halves of the cross-roller ring."""
 
     motor_mass: Mass
     rotor_mass: Mass
@@ -125,7 +125,7 @@ class HingeDesign(Table):
 
     @classmethod
     def from_toml(cls, path: str | Path | None = None) -> Self:
-        """The design in a file; without one, the hinge that ships with flexarm.
+        """Read the design from a file; without one, the hinge that ships with flexarm.
 
         Raises
         ------
@@ -177,17 +177,17 @@ class HingeDesign(Table):
 
     @property
     def inner_radius(self) -> float:
-        """Of the housing's shell [m]."""
+        """Radius of the housing's shell [m]."""
         return self.housing.radius - self.housing.wall
 
     @property
     def bell_radius(self) -> float:
-        """Of the hub's bell, inside [m]."""
+        """Inner radius of the hub's bell [m]."""
         return self.hub.radius - self.hub.wall
 
     @property
     def seat_place(self) -> float:
-        """Where the output shaft leaves the reducer's body, along the axis from the arm's plane [m].
+        """Place where the output shaft leaves the reducer's body, along the axis from the arm's plane [m].
 
         The arm's plane is in the middle of the shaft: the end of a cantilever that is loaded there sinks
         without tilting, F l²/(2 E I) - (F l/2) l/(E I) = 0.
@@ -196,17 +196,17 @@ class HingeDesign(Table):
 
     @property
     def base_place(self) -> float:
-        """Where the housing stands on the base, along the axis [m]."""
+        """Place where the housing stands on the base, along the axis [m]."""
         return self.seat_place - self.housing.length
 
     @property
     def output_place(self) -> float:
-        """Where the hub is bolted to the reducer's output flange, along the axis [m]."""
+        """Place where the hub is bolted to the reducer's output flange, along the axis [m]."""
         return self.reducer.shaft_length / 2 + self.reducer.flange_thickness
 
 
 def bench_design() -> HingeDesign:
-    """The hinge of the virtual mock-up, which nobody knows as exactly as its drawing.
+    """Return the hinge of the virtual mock-up, which differs from its drawing within tolerances.
 
     The shipped design on a finer mesh and with more modes, its shaft and its bell as thick as usual
     tolerances let them be (50 um of 40 mm, 0.1 mm of 12 mm).

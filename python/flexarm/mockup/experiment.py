@@ -35,7 +35,7 @@ FRAME_SIGMA = (1e-4, 3e-5)
 
 @dataclass(frozen=True)
 class Experiment:
-    """What the arm is asked to do, eq. (1).
+    """The motion that the arm is asked for, eq. (1).
 
     Attributes
     ----------
@@ -76,17 +76,17 @@ class Experiment:
         return pi if self.hanging else 0.0
 
     def angle(self, time: ArrayLike) -> Floats:
-        """φ_c of (1) [rad]."""
+        """Return φ_c of (1) [rad]."""
         t = np.clip(np.asarray(time, dtype=float), 0.0, self.duration)
         found: Floats = self.vertical + self.amplitude * np.sin(2 * pi * t / self.period)  # eq. (1)
         return found
 
     def command(self) -> Drive:
-        """(1) as the controller gets it, sample by sample."""
+        """Return (1) as the controller gets it, sample by sample."""
         return self._drive("command", self.end)
 
     def pure_sine(self) -> Drive:
-        """(1) as an angle of the motor: it starts and stops with a jump of its rate."""
+        """Return (1) as an angle of the motor: it starts and stops with a jump of its rate."""
         return self._drive("motor", self.duration)
 
     def _drive(self, side: str, end: float) -> Drive:
@@ -103,7 +103,7 @@ def virtual_measurement(
     step: float = 1e-3,
     progress: Progress = None,
 ) -> tuple[Record, Simulation]:
-    """Runs the virtual mock-up and measures it.
+    """Run the virtual mock-up and measure it.
 
     Parameters
     ----------

@@ -43,11 +43,11 @@ class SolidHinge:
     seconds: Mapping[str, float] = field(default_factory=dict)
 
     def file(self, part: str) -> Path:
-        """Where the super-element of a part is."""
+        """Return the path of a part's super-element."""
         return self.folder / f"{part}.nc"
 
     def with_compliance(self, factors: Mapping[str, float], folder: Path) -> SolidHinge:
-        """The hinge with parts whose compliance is multiplied; damping goes with the stiffness.
+        """Return the hinge with parts whose compliance is multiplied; damping goes with the stiffness.
 
         Parameters
         ----------
@@ -92,7 +92,7 @@ def build_hinge(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SolidHinge:
-    """Meshes the hinge, reduces its three groups and writes their super-elements.
+    """Mesh the hinge, reduce its three groups and write their super-elements.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def build_hinge(
 
 
 def reduced_part(name: str, design: HingeDesign) -> tuple[SolidMesh, SuperElement]:
-    """Mesh and super-element of one group."""
+    """Return the mesh and super-element of one group."""
     meshed = MESHERS[name](design)
     element = reduce_mesh(
         meshed.mesh,
@@ -146,7 +146,7 @@ def reduced_part(name: str, design: HingeDesign) -> tuple[SolidMesh, SuperElemen
 
 
 def _scaled(part: SuperElement, factor: float) -> SuperElement:
-    """Stiffness times a factor: the fixed-interface modes keep their shapes."""
+    """Scale the stiffness by a factor: the fixed-interface modes keep their shapes."""
     return part.replace(
         stiffness=factor * part.stiffness,
         damping=factor * part.damping,

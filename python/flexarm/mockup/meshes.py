@@ -27,7 +27,7 @@ class MeshedPart:
 
 
 def housing(design: HingeDesign) -> MeshedPart:
-    """Fixed housing and base flange: interfaces `base`, `motor`, `seat`."""
+    """Return the fixed housing with base flange: interfaces `base`, `motor`, `seat`."""
     size, foot, front = design.housing, design.base_place, design.seat_place
     inner, ring = design.inner_radius, front - size.seat_width
     middle = foot + size.web_offset
@@ -48,7 +48,7 @@ def housing(design: HingeDesign) -> MeshedPart:
 
 
 def reducer(design: HingeDesign) -> MeshedPart:
-    """Body, output shaft and flange: interfaces `input` in the housing's seat, `output` at the hub."""
+    """Return body, output shaft and flange: interfaces `input` in the housing's seat, `output` at the hub."""
     size, root, end = design.reducer, design.seat_place, design.output_place
     back, middle = root - size.body_thickness, root - design.housing.seat_width / 2
     blocks = [
@@ -66,7 +66,7 @@ def reducer(design: HingeDesign) -> MeshedPart:
 
 
 def hub(design: HingeDesign) -> MeshedPart:
-    """Bell and arm flange: interfaces `input` on the axis, `output` where the tube is welded on."""
+    """Return bell and arm flange: interfaces `input` on the axis, `output` where the tube is welded on."""
     size, foot = design.hub, design.output_place
     half = size.flange_width / 2
     blocks = [
@@ -90,7 +90,7 @@ MESHERS = {"housing": housing, "reducer": reducer, "hub": hub}
 
 
 def hinge_meshes(design: HingeDesign) -> dict[str, MeshedPart]:
-    """Meshes of all three groups."""
+    """Return the meshes of all three groups."""
     return {name: mesher(design) for name, mesher in MESHERS.items()}
 
 
@@ -102,7 +102,7 @@ def _turned(design: HingeDesign, blocks: list[Block], patches: list[Patch]) -> S
 
 
 def _pad(mesh: SolidMesh, radius: float) -> Ints:
-    """Points of the arm flange under the tube's end, on the arm's +z side.
+    """Return the points of the arm flange under the tube's end, on the arm's +z side.
 
     The pad is as wide as the tube along the axis and an eighth of the circle around it, the same on any mesh.
     """

@@ -17,7 +17,7 @@ PARAMETER_SETS = {"consistent": "model.toml", "printed": "model-printed-area.tom
 
 
 def model(parameters: str = "consistent") -> Arm:
-    """The model that is compared with the mock-up.
+    """Return the model that is compared with the mock-up.
 
     Parameters
     ----------
@@ -34,5 +34,5 @@ def model(parameters: str = "consistent") -> Arm:
 
 
 def mock_up() -> Arm:
-    """The model behind the virtual measurement, with its controller."""
+    """Return the model behind the virtual measurement, with its controller."""
     return Arm.from_toml(FOLDER / "mockup.toml")

@@ -25,7 +25,7 @@ HALF_ARM = 0.1
 
 
 def torsional_stiffness(hinge: SolidHinge) -> float:
-    """k of (1) [N m/rad]."""
+    """Return k of (1) [N m/rad]."""
     from flexarm.mockup.arms import hinge_tables
 
     tables = hinge_tables(hinge)

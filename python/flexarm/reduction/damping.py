@@ -15,7 +15,7 @@ from flexarm.errors import InvalidParameter
 
 
 def stiffness_proportional(stiffness: Floats, mass: Floats, damping_ratio: float) -> Floats:
-    """C of (1).
+    """Return C of (1).
 
     Raises
     ------
@@ -34,7 +34,7 @@ def stiffness_proportional(stiffness: Floats, mass: Floats, damping_ratio: float
 
 
 def free_frequencies(stiffness: Floats, mass: Floats) -> Floats:
-    """Frequencies of the free part [Hz] without its six rigid motions."""
+    """Return the frequencies of the free part [Hz] without its six rigid motions."""
     from scipy.linalg import eigh
 
     squares = eigh(stiffness, mass, eigvals_only=True)[6:]

@@ -27,14 +27,14 @@ KINDS: tuple[str, ...] = get_args(Kind)
 
 @dataclass(frozen=True, eq=False)
 class InterfaceSet:
-    """Where a part is joined.
+    """The points at which a part is joined.
 
     Parameters
     ----------
     points : str or array of int
         Name of a point set of the mesh, or indices of points.
     kind : {"rigid", "average"}
-        Whether the points follow the frame or the frame follows the points.
+        "rigid": the points follow the frame. "average": the frame follows the points.
     position : (3,), optional
         Where the frame stands in the part's frame [m]; if left out, the centre of the faces that the points
         span, or the mean of the points where they span none.
@@ -49,7 +49,7 @@ class InterfaceSet:
 
     @classmethod
     def from_text(cls, text: str) -> InterfaceSet:
-        """`SET`, `SET:rigid` or `SET:average`.
+        """Read `SET`, `SET:rigid` or `SET:average`.
 
         >>> InterfaceSet.from_text("flange:average").kind
         'average'
@@ -60,7 +60,7 @@ class InterfaceSet:
         return cls(text)
 
     def core(self, name: str, mesh: SolidMesh) -> Any:
-        """The interface as the solver takes it.
+        """Return the interface as the solver takes it.
 
         Raises
         ------
@@ -85,13 +85,13 @@ class InterfaceSet:
         return core.Interface(name, position, rotation, points, kind, self._weights(mesh))
 
     def at(self, mesh: SolidMesh) -> Floats:
-        """Where the frame stands [m]."""
+        """Return the position of the frame [m]."""
         if self.position is not None:
             return np.asarray(self.position, dtype=float)
         return np.average(mesh.points[self._indices(mesh)], axis=0, weights=self._weights(mesh))
 
     def size(self, mesh: SolidMesh) -> int:
-        """Number of its points."""
+        """Return the number of its points."""
         return len(self._indices(mesh))
 
     def _indices(self, mesh: SolidMesh) -> Ints:
@@ -104,7 +104,7 @@ class InterfaceSet:
         return mesh.point_set(self.points)
 
     def _weights(self, mesh: SolidMesh) -> Floats:
-        """Areas of the outer faces that the points span, as an even pressure acts on them; else all alike."""
+        """Return weights in proportion to the outer areas that the points span, or else equal ones."""
         from flexarm.solids.point_areas import point_areas
 
         areas = point_areas(mesh, self._indices(mesh))
@@ -112,7 +112,7 @@ class InterfaceSet:
 
 
 def _as_indices(points: NDArray[Any], n_points: int) -> Ints:
-    """Indices of points, or a mask of all of them, as indices.
+    """Return indices of points, given as indices or as a mask of all of them.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def _as_indices(points: NDArray[Any], n_points: int) -> Ints:
 
 
 def refuse_shared(sets: Mapping[str, InterfaceSet], mesh: SolidMesh) -> None:
-    """Points of two rigid interfaces, by their numbers in the file: they cannot follow both frames.
+    """Refuse points of two rigid interfaces, which cannot follow both frames.
 
     Raises
     ------

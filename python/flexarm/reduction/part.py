@@ -58,7 +58,7 @@ def reduce_mesh(
     threads: int = 0,
     progress: Progress | None = None,
 ) -> SuperElement:
-    """A part as a super-element.
+    """Reduce a part to a super-element.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def reduce_mesh(
 
 
 def _checked(mesh: SolidMesh | str | Path, unit: str) -> tuple[SolidMesh, dict[str, str]]:
-    """The mesh, checked, and what its provenance is."""
+    """Return the mesh, checked, and its provenance."""
     if isinstance(mesh, str | Path):
         from flexarm.solids import read_mesh
 
@@ -169,7 +169,7 @@ def _interface_set(value: InterfaceSet | str) -> InterfaceSet:
 
 
 def _wanted(modes: int | None, max_frequency: float | None) -> tuple[int, float]:
-    """Number of modes and frequency limit, one of them zero."""
+    """Return the number of modes and the frequency limit, one of them zero."""
     if modes is not None and max_frequency is not None:
         raise InvalidParameter("give modes or max_frequency, not both", where="modes")
     if modes is not None and not (isinstance(modes, int | np.integer) and 0 <= modes <= MOST_MODES):
@@ -182,7 +182,7 @@ def _wanted(modes: int | None, max_frequency: float | None) -> tuple[int, float]
 
 
 def _quality(found: Any, seconds: dict[str, float]) -> dict[str, Any]:
-    """Numbers that say how good the reduction is and how it was made."""
+    """Return numbers that say how good the reduction is and how it was made."""
     quality, statistics = found.quality, found.statistics
     told = {name: getattr(quality, name) for name in dir(quality) if not name.startswith("_")}
     run = {name: getattr(statistics, name) for name in dir(statistics) if not name.startswith("_")}
@@ -200,7 +200,7 @@ def _options(
     lumped: bool,
     damping_ratio: float,
 ) -> dict[str, str]:
-    """How the part was reduced, as attributes of its file."""
+    """Return how the part was reduced, as attributes of its file."""
     ties = [f"{name}={item.kind}, {item.size(mesh)} points" for name, item in sets.items()]
     return {
         "interfaces": "; ".join(ties),

@@ -19,7 +19,7 @@ _core: Any = _typed_core
 
 
 def von_mises(element: SuperElement, mesh: SolidMesh, coordinates: ArrayLike) -> Floats:
-    """Von Mises stress at all points [Pa], averaged over the cells that meet there.
+    """Return the von Mises stress at all points [Pa], averaged over the cells that meet there.
 
     Raises
     ------

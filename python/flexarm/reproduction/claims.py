@@ -54,7 +54,7 @@ class Claim:
         return bool(met and all(self.conditions))
 
     def to_dict(self) -> dict[str, Any]:
-        """The entry of `summary.json`."""
+        """Return the entry of `summary.json`."""
         return {
             "id": self.id,
             "statement": f"{self.claim} (value: {self.measure})",
@@ -69,7 +69,7 @@ class Claim:
 
 
 def claims(study: Study) -> list[Claim]:
-    """All six."""
+    """Return all six claims."""
     makers: tuple[Callable[[Study], Claim], ...] = (
         agreement,
         direction,
@@ -82,7 +82,7 @@ def claims(study: Study) -> list[Claim]:
 
 
 def agreement(study: Study) -> Claim:
-    """Claim 1: model and measurement against the rigid position."""
+    """Check claim 1: model and measurement against the rigid position."""
     to_rigid = study.measured - study.rigid(study.stamps)
     to_model = study.measured - study.tip("fe", study.stamps)
     furthest = float(np.hypot(*to_rigid.T).max())
@@ -106,7 +106,7 @@ def agreement(study: Study) -> Claim:
 
 
 def direction(study: Study) -> Claim:
-    """Claim 2: the deformation is tangential."""
+    """Check claim 2: the deformation is tangential."""
     angle = study.angle(study.stamps)
     across = rms(study.measured_tangential)
     along = rms(study.plane.radial(study.measured, angle))
@@ -123,7 +123,7 @@ def direction(study: Study) -> Claim:
 
 
 def carrier(study: Study) -> Claim:
-    """Claim 3: a quasi-static carrier plus oscillations at the first mode from start, reversals and stop."""
+    """Check claim 3: a quasi-static carrier plus oscillations at the first mode."""
     measured, time = study.measured_tangential, study.stamps
     rest = measured - study.static["both"](study.angle(time))
     rate = study.record.signals["tip"].rate_hz
@@ -156,7 +156,7 @@ def carrier(study: Study) -> Claim:
 
 
 def pure_sine(study: Study) -> Claim:
-    """Claim 4: without the control there are no oscillations after the start."""
+    """Check claim 4: without the control there are no oscillations after the start."""
     time = grid(study)
     time = time[time < study.experiment.duration]  # a filter must not carry the stop backwards
     after = time > start_time(study)
@@ -182,7 +182,7 @@ def pure_sine(study: Study) -> Claim:
 
 
 def hinge(study: Study) -> Claim:
-    """Claim 5: the hinge's part, and how far the data support it."""
+    """Check claim 5: the hinge's part, and how far the data support it."""
     parts: Split = split(study)
     return Claim(
         5,
@@ -198,7 +198,7 @@ def hinge(study: Study) -> Claim:
 
 
 def outlook(study: Study) -> Claim:
-    """Claim 6: a model with all phenomena that take an active part needs no mock-up."""
+    """Check claim 6: a model with all active phenomena needs no mock-up."""
     gaps = {run: length_rms(study.measured - study.tip(run, study.stamps)) for run in ("fe", "friction")}
     bearing = {effect.name: effect for effect in mock_up().effects}
     return Claim(
@@ -221,7 +221,7 @@ def outlook(study: Study) -> Claim:
 
 
 def _peak(values: np.ndarray[Any, np.dtype[np.float64]], rate_hz: float, above_hz: float) -> float:
-    """Frequency of the largest spectral line above a frequency [Hz]."""
+    """Return the frequency of the largest spectral line above a frequency [Hz]."""
     from scipy.signal import welch
 
     frequency, power = welch(values, rate_hz, nperseg=min(len(values), 256))

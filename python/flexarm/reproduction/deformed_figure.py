@@ -28,7 +28,7 @@ ARM_VIEW, HINGE_VIEW = (14.0, -62.0), (22.0, -148.0)
 
 
 def deformed(table: Table, surfaces: Sequence[Surface]) -> Figure:
-    """Figure 6: the whole arm, its hinge, and the tips at true scale."""
+    """Draw Figure 6: the whole arm, its hinge, and the tips at true scale."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -56,7 +56,7 @@ class Frame:
 def _solids(
     figure: Figure, frame: Frame, surfaces: Sequence[Surface], scale: float, bar: tuple[float, float]
 ) -> None:
-    """Deformed surfaces, coloured; the rigid arm in grey behind; a bar of colours in mm."""
+    """Draw deformed surfaces, coloured; the rigid arm in grey behind; a bar of colours in mm."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -81,7 +81,7 @@ def _solids(
 def _by_matplotlib(
     figure: Figure, frame: Frame, rigid: Sequence[Part], moved: Sequence[Part], colours: Any
 ) -> None:
-    """The same where there is no renderer: faces sorted by their distance."""
+    """Draw without a renderer: faces sorted by their distance."""
     ax: Any = figure.add_axes(frame.place, projection="3d", computed_zorder=False)
     ax.view_init(*frame.view)
     _faces(ax, rigid, None, alpha=0.10)
@@ -94,7 +94,7 @@ def _by_matplotlib(
 
 
 def _faces(ax: Any, parts: Sequence[Part], colours: Any, alpha: float) -> None:
-    """All faces as one collection, so that those behind are drawn first; shaded by their normals."""
+    """Draw all faces as one collection, shaded by their normals, so that those behind are drawn first."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
     corners = [points[list(face)] for points, faces, _ in parts for face in faces]
@@ -118,7 +118,7 @@ def _faces(ax: Any, parts: Sequence[Part], colours: Any, alpha: float) -> None:
 
 
 def _tips(ax: Any, table: Table) -> None:
-    """The three tips and the ends of the arm, true scale."""
+    """Draw the three tips and the ends of the arm, true scale."""
     from flexarm.reproduction.figures import MEASURED, MODEL, RIGID
 
     tips = {name: _xz(table, name)[:, -1] for name in ("rigid", "model", "measured")}

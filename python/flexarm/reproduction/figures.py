@@ -54,7 +54,7 @@ THIN: dict[str, Any] = {"linewidth": 0.6, "zorder": 3}
 
 
 def draw(number: str, table: Table, surfaces: Sequence[Surface] = ()) -> Figure:
-    """The figure of that number; Figure 6 shows the surfaces of the mock-up."""
+    """Draw the figure of that number; Figure 6 shows the surfaces of the mock-up."""
     from flexarm.reproduction.deformed_figure import deformed
 
     figure: Figure = deformed(table, surfaces) if number == "06" else _DRAWERS[number](table)
@@ -63,7 +63,7 @@ def draw(number: str, table: Table, surfaces: Sequence[Surface] = ()) -> Figure:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Draws without a screen, in the style of a journal."""
+    """Draw without a screen, in the style of a journal."""
     import matplotlib as mpl
 
     with mpl.rc_context(STYLE):
@@ -71,7 +71,7 @@ def style() -> Iterator[None]:
 
 
 def save(figure: Figure, stem: Path) -> None:
-    """Writes .png and .pdf, the same bytes every time."""
+    """Write .png and .pdf, the same bytes every time."""
     metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None, "Creator": None}}
     for kind, told in metadata.items():
         image = BytesIO()
@@ -80,7 +80,7 @@ def save(figure: Figure, stem: Path) -> None:
 
 
 def _figure(rows: int, height: float, **options: Any) -> tuple[Figure, Any]:
-    """Axes below one another, without pyplot's global state."""
+    """Return axes below one another, without pyplot's global state."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -90,7 +90,7 @@ def _figure(rows: int, height: float, **options: Any) -> tuple[Figure, Any]:
 
 
 def input_shaft(table: Table) -> Figure:
-    """Figure 4."""
+    """Draw Figure 4."""
     figure, (ax,) = _figure(1, 2.6)
     ax.plot(table["time_s"].values, table["input_shaft_rad"].values, color=MODEL)
     ax.set(xlabel="time [s]", ylabel="input shaft angle [rad]", yticks=np.arange(-144, 145, 48))
@@ -99,7 +99,7 @@ def input_shaft(table: Table) -> Figure:
 
 
 def positions(table: Table) -> Figure:
-    """Figure 7: vertical and horizontal tip position."""
+    """Draw Figure 7: vertical and horizontal tip position."""
     figure, axes = _figure(2, 4.6, sharex=True)
     for ax, axis, text in zip(
         axes, "zx", ("vertical position z [m]", "horizontal position x [m]"), strict=True
@@ -112,7 +112,7 @@ def positions(table: Table) -> Figure:
 
 
 def zoom(table: Table) -> Figure:
-    """Figure 8: the vertical position enlarged; below, what the rigid arm does not see."""
+    """Draw Figure 8: the vertical position enlarged, and the oscillations that the rigid arm lacks."""
     figure, (above, below) = _figure(2, 4.8, sharex=True, height_ratios=(1.3, 1))
     time = table["time_s"].values
     _three(above, table, "z")
@@ -126,7 +126,7 @@ def zoom(table: Table) -> Figure:
 
 
 def error(table: Table) -> Figure:
-    """Figure 9: vertical and horizontal error of the rigid position."""
+    """Draw Figure 9: vertical and horizontal error of the rigid position."""
     figure, axes = _figure(2, 4.6, sharex=True)
     time = table["time_s"].values
     for ax, axis, text in zip(axes, "zx", ("vertical error [mm]", "horizontal error [mm]"), strict=True):
@@ -141,7 +141,7 @@ def error(table: Table) -> Figure:
 
 
 def tangential(table: Table) -> Figure:
-    """Figure 10: tangential error over the run, at the start, and around a later turn."""
+    """Draw Figure 10: tangential error over the run, at the start, and around a later reversal."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -165,12 +165,12 @@ def tangential(table: Table) -> Figure:
 
 
 def _later_turn(table: Table) -> float:
-    """Where the pure sine bends the arm most to the other side [s]."""
+    """Return when the pure sine bends the arm most to the other side [s]."""
     return float(table["time_s"].values[np.argmin(table["sine_m"].values)])
 
 
 def _enlarge(ax: Axes, table: Table, window: tuple[float, float], title: str) -> None:
-    """A stretch of time, all curves in view."""
+    """Enlarge a stretch of time, all curves in view."""
     time = table["time_s"].values
     inside = (time >= window[0]) & (time <= window[1])
     shown = 1e3 * np.concatenate(
@@ -190,14 +190,14 @@ def _three(ax: Axes, table: Table, axis: str, every: int = 1) -> None:
 
 
 def _dots(ax: Axes, time: Floats, values: Floats, every: int = 1, size: float = 3.2) -> None:
-    """Samples of the tracker, each `every`-th."""
+    """Draw samples of the tracker, each `every`-th."""
     seen = np.flatnonzero(np.isfinite(values))[::every]
     text = "virtual measurement" + (f", every {every}th" if every > 1 else "")
     ax.plot(time[seen], values[seen], label=text, **{**_MEASURED, "markersize": size})
 
 
 def _legend(ax: Axes) -> None:
-    """Above the axes, where it hides nothing."""
+    """Draw the legend above the axes, where it hides nothing."""
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
 
 

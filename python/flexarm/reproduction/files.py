@@ -49,7 +49,7 @@ class Drawing:
 
 
 def drawn(figures: Iterable[tuple[str, str, str, Figure | None]], **options: Any) -> list[Drawing]:
-    """Figures as images, drawn once for their files and the page.
+    """Draw figures as images once, for their files and the page.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def _png(figure: Figure, **options: Any) -> bytes:
 def write_files(
     directory: Path, drawings: Sequence[Drawing], page: tuple[str, str], report: tuple[str, Mapping[str, Any]]
 ) -> None:
-    """Writes figures, page and object into a directory that is there.
+    """Write figures, page and object into a directory that exists.
 
     Parameters
     ----------

@@ -35,12 +35,12 @@ class Plane:
     vertical: float = 0.0
 
     def tangential(self, tip: Floats, angle: Floats) -> Floats:
-        """Offset of tips x, z along (1) [m]."""
+        """Return the offset of tips x, z along (1) [m]."""
         offset = tip - rigid_tip(self.length, angle)
         return np.asarray(np.cos(angle) * offset[:, 0] - np.sin(angle) * offset[:, 1])  # eq. (1)
 
     def radial(self, tip: Floats, angle: Floats) -> Floats:
-        """Offset of tips x, z along (2) [m]."""
+        """Return the offset of tips x, z along (2) [m]."""
         offset = tip - rigid_tip(self.length, angle)
         return np.asarray(np.sin(angle) * offset[:, 0] + np.cos(angle) * offset[:, 1])  # eq. (2)
 
@@ -60,14 +60,14 @@ class StaticOffset:
 
     @classmethod
     def of(cls, arm: Arm, length: float, middle: float, largest: float) -> StaticOffset:
-        """Equilibria of a model at angles middle - largest to middle + largest [rad], its tip at `length`."""
+        """Return equilibria at angles within `largest` of `middle` [rad], the tip at `length`."""
         angles = middle + np.linspace(-largest, largest, POSES)
         found = [static(arm, joints={"hinge": angle}) for angle in angles]
         tips = np.array([statics.position[-1, [0, 2]] for statics in found])
         return cls(angles, Plane(length).tangential(tips, angles))
 
     def __call__(self, angle: Floats) -> Floats:
-        """Offset at drive angles [m]."""
+        """Return the offset at drive angles [m]."""
         from scipy.interpolate import CubicSpline
 
         found: Floats = CubicSpline(self.angle, self.offset)(angle)

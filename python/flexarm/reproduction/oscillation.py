@@ -1,4 +1,4 @@
-r"""Carrier and oscillations: what follows the arm's pose, and what vibrates.
+r"""Carrier and oscillations: the part that follows the arm's pose, and the part that vibrates.
 
 Oscillations are what a Butterworth filter of order 3, forward and backward, lets pass above
 
@@ -24,13 +24,13 @@ GRID = 2e-2
 
 
 def grid(study: Study) -> Floats:
-    """Equal steps over the run [s]."""
+    """Return equal steps over the run [s]."""
     time: Floats = np.arange(round(study.experiment.end / GRID) + 1, dtype=float) * GRID
     return time
 
 
 def oscillation(values: Floats, rate_hz: float, study: Study) -> Floats:
-    """The part above (1) of equally spaced values."""
+    """Return the part above (1) of equally spaced values."""
     from scipy.signal import butter, sosfiltfilt
 
     cut = study.frequency_hz["fe"] / 2  # eq. (1)
@@ -39,15 +39,15 @@ def oscillation(values: Floats, rate_hz: float, study: Study) -> Floats:
 
 
 def start_time(study: Study) -> float:
-    """T of (2) [s]: after it nothing is left of the start."""
+    """Return T of (2) [s]: after it nothing is left of the start."""
     return log(1000) / (2 * pi * study.damping_ratio["fe"] * study.frequency_hz["fe"])  # eq. (2)
 
 
 def rms(values: Floats) -> float:
-    """Root mean square."""
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def length_rms(values: Floats) -> float:
-    """Root mean square of the lengths of vectors, shape (n, 2)."""
+    """Return the root mean square of the lengths of vectors, shape (n, 2)."""
     return rms(np.hypot(values[:, 0], values[:, 1]))

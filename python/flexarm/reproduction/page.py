@@ -1,4 +1,4 @@
-"""`index.html`: what was done, figures, claims, assumptions; a five minutes' read."""
+"""`index.html`: method, figures, claims and assumptions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CAPTIONS = {
 
 
 def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> str:
-    """The page as HTML; images stand beside it."""
+    """Return the page as HTML; images stand next to it."""
     first, last = zoom_window(study)
     facts = {
         "instant": deformed_instant(study),
@@ -65,11 +65,11 @@ def _mm(metres: float, digits: int = 2) -> str:
 
 
 def _number(value: float) -> str:
-    """Three digits, or as many as tell a share from 1."""
+    """Write three digits, or as many as tell a share from 1."""
     return f"{value:.5f}" if 0.999 < value < 1 else f"{value:.3g}"
 
 
 def _power(value: float, digits: int = 3) -> Markup:
-    """Mantissa times a power of ten."""
+    """Return the mantissa times a power of ten."""
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return Markup("{} · 10<sup>{}</sup>").format(mantissa, str(int(exponent)).replace("-", "−"))

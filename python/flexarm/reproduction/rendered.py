@@ -32,7 +32,7 @@ WINDOW = (2400, 1500)
 def rendered(
     parts: Sequence[Part], largest: float, colours: str, view: tuple[float, float]
 ) -> NDArray[Any] | None:
-    """An image of the parts, cut to what it shows.
+    """Return an image of the parts, cut to what it shows.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _arrays(parts: Sequence[Part]) -> dict[str, Any]:
 
 
 def _cut(image: NDArray[Any]) -> NDArray[Any]:
-    """Without the empty margins."""
+    """Cut the empty margins."""
     rows, columns = (np.flatnonzero(image[..., 3].any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return image
@@ -96,7 +96,7 @@ def _cut(image: NDArray[Any]) -> NDArray[Any]:
 
 
 def _draw(scene: Path, image: Path) -> None:
-    """What the process of its own does."""
+    """Draw in a process of its own."""
     pyvista: Any = import_module("pyvista")
     data = np.load(scene)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW))

@@ -26,7 +26,7 @@ RECORD, HINGE = "virtual-measurement", "hinge"
 def reproduce(
     out: str | Path, force: bool = False, progress: bool | Report = False, seed: int = SEED
 ) -> None:
-    """The paper's figures and claims, made again.
+    """Reproduce the paper's figures and claims.
 
     Writes figure-04, 06, 07, 08, 09 and 10 as .png, .pdf and .csv, summary.json, index.html, and beside them
     the record of the virtual measurement, the hinge's super-elements and the model, for commands such as
@@ -92,7 +92,7 @@ def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
 
 @contextmanager
 def _reported(progress: bool | Report) -> Iterator[Report]:
-    """The caller's function, a bar, or nothing."""
+    """Return the caller's function, a bar, or nothing."""
     if callable(progress):
         yield progress
     elif progress:

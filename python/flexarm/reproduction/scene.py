@@ -61,16 +61,16 @@ class Surface:
         return found
 
     def opened(self) -> Surface:
-        """The part cut open."""
+        """Cut the part open."""
         return replace(self, faces=self.opened_faces)
 
     def drawn(self, scale: float) -> Floats:
-        """Points with displacements multiplied."""
+        """Return the points with displacements multiplied."""
         return np.asarray(self.rigid + scale * (self.moved - self.rigid))
 
 
 def scene(models: Models, angle: float) -> list[Surface]:
-    """All surfaces in the equilibrium at a drive angle [rad], the base's side first."""
+    """Return all surfaces in the equilibrium at a drive angle [rad], the base's side first."""
     arm, places = _with_rings(models)
     found = static(arm, joints={"hinge": angle})
     about = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
@@ -89,7 +89,7 @@ def _part(models: Models, found: Statics, name: str, turn: Floats) -> Surface:
 
 
 def _with_rings(models: Models) -> tuple[Arm, Floats]:
-    """The model with a point at each ring, and their distances from the hinge axis [m]."""
+    """Return the model with a point at each ring, and their distances from the hinge axis [m]."""
     start = models.hinge.design.hub.flange_radius
     tip = models.fe.point("tip")
     places = np.linspace(start, start + tip.position[2], RINGS)
@@ -117,7 +117,7 @@ def _tube(found: Statics, places: Floats, turn: Floats) -> Surface:
 
 
 def _load(found: Statics, length: float, turn: Floats) -> Surface:
-    """A cube that moves with the tube's end."""
+    """Return a cube that moves with the tube's end."""
     corners = (
         LOAD_EDGE
         / 2

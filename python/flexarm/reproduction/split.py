@@ -1,4 +1,4 @@
-r"""Who bends: the tip error split into hinge and tube, and how well the data separate the two.
+r"""The tip error split into hinge and tube, and how well the data separate the two.
 
 With e_h(φ) and e_t(φ) the quasi-static tangential offsets with only the hinge or only the tube elastic, the
 measured one is
@@ -34,7 +34,7 @@ COARSE_STEP = 4e-3
 
 @dataclass(frozen=True)
 class Split:
-    """Shares, and what the data say about them.
+    """Shares, and how well the data determine them.
 
     Attributes
     ----------
@@ -74,12 +74,12 @@ class Split:
     only_tube_modulus: float
 
     def to_dict(self) -> dict[str, float]:
-        """For `summary.json`."""
+        """Return the entry of `summary.json`."""
         return {name: float(value) for name, value in asdict(self).items()}
 
 
 def split(study: Study) -> Split:
-    """The split of a study's tip error."""
+    """Split a study's tip error."""
     angle = study.angle(study.stamps)
     e = study.measured_tangential
     e_h, e_t, e_both = (study.static[part](angle) for part in ("hinge", "tube", "both"))
@@ -113,14 +113,14 @@ def split(study: Study) -> Split:
 
 
 def _part(study: Study, part: str, angle: float) -> float:
-    """Share of the quasi-static error at an angle that a part's elasticity makes."""
+    """Return the share of the quasi-static error at an angle that a part's elasticity makes."""
     without, with_it = study.static[f"without {part}"], study.static["both"]
     at = np.array([angle])
     return 1 - float(without(at)[0] / with_it(at)[0])
 
 
 def _gap(study: Study, arm: Arm) -> float:
-    """Rms distance of the measured tip from that of a model driven by the encoder [m]."""
+    """Return the rms distance of the measured tip from that of a model driven by the encoder [m]."""
     moved = Drive({"hinge": study.encoder}, end=study.experiment.end + LATE)
     run = simulate(arm, moved, step=COARSE_STEP)
     return length_rms(study.measured - tip_of(run, study.stamps))

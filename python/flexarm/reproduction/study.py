@@ -92,15 +92,15 @@ class Study:
         return self.record.signals["tip"].values[:, [0, 2]]
 
     def angle(self, time: Floats) -> Floats:
-        """Encoder's angle [rad]."""
+        """Return the encoder's angle [rad]."""
         return self.encoder(time)
 
     def rigid(self, time: Floats) -> Floats:
-        """Tip x, z [m] of the rigid arm at the encoder's angle."""
+        """Return the tip x, z [m] of the rigid arm at the encoder's angle."""
         return rigid_tip(self.plane.length, self.angle(time))
 
     def tip(self, run: str, time: Floats) -> Floats:
-        """Tip x, z [m] of a finite-element run; equations (1), (2) as "equation 1", "equation 2"."""
+        """Return tip x, z [m] of a finite-element run; equations (1), (2) as "equation 1", "equation 2"."""
         if run in self.modal:
             from scipy.interpolate import CubicSpline
 
@@ -109,7 +109,7 @@ class Study:
         return tip_of(self.runs[run], time)
 
     def tangential(self, run: str, time: Floats) -> Floats:
-        """Tangential offset of a run from the rigid arm at the angle that drives it [m]."""
+        """Return the tangential offset of a run from the rigid arm at the angle that drives it [m]."""
         angle = self.experiment.angle(time) if run == "sine" else self.angle(time)
         return self.plane.tangential(self.tip(run, time), angle)
 
@@ -122,7 +122,7 @@ class Study:
 def study(
     folder: Path, experiment: Experiment | None = None, seed: int = 2008, report: Report | None = None
 ) -> Study:
-    """Makes the hinge, runs the experiment and all models.
+    """Make the hinge, run the experiment and all models.
 
     Parameters
     ----------
@@ -188,12 +188,12 @@ def study(
 
 
 def tip_of(run: Simulation, time: Floats) -> Floats:
-    """Tip x, z [m] of a run; before its start, where a late stamp may lie, the arm rests."""
+    """Return the tip x, z [m] of a run; before its start, where a late stamp may lie, the arm rests."""
     return run.at(np.maximum(time, run.time[0]), "tip")[:, [0, 2]]
 
 
 def offsets(models: Models, asked: Experiment) -> dict[str, StaticOffset]:
-    """Quasi-static offsets of the model and of those with parts made rigid."""
+    """Return Quasi-static offsets of the model and of those with parts made rigid."""
     arms = {"both": models.fe, "tube": models.rigid(*HINGE), "hinge": models.rigid("tube")}
     arms |= {f"without {part}": models.rigid(part) for part in CONTRIBUTORS}
     length = models.lumped.point("tip").position[2]
@@ -203,7 +203,7 @@ def offsets(models: Models, asked: Experiment) -> dict[str, StaticOffset]:
 
 
 def equations(arm: Arm, encoder: JointDrive, time: Floats) -> dict[str, Floats]:
-    """Tip x, z [m] of equations (1) and (2) at the times."""
+    """Return the tip x, z [m] of equations (1) and (2) at the times."""
     angle = _scalar(encoder)
     one = OneLinkArm.of(arm)
     forms: dict[str, NonlinearModal | LinearModal] = {
@@ -217,7 +217,7 @@ def equations(arm: Arm, encoder: JointDrive, time: Floats) -> dict[str, Floats]:
 
 
 def _scalar(encoder: JointDrive) -> Callable[..., float]:
-    """The drive's angle (nu = 0) and its derivatives at one time: plain numbers, asked for 250 000 times."""
+    """Return the drive's angle (nu = 0) or a derivative at one time: plain numbers, for speed."""
     breaks = encoder.breaks.tolist()
     rows = [encoder.coefficients]
     for _ in range(len(encoder.coefficients) - 1):

@@ -26,7 +26,7 @@ MODELS = {
 
 
 def summary(study: Study, tables: dict[str, Table], found: list[Claim], seed: int) -> dict[str, Any]:
-    """The content of `summary.json`; nothing in it depends on the machine's speed."""
+    """Return the content of `summary.json`; nothing in it depends on the machine's speed."""
     return {
         "parameters": parameters(study, seed),
         "figures": {
@@ -43,7 +43,7 @@ def summary(study: Study, tables: dict[str, Table], found: list[Claim], seed: in
 
 
 def parameters(study: Study, seed: int) -> dict[str, Any]:
-    """What the runs were made with, SI units."""
+    """Return the parameters of the runs, SI units."""
     asked, bench = study.experiment, mock_up()
     hinge = study.models.hinge
     tracker = study.record.signals["tip"]
@@ -85,7 +85,7 @@ def parameters(study: Study, seed: int) -> dict[str, Any]:
 
 
 def gaps(study: Study) -> dict[str, dict[str, float | str]]:
-    """Distance of the measured tip from that of every model [m]."""
+    """Return the distance of the measured tip from that of every model [m]."""
     found: dict[str, dict[str, float | str]] = {}
     for name, text in MODELS.items():
         tip = study.rigid(study.stamps) if name == "rigid" else study.tip(name, study.stamps)
@@ -95,7 +95,7 @@ def gaps(study: Study) -> dict[str, dict[str, float | str]]:
 
 
 def misprint(study: Study) -> dict[str, float]:
-    """What Table 1's printed area would change."""
+    """Return what Table 1's printed area would change."""
     error = {
         name: float(np.abs(study.tangential(run, study.stamps)).max())
         for name, run in (("consistent", "fe"), ("printed", "printed"))

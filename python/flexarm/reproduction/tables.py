@@ -26,7 +26,7 @@ SHAPE_POINTS = 13
 
 @dataclass(frozen=True)
 class Column:
-    """Values of one column and what they are, with the unit."""
+    """Values of one column, their description and unit."""
 
     values: Floats
     text: str
@@ -36,7 +36,7 @@ Table = dict[str, Column]
 
 
 def tables(study: Study) -> dict[str, Table]:
-    """Columns of every figure, by the paper's number."""
+    """Return the columns of every figure, by the paper's number."""
     return {
         "04": input_shaft(study),
         "06": deformed_shape(study),
@@ -48,7 +48,7 @@ def tables(study: Study) -> dict[str, Table]:
 
 
 def input_shaft(study: Study) -> Table:
-    """Figure 4: the angle imposed on the reducer's input."""
+    """Return Figure 4: the angle imposed on the reducer's input."""
     time = grid(study)
     time = time[time <= study.experiment.duration + 1e-9]
     run = study.runs["sine"]
@@ -63,7 +63,7 @@ def input_shaft(study: Study) -> Table:
 
 
 def deformed_shape(study: Study) -> Table:
-    """Figure 6: the tube's axis at the instant of the greatest measured offset, and the three tips."""
+    """Return Figure 6: the tube's axis at the greatest measured offset, and the three tips."""
     time = deformed_instant(study)
     start = study.models.hinge.design.hub.flange_radius
     places = np.linspace(start, study.plane.length, SHAPE_POINTS)
@@ -93,12 +93,12 @@ def deformed_shape(study: Study) -> Table:
 
 
 def deformed_instant(study: Study) -> float:
-    """The stamp of the greatest measured tangential offset [s]."""
+    """Return the stamp of the greatest measured tangential offset [s]."""
     return float(study.stamps[np.argmax(np.abs(study.measured_tangential))])
 
 
 def position(study: Study, window: tuple[float, float] | None = None) -> Table:
-    """Figures 7 and 8: tip positions."""
+    """Return Figures 7 and 8: tip positions."""
     time, measured = _rows(study, window)
     parts = {"rigid": study.rigid(time), "model": study.tip("fe", time), "measured": measured(study.measured)}
     names = {
@@ -114,7 +114,7 @@ def position(study: Study, window: tuple[float, float] | None = None) -> Table:
 
 
 def errors(study: Study) -> Table:
-    """Figure 9: errors of the rigid position, vertical and horizontal."""
+    """Return Figure 9: errors of the rigid position, vertical and horizontal."""
     time, measured = _rows(study, None)
     model = study.tip("fe", time) - study.rigid(time)
     seen = measured(study.measured - study.rigid(study.stamps))
@@ -126,7 +126,7 @@ def errors(study: Study) -> Table:
 
 
 def tangential_error(study: Study) -> Table:
-    """Figure 10: tangential errors."""
+    """Return Figure 10: tangential errors."""
     time, measured = _rows(study, None)
     seen = measured(study.measured_tangential[:, None])[:, 0]
     return {
@@ -138,13 +138,13 @@ def tangential_error(study: Study) -> Table:
 
 
 def zoom_window(study: Study, seconds: float = 4.5) -> tuple[float, float]:
-    """Where the vertical error is largest and the tip vibrates: about the first turn of the motion [s]."""
+    """Return where the vertical error is largest and the tip vibrates: near the first reversal [s]."""
     turn = study.experiment.period / 4
     return turn - 0.7 * seconds, turn + 0.3 * seconds
 
 
 def _rows(study: Study, window: tuple[float, float] | None) -> tuple[Floats, _Placed]:
-    """Instants of a table, and what puts the tracker's samples among them."""
+    """Return the instants of a table, and a function that puts the tracker's samples among them."""
     stamps, equal = study.stamps, grid(study)
     first, last = window or (-np.inf, np.inf)
     kept = (stamps >= first) & (stamps <= last)
@@ -168,7 +168,7 @@ class _Placed:
 
 
 def write_csv(table: Table, path: Path) -> None:
-    """One row an instant; empty cells where nothing was measured."""
+    """Write one row an instant; empty cells where nothing was measured."""
     columns = [[_cell(value) for value in column.values] for column in table.values()]
     rows = [",".join(cells) for cells in zip(*columns, strict=True)]
     write_file(path, "\n".join([",".join(table), *rows]) + "\n")

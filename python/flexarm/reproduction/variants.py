@@ -32,7 +32,7 @@ RUNS = {
     "friction": "finite elements with the bearing's friction",
     "printed": "finite elements, section area as printed",
 }
-"""Finite-element runs of a study and what they are."""
+"""Finite-element runs of a study and their descriptions."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Models:
 
     @classmethod
     def build(cls, folder: Path, tell: Callable[[str], None]) -> Models:
-        """Meshes and reduces both hinges into `folder`."""
+        """Mesh and reduce both hinges into `folder`."""
         hinge = build_hinge(folder / "hinge", HingeDesign.from_toml(), progress=tell)
         bench = build_hinge(folder / "bench", bench_design(), progress=lambda name: tell(f"{name}, bench"))
         return cls(hinge, bench, folder)
@@ -72,7 +72,7 @@ class Models:
 
     @cached_property
     def lumped(self) -> Arm:
-        """One beam of 3 m on a spring as stiff as the solid hinge: what equations (1) and (2) can take."""
+        """One beam of 3 m on a spring as stiff as the solid hinge, as equations (1) and (2) have it."""
         stiffness = self.hinge.stiffness
         spring = JointCompliance(
             at="hinge", stiffness=stiffness, damping=stiffness * self.hinge.design.damping_time.reducer
@@ -80,7 +80,7 @@ class Models:
         return model().with_effect(spring)
 
     def runs(self) -> dict[str, Arm]:
-        """The model of each run in `RUNS`."""
+        """Return the model of each run in `RUNS`."""
         rubbing = model()
         for effect in mock_up().effects:
             if isinstance(effect, CoulombFriction | ViscousFriction):
@@ -93,19 +93,19 @@ class Models:
         }
 
     def scaled(self, factors: Mapping[str, float]) -> Arm:
-        """The model with the compliance of some of its `CONTRIBUTORS` multiplied."""
+        """Return the model with the compliance of some of its `CONTRIBUTORS` multiplied."""
         tag = "-".join(f"{name}x{factor:.6g}" for name, factor in factors.items())
         of_hinge = {name: factor for name, factor in factors.items() if name in HINGE}
         hinge = self.hinge.with_compliance(of_hinge, self.scratch / tag) if of_hinge else self.hinge
         return with_modulus(solid_arm(hinge), 1 / factors.get("tube", 1.0))
 
     def rigid(self, *parts: str) -> Arm:
-        """The model with some of its `CONTRIBUTORS` rigid."""
+        """Return the model with some of its `CONTRIBUTORS` rigid."""
         return self.scaled(dict.fromkeys(parts, RIGID))
 
 
 def with_modulus(arm: Arm, scale: float) -> Arm:
-    """The model with Young's modulus of its tube times a factor."""
+    """Return the model with Young's modulus of its tube times a factor."""
     tube = tube_of(arm)
     steel = tube.material.replace(youngs_modulus=scale * tube.material.youngs_modulus)
     changed = tube.replace(material=steel)
@@ -113,7 +113,7 @@ def with_modulus(arm: Arm, scale: float) -> Arm:
 
 
 def tube_of(arm: Arm) -> Beam:
-    """The tube of the model."""
+    """Return the tube of the model."""
     tube = arm.link("tube")
     assert isinstance(tube, Beam)
     return tube

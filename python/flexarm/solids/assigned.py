@@ -1,4 +1,4 @@
-"""Which material each cell has."""
+"""The material of each cell."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NONE = -1
 
 
 def material_indices(mesh: SolidMesh) -> tuple[list[Material], dict[str, Ints]]:
-    """The materials in use and, for each type of cell, the index of each cell's material.
+    """Return the materials in use and, for each type of cell, the index of each cell's material.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def material_indices(mesh: SolidMesh) -> tuple[list[Material], dict[str, Ints]]:
 
 
 def material_problems(mesh: SolidMesh) -> list[Problem]:
-    """Why `material_indices` would fail, if it would."""
+    """Return the problems for which `material_indices` would fail; empty if there are none."""
     try:
         _, indices = _by_group(mesh)
     except InvalidParameter as error:
@@ -45,7 +45,7 @@ def material_problems(mesh: SolidMesh) -> list[Problem]:
 
 
 def with_materials(mesh: SolidMesh, materials: Mapping[str, Material] | Material) -> SolidMesh:
-    """The same mesh with materials by group, or with one for all cells that have none."""
+    """Return the mesh with materials by group, or with one for all cells that have none."""
     if not isinstance(materials, Material):
         return replace(mesh, materials={**mesh.materials, **materials})
     _, indices = _by_group(mesh)

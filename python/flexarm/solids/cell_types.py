@@ -43,7 +43,7 @@ class CellType:
     faces: tuple[tuple[int, ...], ...]
 
     def face_nodes(self, face: int) -> tuple[int, ...]:
-        """All nodes of a face: its corners, then the middle nodes of its edges."""
+        """Return all nodes of a face: its corners, then the middle nodes of its edges."""
         corners = self.faces[face]
         if self.n_nodes == self.n_corners:
             return corners

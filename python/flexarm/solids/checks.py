@@ -1,4 +1,4 @@
-"""What would spoil a computation with a mesh: each problem with where it is and what to do.
+"""Defects that spoil a computation with a mesh: each problem says where it is and what to do.
 
 A cell is inverted or flat where det J <= 0 at a point of integration: the stiffness would be infinite or of
 the wrong sign. Points that coincide without being one leave a crack; pieces that share no point are several
@@ -37,7 +37,7 @@ _CURVED = dict.fromkeys(
 
 
 def problems(mesh: SolidMesh) -> Iterator[Problem]:
-    """Everything that is wrong, the cause before its consequences."""
+    """Yield everything that is wrong, the cause before its consequences."""
     if not mesh.cells:
         yield Problem("cells", f"there are no solid cells; needed are {ALLOWED}")
         return
@@ -145,7 +145,7 @@ def _unused(mesh: SolidMesh) -> Iterator[Problem]:
 
 
 def _cells(mesh: SolidMesh, kind: str, which: Ints) -> str:
-    """Numbers of cells in the file, and where the first is."""
+    """Return the numbers of cells in the file, and where the first is."""
     numbers = mesh.cell_numbers[kind][which[:_SHOWN]]
     middle = mesh.points[mesh.cells[kind][which[0]]].mean(axis=0)
     place = ", ".join(f"{x:.4g}" for x in middle)
@@ -164,6 +164,6 @@ def _more(count: int) -> str:
 
 
 def _above(value: float) -> float:
-    """A round number not below `value`."""
+    """Round up to one significant digit."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(np.ceil(value / power) * power)

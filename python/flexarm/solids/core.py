@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def core_mesh(mesh: SolidMesh, materials: Sequence[Material], indices: Mapping[str, Ints]) -> _core.SolidMesh:
-    """Points, blocks of cells with the index of each cell's material, materials."""
+    """Return points, blocks of cells with the index of each cell's material, and materials."""
     blocks = [
         _core.CellBlock(getattr(_core.CellType, kind), nodes, indices[kind])
         for kind, nodes in mesh.cells.items()
@@ -26,7 +26,7 @@ def core_mesh(mesh: SolidMesh, materials: Sequence[Material], indices: Mapping[s
 
 
 def smallest_jacobians(mesh: SolidMesh) -> dict[str, Floats]:
-    """For each cell the smallest det J over its points of integration, 1 for an ideal cell."""
+    """Return for each cell the smallest det J over its integration points, 1 for an ideal cell."""
     any_material = [Material(youngs_modulus=1.0, poisson_ratio=0.0, density=1.0)]
     zeros = {kind: np.zeros(len(nodes), np.int32) for kind, nodes in mesh.cells.items()}
     found = _core.smallest_jacobians(core_mesh(mesh, any_material, zeros))

@@ -1,4 +1,4 @@
-"""What a mesh is, in a few lines."""
+"""A summary of a mesh in a few lines."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def describe(mesh: SolidMesh) -> str:
-    """Size, cells, groups with their materials, sets: one thing a line."""
+    """Return the size, cells, groups with their materials, sets: one thing a line."""
     counts = ", ".join(f"{len(nodes)} {kind}" for kind, nodes in mesh.cells.items())
     size = " x ".join(f"{length:.4g}" for length in mesh.box[1] - mesh.box[0]) if mesh.n_points else "empty"
     lines = [

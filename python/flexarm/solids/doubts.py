@@ -1,4 +1,4 @@
-"""What is allowed in a mesh and yet looks wrong."""
+"""Plausibility rules: values that are allowed in a mesh and yet look wrong."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DISTORTED = 0.05
 
 
 def doubts(mesh: SolidMesh) -> Iterator[Problem]:
-    """All doubts about a mesh."""
+    """Yield all plausibility problems of a mesh."""
     yield from _size(mesh)
     yield from _materials(mesh)
     yield from _sets(mesh)

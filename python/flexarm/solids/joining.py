@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def merge_points(mesh: SolidMesh, tolerance: float) -> SolidMesh:
-    """The same mesh with points at most `tolerance` [m] apart made one, at the place of the first."""
+    """Merge points at most `tolerance` [m] apart into the first of them."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -51,7 +51,7 @@ def merge_points(mesh: SolidMesh, tolerance: float) -> SolidMesh:
 
 
 def join(a: SolidMesh, b: SolidMesh, tolerance: float) -> SolidMesh:
-    """Both meshes as one; groups and sets of the same name are united."""
+    """Join two meshes; groups and sets of the same name are united."""
     for name in a.materials.keys() & b.materials.keys():
         if a.materials[name] != b.materials[name]:
             raise InvalidParameter(

@@ -112,7 +112,7 @@ class SolidMesh:
         return _frozen(array, np.int32)
 
     def error(self, where: str, what: str) -> InvalidParameter:
-        """An error that names the file if there is one."""
+        """Return an error that names the file if there is one."""
         return InvalidFile(self.file, where, what) if self.file else InvalidParameter(what, where=where)
 
     @property
@@ -137,13 +137,13 @@ class SolidMesh:
 
     @property
     def warnings(self) -> tuple[Problem, ...]:
-        """What reading changed, and what is allowed and yet looks wrong."""
+        """Notes of the reader, and values that are allowed and yet look wrong."""
         from flexarm.solids.doubts import doubts
 
         return (*self.notes, *doubts(self))
 
     def point_set(self, name: str) -> Ints:
-        """Ints of the points of a set.
+        """Return the indices of the points of a set.
 
         Raises
         ------
@@ -160,7 +160,7 @@ class SolidMesh:
         return self.point_sets[name]
 
     def material_indices(self) -> tuple[list[Material], dict[str, Ints]]:
-        """The materials and, for each type, the index of each cell's material.
+        """Return the materials and, for each type, the index of each cell's material.
 
         Raises
         ------
@@ -172,13 +172,13 @@ class SolidMesh:
         return material_indices(self)
 
     def core(self) -> _core.SolidMesh:
-        """The mesh as the solver takes it."""
+        """Return the mesh as the solver takes it."""
         from flexarm.solids.core import core_mesh
 
         return core_mesh(self, *self.material_indices())
 
     def check(self) -> Self:
-        """This mesh, after everything that would spoil a computation has been looked for.
+        """Return this mesh if nothing in it spoils a computation.
 
         Raises
         ------
@@ -195,7 +195,7 @@ class SolidMesh:
         return self
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Self:
-        """The same part elsewhere: x -> R x + t, R a rotation matrix, t in m."""
+        """Return the part in another place: x -> R x + t, R a rotation matrix, t in m."""
         turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
         if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-9):
             raise InvalidParameter("must be a 3 x 3 rotation matrix", where="rotation")
@@ -204,17 +204,17 @@ class SolidMesh:
         return replace(self, points=self.points @ turn.T + np.asarray(translation, dtype=float))
 
     def with_materials(self, materials: Mapping[str, Material] | Material) -> SolidMesh:
-        """The same mesh with these materials: by group, or one for all cells that have none."""
+        """Return the mesh with these materials: by group, or one for all cells that have none."""
         from flexarm.solids.assigned import with_materials
 
         return with_materials(self, materials)
 
     def with_point_set(self, name: str, points: ArrayLike) -> Self:
-        """The same mesh with one more set of points."""
+        """Return the mesh with one more set of points."""
         return replace(self, point_sets={**self.point_sets, name: np.asarray(points)})
 
     def points_in_box(self, lower: ArrayLike, upper: ArrayLike) -> Ints:
-        """Indices of the points with lower <= (x, y, z) <= upper [m]; `-inf` and `inf` leave a side open.
+        """Return the points with lower <= (x, y, z) <= upper [m]; `-inf` and `inf` leave a side open.
 
         >>> from flexarm.solids import ring
         >>> inf = float("inf")
@@ -226,19 +226,19 @@ class SolidMesh:
         return found
 
     def merged(self, tolerance: float) -> SolidMesh:
-        """The same mesh with points closer than `tolerance` [m] made one."""
+        """Merge points closer than `tolerance` [m]."""
         from flexarm.solids.joining import merge_points
 
         return merge_points(self, tolerance)
 
     def joined(self, other: SolidMesh, tolerance: float = 0.0) -> SolidMesh:
-        """This mesh and another as one; points closer than `tolerance` [m] are made one."""
+        """Join this mesh and another; merge points closer than `tolerance` [m]."""
         from flexarm.solids.joining import join
 
         return join(self, other, tolerance)
 
     def describe(self) -> str:
-        """Size, cells, groups with their materials, sets: one thing a line."""
+        """Return the size, cells, groups with their materials, sets: one thing a line."""
         from flexarm.solids.description import describe
 
         return describe(self)

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 
 def known_names(name: str, known: Iterable[str], none: str) -> str:
-    """The names there are, close ones first."""
+    """List the names there are, close ones first."""
     names = list(known)
     if not names:
         return none

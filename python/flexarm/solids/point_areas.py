@@ -1,4 +1,4 @@
-r"""What area each point of a set stands for: the integral of its shape function over the set's outer faces.
+r"""Area of each point of a set: the integral of its shape function over the set's outer faces.
 
 .. math:: a_i = \int_A N_i \, dA, \qquad \sum_i a_i = A                                              (1)
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def point_areas(mesh: SolidMesh, points: ArrayLike) -> Floats:
-    """Area (1) of every point of a set.
+    """Return the area (1) of every point of a set.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def point_areas(mesh: SolidMesh, points: ArrayLike) -> Floats:
 
 
 def _outer_faces(mesh: SolidMesh, inside: NDArray[np.bool_]) -> Iterator[Ints]:
-    """Faces of which all points are inside and that belong to one cell, by number of nodes: (n, nodes)."""
+    """Yield outer faces with all points inside, by number of nodes: (n, nodes)."""
     faces: dict[int, list[Ints]] = {}
     for name, cells in mesh.cells.items():
         kind = CELL_TYPES[name]
@@ -66,7 +66,7 @@ def _outer_faces(mesh: SolidMesh, inside: NDArray[np.bool_]) -> Iterator[Ints]:
 
 
 def _face_nodes(kind: CellType, face: int) -> list[int]:
-    """Corners in order, then the middle of the edge after each corner."""
+    """Return the corners in order, then the middle of the edge after each corner."""
     corners = kind.faces[face]
     if kind.n_nodes == kind.n_corners:
         return list(corners)
@@ -76,7 +76,7 @@ def _face_nodes(kind: CellType, face: int) -> list[int]:
 
 
 def _integrals(corners: Floats) -> Floats:
-    """(1) of faces given by their nodes (n, nodes, 3)."""
+    """Return (1) of faces given by their nodes (n, nodes, 3)."""
     n_nodes = corners.shape[1]
     places, weights = _TRIANGLE if n_nodes in (3, 6) else _SQUARE
     total = np.zeros(corners.shape[:2])

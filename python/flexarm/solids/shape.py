@@ -1,4 +1,4 @@
-"""The form of a mesh: which points are connected, which coincide, what its surface is."""
+"""Connected points, coincident points and the surface of a mesh."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def components(mesh: SolidMesh) -> tuple[int, Ints]:
-    """Number of pieces that share no point, and the piece of each point."""
+    """Return the number of pieces that share no point, and the piece of each point."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -26,7 +26,7 @@ def components(mesh: SolidMesh) -> tuple[int, Ints]:
 
 
 def shortest_edge(mesh: SolidMesh) -> float:
-    """Length of the shortest edge that has one [m]."""
+    """Return the length of the shortest edge that has one [m]."""
     shortest = np.inf
     for kind, nodes in mesh.cells.items():
         edges = nodes[:, np.array(CELL_TYPES[kind].edges)]
@@ -36,7 +36,7 @@ def shortest_edge(mesh: SolidMesh) -> float:
 
 
 def coincident(points: Floats, tolerance: float) -> Ints:
-    """Pairs of points at most `tolerance` apart, shape (n, 2), each pair once."""
+    """Return the pairs of points at most `tolerance` apart, shape (n, 2), each pair once."""
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
@@ -44,7 +44,7 @@ def coincident(points: Floats, tolerance: float) -> Ints:
 
 
 def surface(mesh: SolidMesh) -> list[tuple[int, ...]]:
-    """Faces that belong to one cell only: corner points, seen from outside anticlockwise."""
+    """Return the faces that belong to one cell only: corner points, seen from outside anticlockwise."""
     faces: dict[int, list[Ints]] = {3: [], 4: []}
     for kind, nodes in mesh.cells.items():
         for corners in CELL_TYPES[kind].faces:

@@ -1,4 +1,4 @@
-"""What mechanics demands of a reduced part, asked before its matrices are used.
+"""Mechanical requirements on a reduced part, checked before its matrices are used.
 
 A matrix of another program comes without coordinates, order of freedoms or unit; each of them stated wrongly
 makes a part that swings and is wrong. K and M must therefore be positive semidefinite, K must annihilate the
@@ -33,7 +33,7 @@ STATED_ORDER = "stated"
 
 
 def refusals(element: SuperElement, mass: float | None, tolerance: float) -> list[Problem]:
-    """Everything that no elastic part could have; empty if there is nothing."""
+    """Return everything that no elastic part could have; empty if there is nothing."""
     return [
         *strained_by_rigid_motion(element, tolerance),
         *_not_definite(element, tolerance),
@@ -44,7 +44,7 @@ def refusals(element: SuperElement, mass: float | None, tolerance: float) -> lis
 
 
 def doubts(element: SuperElement) -> list[Problem]:
-    """What is allowed and yet looks wrong."""
+    """Return what is allowed and yet looks wrong."""
     return [
         *outside(element),
         *unlikely_density(element),
@@ -76,7 +76,7 @@ def _not_definite(element: SuperElement, tolerance: float) -> Iterator[Problem]:
 
 
 def _other_frequencies(element: SuperElement) -> Iterator[Problem]:
-    """The internal block must vibrate as stated, at a frequency that a part of its size can have."""
+    """Compare the internal block with the stated frequencies and those possible for its size."""
     if not element.n_modes:
         return
     inner = slice(PER_INTERFACE * element.n_interfaces, None)
@@ -100,7 +100,7 @@ def _other_frequencies(element: SuperElement) -> Iterator[Problem]:
 
 
 def _other_load(element: SuperElement) -> Iterator[Problem]:
-    """The inertia load must be M R_t."""
+    """Compare the inertia load with M R_t."""
     expected = element.mass @ rigid_motions(element.positions, element.n_modes)[:, :3]
     scale = largest_of_kind(element, np.abs(expected).max(axis=1))[:, None]
     off = np.abs(element.inertia_load - expected) - 1e-3 * scale - 1e-12 * np.abs(expected).max()
@@ -114,7 +114,7 @@ def _other_load(element: SuperElement) -> Iterator[Problem]:
 
 
 def _damped_rigid_motion(element: SuperElement) -> Iterator[Problem]:
-    """Damping belongs to deformation."""
+    """Report damping of rigid motion."""
     force = np.abs(element.damping @ rigid_motions(element.positions, element.n_modes)).max(axis=1)
     if force.max() > 1e-3 * np.abs(element.damping).max():
         where = freedom(int(force.argmax()), element.interfaces)
@@ -122,7 +122,7 @@ def _damped_rigid_motion(element: SuperElement) -> Iterator[Problem]:
 
 
 def _one_place(element: SuperElement) -> Iterator[Problem]:
-    """Two interfaces at one place move alike in rigid motion, so that nothing tells which is which."""
+    """Report interfaces at one place: they move alike in rigid motion, so that no check tells them apart."""
     if element.provenance.get("order_of_source") != STATED_ORDER:
         return
     for i, j in combinations(range(element.n_interfaces), 2):

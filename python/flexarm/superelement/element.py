@@ -148,7 +148,7 @@ class SuperElement:
         return rigid_inertia(self.mass, self.positions)
 
     def interface(self, name: str) -> tuple[Floats, Floats]:
-        """Rotation (3, 3) and position (3,) of an interface in the part's frame.
+        """Return the rotation (3, 3) and position (3,) of an interface in the part's frame.
 
         Raises
         ------
@@ -165,7 +165,7 @@ class SuperElement:
 
     @takes(mass=POSITIVE, tolerance=SHARE)
     def check(self, mass: float | None = None, tolerance: float | None = None) -> list[Problem]:
-        """Asks what mechanics demands of the matrices, see :mod:`flexarm.superelement.checks`.
+        """Check what mechanics demands of the matrices, see :mod:`flexarm.superelement.checks`.
 
         Parameters
         ----------
@@ -191,7 +191,7 @@ class SuperElement:
         return doubts(self)
 
     def _refuse(self, problems: list[Problem]) -> None:
-        """An error with all problems, if there are any."""
+        """Raise an error with all problems, if there are any."""
         if problems:
             first = problems[0]
             raise InvalidParameter(
@@ -199,7 +199,7 @@ class SuperElement:
             )
 
     def moved(self, rotation: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SuperElement:
-        """The same part seen from a frame in which its own stands at (rotation, translation).
+        """Return the part seen from a frame in which its own stands at (rotation, translation).
 
         Parameters
         ----------
@@ -213,13 +213,13 @@ class SuperElement:
         return moved(self, rotation, translation)
 
     def replace(self, **changes: Any) -> SuperElement:
-        """A copy with some fields changed."""
+        """Return a copy with some fields changed."""
         import dataclasses
 
         return dataclasses.replace(self, **changes)
 
     def recover(self, coordinates: ArrayLike) -> Floats:
-        """Displacements of all points of the mesh.
+        """Return the displacements of all points of the mesh.
 
         Parameters
         ----------
@@ -251,7 +251,7 @@ class SuperElement:
         return np.asarray((self.recovery @ q).reshape(-1, 3))
 
     def von_mises(self, mesh: SolidMesh, coordinates: ArrayLike) -> Floats:
-        """Von Mises stress at all points of the mesh it was reduced from [Pa], averaged over their cells.
+        """Return the von Mises stress at all points of the original mesh [Pa], averaged over their cells.
 
         Parameters
         ----------
@@ -266,20 +266,20 @@ class SuperElement:
         return von_mises(self, mesh, coordinates)
 
     def summary(self) -> str:
-        """Mass, interfaces, modes, quality and origin in lines."""
+        """Return the mass, interfaces, modes, quality and origin in lines."""
         from flexarm.superelement.summary import summary
 
         return summary(self)
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The same for programs."""
+        """Return the summary as a dictionary for programs."""
         from flexarm.superelement.summary import to_json_dict
 
         return to_json_dict(self)
 
     @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, force: bool = False) -> None:
-        """Writes the super-element as NetCDF; the file appears when it is whole.
+        """Write the super-element as NetCDF; the file appears when it is complete.
 
         Raises
         ------
@@ -293,7 +293,7 @@ class SuperElement:
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> SuperElement:
-        """Reads a super-element file, of flexarm or of whoever writes the format.
+        """Read a super-element file, written by flexarm or another program.
 
         Raises
         ------

@@ -34,7 +34,7 @@ DENSITY = (1e-3, 1e7)
 
 
 def no_body(element: SuperElement, tolerance: float) -> Iterator[Problem]:
-    """R^T M R must have the form (1)."""
+    """Report R^T M R that has not the form (1)."""
     total = element.mass_total
     if total < 0:
         yield Problem("mass", f"the part must not weigh less than nothing, got {total:.6g} kg")
@@ -72,7 +72,7 @@ def _impossible_inertia(element: SuperElement) -> Iterator[Problem]:
 
 
 def unlikely_density(element: SuperElement) -> Iterator[Problem]:
-    """A wrong unit shows in the density."""
+    """Report a density that no material has, as a wrong unit makes it."""
     gyration = radius_of_gyration(element)
     if gyration == 0:
         return
@@ -86,14 +86,14 @@ def unlikely_density(element: SuperElement) -> Iterator[Problem]:
 
 
 def other_mass(element: SuperElement, stated: float | None) -> Iterator[Problem]:
-    """The mass that is known from elsewhere."""
+    """Compare the mass with the stated one."""
     if stated is not None and not abs(element.mass_total - stated) <= STATED_MASS * abs(stated):
         what = f"R^T M R weighs {element.mass_total:.6g} kg, stated are {stated:.6g} kg"
         yield Problem("mass", f"{what}; they may differ by {100 * STATED_MASS:g} %")
 
 
 def outside(element: SuperElement) -> Iterator[Problem]:
-    """A centre far from all interfaces is possible, and unlikely.
+    """Report a centre far from all interfaces, which is possible and unlikely.
 
     A uniform bar held at one end has its centre sqrt(3) radii of gyration away from there.
     """

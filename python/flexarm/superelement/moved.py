@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def moved(element: SuperElement, rotation: ArrayLike, translation: ArrayLike) -> SuperElement:
-    """The part seen from a frame in which its own stands at (rotation, translation)."""
+    """Return the part seen from a frame in which its own stands at (rotation, translation)."""
     R, p = np.asarray(rotation, dtype=float), np.asarray(translation, dtype=float)
     T = np.eye(element.n_dof)
     for at in range(0, PER_INTERFACE * element.n_interfaces, 3):

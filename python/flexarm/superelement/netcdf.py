@@ -50,7 +50,7 @@ UNITS = {
 
 
 def save(element: SuperElement, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
-    """Writes a super-element; the file appears when it is whole, and replaces no input.
+    """Write a super-element; the file appears when it is complete, and replaces no input.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def save(element: SuperElement, path: str | Path, force: bool = False, inputs: I
 
 
 def contents(element: SuperElement) -> Contents:
-    """What the file of a super-element holds."""
+    """Return the content of a super-element's file."""
     values: dict[str, Any] = {
         "interface_position": element.positions,
         "interface_rotation": element.rotations,
@@ -98,7 +98,7 @@ def _provenance() -> dict[str, str]:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays as lists and infinity as null, so that JSON takes them."""
+    """Convert arrays to lists and infinity to null, so that JSON takes them."""
     if isinstance(value, dict) or hasattr(value, "items"):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -109,7 +109,7 @@ def _plain(value: Any) -> Any:
 
 
 def load(path: str | Path) -> SuperElement:
-    """Reads a super-element file and asks what mechanics demands of it.
+    """Read a super-element file and check what mechanics demands of it.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def load(path: str | Path) -> SuperElement:
 
 
 def _element(data: Variables, path: str | Path) -> SuperElement:
-    """The data class; a variable that is missing or holds no numbers is reported with its name."""
+    """Return the data class; report a variable that is missing or holds no numbers by its name."""
     n = (*_shape(data, "interface_name"), 0)[0]
     left_out = ["inertia_load"] + ["frequency_hz"] * (_shape(data, "stiffness") == (6 * n, 6 * n))
     needed = [name for name in ("interface_name", *DIMENSIONS) if name not in left_out]
@@ -178,7 +178,7 @@ def _interface_names(data: Variables, path: str | Path) -> tuple[str, ...]:
 
 
 def _quality(data: Variables) -> dict[str, Any]:
-    """What `save` stored; another program's attribute of that name is left alone."""
+    """Return what `save` stored; another program's attribute of that name is ignored."""
     try:
         told = json.loads(data.attributes.get("quality", "{}"))
     except (TypeError, ValueError, RecursionError):

@@ -29,7 +29,7 @@ VIEWS = ((25.0, -60.0), (-25.0, 120.0))
 def picture(
     mesh: SolidMesh, sets: Mapping[str, Ints], frames: Mapping[str, tuple[Floats, Floats]], title: str = ""
 ) -> Figure:
-    """Part and interfaces in 3-D.
+    """Draw part and interfaces in 3-D.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def picture(
 
 
 def save_picture(figure: Figure, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
-    """Writes the picture; its kind follows the name's ending, and no input is replaced.
+    """Write the picture; its kind follows the name's ending, and no input is replaced.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def _cycle(n: int) -> list[str]:
 def _colours(
     faces: Sequence[tuple[int, ...]], sets: Mapping[str, Ints], n_points: int
 ) -> tuple[list[str], dict[str, Ints]]:
-    """Colour of each face, and the points of each set that no coloured face shows."""
+    """Return the colour of each face, and the points of each set that no coloured face shows."""
     colours = [BODY] * len(faces)
     loose: dict[str, Ints] = {}
     for (name, points), colour in zip(sets.items(), _cycle(len(sets)), strict=True):
@@ -120,7 +120,7 @@ def _faces(axes: Any, mesh: SolidMesh, faces: Sequence[tuple[int, ...]], colours
 
 
 def _triads(axes: Any, frames: Mapping[str, tuple[Floats, Floats]], colours: list[str], size: float) -> None:
-    """Frames are drawn over the part, wherever they stand."""
+    """Draw the frames over the part."""
     for (rotation, position), dot in zip(frames.values(), colours, strict=True):
         for k, colour in enumerate(AXES):
             end = position + 0.1 * size * rotation[:, k]

@@ -31,7 +31,7 @@ COMPONENTS = ("translation x", "translation y", "translation z", "rotation x", "
 
 @dataclass(frozen=True)
 class RigidInertia:
-    """What a body weighs: mass [kg], centre [m] and inertia about the centre [kg m2], in the part's frame."""
+    """Mass [kg], centre [m] and inertia about the centre [kg m2] of a body, in the part's frame."""
 
     mass: float
     centre: Floats
@@ -39,13 +39,13 @@ class RigidInertia:
 
 
 def cross_matrix(p: ArrayLike) -> Floats:
-    """The matrix ~p with ~p x = p x x."""
+    """Return the matrix ~p with ~p x = p x x."""
     x, y, z = np.asarray(p, dtype=float)
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 def rigid_motions(positions: ArrayLike, n_modes: int, about: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
-    """The columns (1) for every freedom.
+    """Return the columns (1) for every freedom.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def rigid_motions(positions: ArrayLike, n_modes: int, about: ArrayLike = (0.0, 0
 
 
 def rigid_inertia(mass_matrix: Floats, positions: Floats) -> RigidInertia:
-    """Mass, centre and inertia of a reduced part, eq. (2)."""
+    """Return the mass, centre and inertia of a reduced part, eq. (2)."""
     n_modes = len(mass_matrix) - PER_INTERFACE * len(positions)
     motions = rigid_motions(positions, n_modes)
     block = motions.T @ mass_matrix @ motions
@@ -85,7 +85,7 @@ def rigid_inertia(mass_matrix: Floats, positions: Floats) -> RigidInertia:
 
 
 def inertia_load(mass: ArrayLike, n_interfaces: int) -> Floats:
-    """Generalised force for unit acceleration of the frame, M R_t; translations ask for no positions."""
+    """Return the generalised force for unit acceleration of the frame, M R_t, which needs no positions."""
     M = np.asarray(mass, dtype=float)
     if M.ndim != 2 or len(M) < PER_INTERFACE * n_interfaces:
         return np.zeros((len(M), 3))  # the shape of M itself is what will be reported
@@ -94,7 +94,7 @@ def inertia_load(mass: ArrayLike, n_interfaces: int) -> Floats:
 
 
 def freedom(index: int, interfaces: tuple[str, ...]) -> str:
-    """A freedom in words: which interface and direction, or which internal mode."""
+    """Name a freedom: its interface and direction, or its internal mode."""
     at, component = divmod(index, PER_INTERFACE)
     if at < len(interfaces):
         return f"interface {interfaces[at]!r}, {COMPONENTS[component]}"

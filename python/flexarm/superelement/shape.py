@@ -43,7 +43,7 @@ VARIABLES = {
 
 
 def problems_of_shape(element: SuperElement) -> list[Problem]:
-    """Everything that keeps the data from being a super-element; empty if nothing does."""
+    """Return everything that keeps the data from being a super-element; empty if nothing does."""
     names = list(_names(element.interfaces))
     sizes = list(_sizes(element))
     if names or sizes:

@@ -35,7 +35,7 @@ NAMED = 6
 
 
 def strained_by_rigid_motion(element: SuperElement, tolerance: float) -> Iterator[Problem]:
-    """K R = 0; the freedoms that miss it are named, the worst first."""
+    """Report freedoms that violate K R = 0, the worst first."""
     if element.n_interfaces == 1 and not element.n_modes:  # a rigid body: K is rounding, there is no scale
         return
     error = rigid_body_error(element)
@@ -54,7 +54,7 @@ def strained_by_rigid_motion(element: SuperElement, tolerance: float) -> Iterato
 
 
 def rigid_body_error(element: SuperElement) -> Floats:
-    """Relative error of K R = 0 in every freedom, eq. (1)."""
+    """Return the relative error of K R = 0 in every freedom, eq. (1)."""
     size, held = size_of(element), PER_INTERFACE * element.n_interfaces
     middle = element.positions.mean(axis=0)
     motions = rigid_motions(element.positions, element.n_modes, middle) * ([size] * 3 + [1.0] * 3)
@@ -72,7 +72,7 @@ def rigid_body_error(element: SuperElement) -> Floats:
 
 
 def mechanisms(element: SuperElement, tolerance: float) -> Iterator[Problem]:
-    """Motions without stiffness beyond the six rigid ones: eigenvalues as small as rounding."""
+    """Report motions without stiffness beyond the six rigid ones: eigenvalues as small as rounding."""
     if element.n_interfaces == 1:
         return
     values, vectors = np.linalg.eigh(unit_diagonal(element, element.stiffness))

@@ -1,4 +1,4 @@
-"""What a super-element is, in lines for a person and as a dictionary for programs."""
+"""A summary of a super-element, as text and as a dictionary for programs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _TOLD = (
 
 
 def summary(element: SuperElement) -> str:
-    """Mass, interfaces, modes, quality and origin in lines."""
+    """Return the mass, interfaces, modes, quality and origin in lines."""
     return "\n".join(
         [
             f"super-element {element.name}: {element.n_dof} degrees of freedom, {element.n_interfaces} "
@@ -45,7 +45,7 @@ def summary(element: SuperElement) -> str:
 
 
 def to_json_dict(element: SuperElement) -> dict[str, Any]:
-    """The same for programs."""
+    """Return the summary as a dictionary for programs."""
     return {
         "name": element.name,
         "dof": element.n_dof,
@@ -96,7 +96,7 @@ def _interfaces(element: SuperElement) -> Iterator[str]:
 
 
 def _rounded(position: Floats) -> Floats:
-    """Without the rounding errors of zeros."""
+    """Set the rounding errors of zeros to zero."""
     return np.where(np.abs(position) < 1e-9 * np.abs(position).max(), 0.0, position)
 
 
@@ -143,7 +143,7 @@ def _why_trusted(quality: Mapping[str, Any], trusted: float) -> str:
 
 
 def _array(element: SuperElement, name: str) -> Floats:
-    """A quality number as an array, empty if it is not there."""
+    """Return a quality number as an array, empty if it is not there."""
     value = element.quality.get(name)
     return np.asarray([] if value is None else value, dtype=float)
 

@@ -20,14 +20,14 @@ from flexarm.reading import check_hdf5, reading, regular_file
 
 @dataclass(frozen=True, eq=False)
 class Variables:
-    """What a file holds: arrays by name, and the attributes of the file."""
+    """The arrays of a file by name, and its attributes."""
 
     arrays: Mapping[str, NDArray[Any]]
     attributes: Mapping[str, Any]
 
 
 def read_variables(path: str | Path) -> Variables:
-    """All variables of a file.
+    """Return all variables of a file.
 
     Raises
     ------
@@ -65,14 +65,14 @@ def _classic(path: Path) -> Variables:
 
 
 def _refuse_packed(path: Path, name: str, attributes: Any) -> None:
-    """Numbers stored as integers with a scale would be read wrongly."""
+    """Refuse numbers stored as integers with a scale, which would be read wrongly."""
     for key in ("scale_factor", "add_offset"):
         if key in attributes:
             raise InvalidFile(path, name, f"must hold its numbers as they are, got packed ones ({key})")
 
 
 def _plain(value: Any) -> Any:
-    """Text as str, single numbers as numbers."""
+    """Convert bytes to str and single numbers to Python's."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     if isinstance(value, np.ndarray):
@@ -81,7 +81,7 @@ def _plain(value: Any) -> Any:
 
 
 def texts(values: NDArray[Any]) -> list[str] | None:
-    """Names stored as strings, bytes, or characters along a last dimension; None if they are none."""
+    """Return names stored as strings, bytes, or characters along a last dimension; None if they are none."""
     if values.dtype.kind == "S" and values.dtype.itemsize == 1 and values.ndim == 2:
         values = np.array([b"".join(row) for row in values])
     if values.ndim != 1 or values.dtype.kind not in "OUST":

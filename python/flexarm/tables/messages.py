@@ -68,6 +68,8 @@ def shown(value: Any, limit: int = 60) -> str:
         text = repr(value) if not isinstance(value, bool) else str(value).lower()
     except ValueError:  # Python prints no integer of more digits
         text = "a whole number of thousands of digits"
+    except RecursionError:
+        text = "tables nested hundreds deep"
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 

@@ -37,7 +37,7 @@ _SAID = (
 
 
 def content(path: Path) -> Content:
-    """What an Abaqus or CalculiX file holds."""
+    """Read the content of an Abaqus or CalculiX file."""
     reader = _Reader()
     for keyword in keywords(path):
         reader.take(keyword)
@@ -189,7 +189,7 @@ class _Reader:
         self.scope = self.assembly
 
     def _instance(self, keyword: Keyword) -> None:
-        """Until `*END INSTANCE` an instance may add nodes and cells of its own to those of its part."""
+        """Begin an instance, which may add nodes and cells of its own to those of its part."""
         part = keyword.parameters.get("PART", "").upper()
         if part and part not in self.parts:
             raise keyword.error(f"there is no *PART {part!r} before")
@@ -205,7 +205,7 @@ class _Reader:
         self.instance, self.scope = None, self.assembly
 
     def finished(self, path: Path) -> Content:
-        """All that was read."""
+        """Return all that was read."""
         if not self.instances:
             for name, part in self.parts.items():  # parts that no assembly places stand where they are
                 part.copied(name, [], self.assembly)
@@ -221,6 +221,6 @@ class _Reader:
 
 
 def _extend(sets: Names[list[Key]], name: str, keys: Iterable[Key]) -> None:
-    """A set that is given again grows, as both programs have it."""
+    """Extend a set: one that is given again grows, as in both programs."""
     if name:
         sets.set(name, [*(sets.get(name) or []), *keys])

@@ -28,7 +28,7 @@ _LINES = re.compile(r"(T[23]D|B[23]|D1D|R2D2|PIPE)\d?")
 
 
 def kind_of(name: str) -> str:
-    """meshio's name of a type; empty for springs, masses, connectors and the like."""
+    """Return meshio's name of a type; empty for springs, masses, connectors and the like."""
     solid = _SOLID.match(name)
     if solid:
         return _KINDS.get(int(solid.group(1)), name)
@@ -40,7 +40,7 @@ def kind_of(name: str) -> str:
 
 
 def rows_of(keyword: Keyword, name: str) -> Iterator[list[int]]:
-    """Number and nodes of each cell.
+    """Yield number and nodes of each cell.
 
     A solid has as many nodes as its name says, on as many lines as it takes; what else stands in the last of
     them is left out, as both programs do. Other cells go on in the next line where one ends in a comma.

@@ -14,7 +14,7 @@ from flexarm.solids.reading.content import Block, Content, Elastic
 
 
 class Flat:
-    """The assembly with indices instead of numbers: what `Content` holds."""
+    """The assembly with indices instead of numbers, as `Content` holds it."""
 
     def __init__(self, scope: Scope, instances: list[str], notes: list[Problem]) -> None:
         self.scope, self.notes = scope, notes
@@ -23,7 +23,7 @@ class Flat:
         self.place: dict[Key, tuple[int, int]] = {}
 
     def content(self, path: Path, materials: Names[AbaqusMaterial]) -> Content:
-        """All of it; `path` names the file in errors."""
+        """Return the content; `path` names the file in errors."""
         blocks = self._blocks()
         found = Content(
             points=np.array(list(self.scope.nodes.values()), float).reshape(-1, 3),
@@ -51,11 +51,11 @@ class Flat:
         for (kind, _), cells in rows.items():
             self.place.update({key: (len(blocks), i) for i, (key, _) in enumerate(cells)})
             numbers = np.array([number for (_, number), _ in cells])
-            blocks.append(Block(kind, np.array([row for _, row in cells]), numbers))
+            blocks.append(Block(kind, np.array([row for _, row in cells], int), numbers))
         return blocks
 
     def _short(self, name: str, taken: Iterable[str]) -> str:
-        """Without the instance's name where there is but one instance."""
+        """Drop the instance's name where there is only one instance."""
         short = name.removeprefix(self.prefix)
         return short if short not in taken else name
 

@@ -28,7 +28,7 @@ class Names(Generic[Value]):
         self._values: dict[str, tuple[str, Value]] = {}
 
     def get(self, name: str) -> Value | None:
-        """The value of a name, or None."""
+        """Return the value of a name, or None."""
         found = self._values.get(name.upper())
         return found[1] if found else None
 
@@ -38,7 +38,7 @@ class Names(Generic[Value]):
         self._values[name.upper()] = (spelling, value)
 
     def items(self) -> Iterator[tuple[str, Value]]:
-        """Names as they were first spelt, and values."""
+        """Return the names as they were first spelt, and values."""
         yield from self._values.values()
 
     def __contains__(self, name: str) -> bool:
@@ -66,7 +66,7 @@ class AbaqusMaterial:
 
 @dataclass
 class Scope:
-    """What one part, or the assembly, or a file without parts holds."""
+    """The content of one part, of the assembly, or of a file without parts."""
 
     nodes: dict[Key, list[float]] = field(default_factory=dict)
     cells: dict[Key, tuple[str, list[Key]]] = field(default_factory=dict)
@@ -97,7 +97,7 @@ class Scope:
     def members(
         self, keyword: Keyword, known: Names[list[Key]], there: Mapping[Key, object], instance: str
     ) -> list[Key]:
-        """What the rows of `*NSET` or `*ELSET` name: numbers, ranges, other sets.
+        """Return the members that the rows of `*NSET` or `*ELSET` name: numbers, ranges, other sets.
 
         A range longer than any list of nodes, as in `1, 99999999`, means those `there` that it spans.
         """
@@ -132,7 +132,7 @@ class Scope:
 
 
 def placement(keyword: Keyword) -> list[list[float]]:
-    """The rows of `*INSTANCE`: none, a translation, or a translation and two points with an angle."""
+    """Return the rows of `*INSTANCE`: none, a translation, or a translation and two points with an angle."""
     rows = [(line, keyword.floats(line, values)) for line, values in keyword.rows]
     for (line, row), length in zip(rows, (3, 7), strict=False):
         if len(row) < length or (length == 7 and row[:3] == row[3:6]):
@@ -142,7 +142,7 @@ def placement(keyword: Keyword) -> list[list[float]]:
 
 
 def _placed(points: Floats, rows: list[list[float]]) -> Floats:
-    """Points of a part as an instance has them: translated by the first row, then turned by the second.
+    """Place the points of a part: translated by the first row, then rotated by the second.
 
     The second row is two points a, b and an angle [deg] about the line from a to b (Rodrigues' formula).
     """

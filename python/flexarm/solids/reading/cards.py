@@ -39,15 +39,15 @@ class Card:
     line: int
 
     def error(self, what: str) -> InvalidFile:
-        """An error at this card."""
+        """Return an error at this card."""
         return InvalidFile(self.file, f"line {self.line}, {self.name}", what)
 
     def text(self, index: int) -> str:
-        """A field, empty if the card ends before."""
+        """Return a field, empty if the card ends before."""
         return self.fields[index] if index < len(self.fields) else ""
 
     def integer(self, index: int, otherwise: int | None = None) -> int:
-        """A whole number; `otherwise` for an empty field."""
+        """Return a whole number; `otherwise` for an empty field."""
         text = self.text(index)
         if not text and otherwise is not None:
             return otherwise
@@ -60,7 +60,7 @@ class Card:
         return number
 
     def number(self, index: int) -> float:
-        """A real number, 0 for an empty field; `7.-3` is 0.007."""
+        """Return a real number, 0 for an empty field; `7.-3` is 0.007."""
         text = self.text(index).upper().replace("D", "E")
         if not text:
             return 0.0
@@ -74,7 +74,7 @@ class Card:
 
 
 def cards(path: Path, includes: Includes | None = None) -> Iterator[Card]:
-    """Every card of a file and of those it includes."""
+    """Yield every card of a file and of those it includes."""
     includes = includes or Includes()
     lines = list(enumerate(any_text(path).expandtabs(8).splitlines(), start=1))
     begin = next(
@@ -118,7 +118,7 @@ def _split(line: str) -> tuple[str, list[str]]:
 
 
 def _case_sets(lines: list[tuple[int, str]], path: Path) -> Iterator[Card]:
-    """`SET n = 1, 2, 5 THRU 9`, which goes on while a line ends in a comma."""
+    """Read `SET n = 1, 2, 5 THRU 9`, which goes on while a line ends in a comma."""
     rest = iter(lines)
     for number, line in rest:
         words = line.split("$")[0].replace("=", " = ").split()

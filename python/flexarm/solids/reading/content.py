@@ -1,4 +1,4 @@
-"""What a mesh file holds, in its own units, before it is known to be a part."""
+"""The content of a mesh file, in its own units and not yet a part."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Elastic:
-    """A material as the file gives it; None is what the file leaves out.
+    """A material as the file gives it; None where the file leaves a value out.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ _DIMENSION = ("point", "curve", "surface", "volume")
 
 
 def content(path: Path) -> Content:
-    """What a Gmsh file holds."""
+    """Read the content of a Gmsh file."""
     return read_by(_content, path, "Gmsh mesh", _REMEDIES)
 
 
@@ -53,7 +53,7 @@ def _content(path: Path) -> Content:
 
 
 def _groups(mesh: Any) -> dict[str, dict[int, Ints]]:
-    """Physical groups: by name where there is one, by number otherwise."""
+    """Return the physical groups: by name where there is one, by number otherwise."""
     groups: dict[str, dict[int, Ints]] = {}
     for name, members in mesh.cell_sets.items():
         if not name.startswith("gmsh:"):
@@ -69,7 +69,7 @@ def _groups(mesh: Any) -> dict[str, dict[int, Ints]]:
 
 
 def _refuse_shared_names(path: Path) -> None:
-    """A volume and a surface of one name: meshlane would keep one of them."""
+    """Refuse a volume and a surface of one name, of which meshlane would keep one."""
     with path.open("rb") as file:
         for line in file:
             if line.strip() == b"$PhysicalNames":

@@ -16,7 +16,7 @@ from flexarm.errors import InvalidFile
 
 
 def cell_numbers(path: Path) -> Ints | None:
-    """Number of each cell, or None where the file's version has another layout."""
+    """Return the number of each cell, or None where the file's version has another layout."""
     with path.open("rb") as file:
         if not _forward_to(file, b"$MeshFormat"):
             return None
@@ -29,7 +29,7 @@ def cell_numbers(path: Path) -> Ints | None:
 
 
 def check_counts(path: Path) -> None:
-    """Raises InvalidFile if a file says that it holds more nodes or cells than bytes."""
+    """Raise InvalidFile if a file says that it holds more nodes or cells than bytes."""
     size = path.stat().st_size
     with path.open("rb") as file:
         if not _forward_to(file, b"$MeshFormat"):
@@ -56,7 +56,7 @@ def _version_2_text(file: IO[bytes]) -> Ints:
 
 
 def _version_2_binary(file: IO[bytes]) -> Ints:
-    """Batches of (type, count, number of tags), then for each cell its number, tags, nodes."""
+    """Read batches of (type, count, number of tags), then for each cell its number, tags, nodes."""
     left, numbers = int(file.readline()), [np.empty(0, np.int64)]
     while left > 0:
         kind, count, n_tags = np.fromfile(file, np.intc, 3)
@@ -68,7 +68,7 @@ def _version_2_binary(file: IO[bytes]) -> Ints:
 
 
 def _version_4(file: IO[bytes], separator: str) -> Ints:
-    """Blocks of (dimension, entity, type), count, then for each cell its number and nodes."""
+    """Read blocks of (dimension, entity, type), count, then for each cell its number and nodes."""
     read = partial(np.fromfile, file, sep=separator)
     numbers = [np.empty(0, np.int64)]
     for _ in range(int(read(np.uint64, 4)[0])):

@@ -43,18 +43,18 @@ class Keyword:
     rows: list[tuple[int, list[str]]] = field(default_factory=list)
 
     def error(self, what: str, line: int | None = None) -> InvalidFile:
-        """An error at this keyword, or at a line of its data."""
+        """Return an error at this keyword, or at a line of its data."""
         return InvalidFile(self.file, f"line {line or self.line}, *{self.name}", what)
 
     def needed(self, parameter: str) -> str:
-        """Value of a parameter that must be there."""
+        """Return the value of a parameter that must be there."""
         value = self.parameters.get(parameter, "")
         if not value:
             raise self.error(f"{parameter} is missing")
         return value
 
     def numbers(self, line: int, values: list[str]) -> list[int]:
-        """Whole numbers of a row; empty values are left out."""
+        """Return the whole numbers of a row; empty values are left out."""
         try:
             numbers = [int(value) for value in values if value]
         except ValueError:
@@ -64,14 +64,14 @@ class Keyword:
         return numbers
 
     def span(self, line: int, values: list[str]) -> range:
-        """First, last and step of `GENERATE`; the step is 1 if left out."""
+        """Return the first, last and step of `GENERATE`; the step is 1 if left out."""
         first, last, step = (*self.numbers(line, values), 1, 1)[:3] if values[1:] else (0, 0, 0)
         if step < 1:
             raise self.error(f"must be first, last and a positive step, got {', '.join(values)}", line)
         return range(first, last + 1, step)
 
     def floats(self, line: int, values: list[str]) -> list[float]:
-        """Numbers of a row; empty values are zero, as both programs take them."""
+        """Return the numbers of a row; empty values are zero, as both programs take them."""
         try:
             return [float(value.upper().replace("D", "E") or 0) for value in values]
         except ValueError:
@@ -79,7 +79,7 @@ class Keyword:
 
 
 def keywords(path: Path, includes: Includes | None = None) -> Iterator[Keyword]:
-    """Every keyword of a file and of those it includes."""
+    """Yield every keyword of a file and of those it includes."""
     includes = includes or Includes()
     current: Keyword | None = None
     lines = iter(enumerate(any_text(path).splitlines(), start=1))

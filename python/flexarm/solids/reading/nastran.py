@@ -27,7 +27,7 @@ _CHEXA = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]
 
 
 def content(path: Path) -> Content:
-    """What a bulk data file holds."""
+    """Read the content of a bulk data file."""
     reader = _Reader()
     for card in cards(path):
         reader.take(card)
@@ -99,7 +99,7 @@ class _Reader:
         self.materials[card.integer(0)] = card
 
     def _spc(self, card: Card) -> None:
-        """Set, then grid, components, displacement, twice."""
+        """Read set, then grid, components, displacement, twice."""
         for i in (1, 4):
             self._extend(f"spc-{card.integer(0)}", _range(replace(card, fields=card.fields[i : i + 1]), 0))
 
@@ -110,11 +110,11 @@ class _Reader:
         self._extend("aset", _range(card, 1))
 
     def _rbe2(self, card: Card) -> None:
-        """Number, independent grid, components, dependent grids, [thermal expansion]."""
+        """Read number, independent grid, components, dependent grids, [thermal expansion]."""
         self._extend(f"rbe2-{card.integer(0)}", _range(card, 3))
 
     def _rbe3(self, card: Card) -> None:
-        """Number, blank, reference grid, components, then weight, components, grids, again and again."""
+        """Read number, blank, reference grid, components, then weight, components, grids, repeatedly."""
         grids, rest = [], iter(card.fields[4:])
         for text in rest:
             if text.upper() in ("UM", "ALPHA"):
@@ -132,7 +132,7 @@ class _Reader:
         self.sets.setdefault(name, []).extend(grids)
 
     def finished(self, path: Path) -> Content:
-        """All that was read."""
+        """Return all that was read."""
         index = {number: i for i, number in enumerate(self.grids)}
         points = [basic(card, self.frames) for card in self.grids.values()]
         found = Content(
@@ -174,7 +174,7 @@ class _Reader:
 
 
 def _common(span: range, grids: Mapping[int, int]) -> Iterable[int]:
-    """The grids of a range that there are; ranges such as `1 THRU 99999999` are common."""
+    """Return the grids of a range that exist; ranges such as `1 THRU 99999999` are common."""
     return [n for n in span if n in grids] if len(span) < len(grids) else [n for n in grids if n in span]
 
 
@@ -183,7 +183,7 @@ def _whole(card: Card, text: str) -> int:
 
 
 def _mat1(card: Card) -> Elastic:
-    """Number, E, G, nu, rho; of E, G, nu one may be left out: E = 2 G (1 + nu)."""
+    """Read number, E, G, nu, rho; of E, G, nu one may be left out: E = 2 G (1 + nu)."""
     modulus, shear, ratio = (card.number(i) if card.text(i) else None for i in (1, 2, 3))
     if modulus is None and shear is not None and ratio is not None:
         modulus = 2 * shear * (1 + ratio)
@@ -194,7 +194,7 @@ def _mat1(card: Card) -> Elastic:
 
 
 def _range(card: Card, first: int) -> list[range]:
-    """Grids from a field on: numbers, and `a THRU b` [`BY` step]."""
+    """Read grids from a field on: numbers, and `a THRU b` [`BY` step]."""
     texts = [text.upper() for text in card.fields[first:] if text and not text.startswith("+")]
     found: list[range] = []
     rest = iter(texts)

@@ -36,7 +36,7 @@ def frame_of(card: Card, frames: dict[int, Frame]) -> None:
 
 
 def basic(grid: Card, frames: Mapping[int, Frame]) -> Floats:
-    """Coordinates of a GRID in the basic system."""
+    """Return the coordinates of a GRID in the basic system."""
     xyz = np.array([grid.number(i) for i in (2, 3, 4)])
     return _to_basic(xyz, grid.integer(1, 0), frames, grid, 0)
 
@@ -60,7 +60,7 @@ def _to_basic(xyz: Floats, system: int, frames: Mapping[int, Frame], of: Card, d
 
 
 def _cartesian(q: Floats, kind: str) -> Floats:
-    """Eq. (2)."""
+    """Return Cartesian coordinates, eq. (2)."""
     if kind == "R":
         return q
     angle = radians(q[1])

@@ -30,7 +30,7 @@ _REMEDY = {
 
 
 def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Material]) -> SolidMesh:
-    """The solid mesh in a file's content.
+    """Return the solid mesh in a file's content.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def _is_solid(kind: str) -> bool:
 
 
 def _lesser(kind: str) -> str:
-    """27-node hexahedra are read as 20-node ones, whose nodes are their first 20."""
+    """Read 27-node hexahedra as 20-node ones, whose nodes are their first 20."""
     return "hexahedron20" if kind == "hexahedron27" else kind
 
 
@@ -95,7 +95,7 @@ def _refuse_other_solids(content: Content, file: str) -> None:
 
 
 def _refuse_missing_points(content: Content, file: str) -> None:
-    """A negative index would mean a point at the end of the list, silently."""
+    """Refuse indices of points that do not exist: a negative one would count from the end."""
     for block in content.blocks:
         wrong = ((block.nodes < 0) | (block.nodes >= len(content.points))).any(axis=1)
         if wrong.any():
@@ -112,7 +112,7 @@ def _no_solids(content: Content) -> str:
 
 
 def _cells(content: Content, kinds: list[str]) -> tuple[dict[str, Ints], dict[str, Ints], list[int]]:
-    """Cells and their numbers by type, and where in its type each block begins."""
+    """Return the cells and their numbers by type, and where in its type each block begins."""
     cells: dict[str, list[Ints]] = {}
     numbers: dict[str, list[Ints]] = {}
     offset, count = [], dict.fromkeys(kinds, 0)
@@ -133,7 +133,7 @@ def _cells(content: Content, kinds: list[str]) -> tuple[dict[str, Ints], dict[st
 def _groups(
     content: Content, kinds: list[str], offset: list[int]
 ) -> tuple[dict[str, dict[str, Ints]], dict[str, Ints]]:
-    """Groups of solid cells, and all sets of points."""
+    """Return groups of solid cells, and all sets of points."""
     groups: dict[str, dict[str, Ints]] = {}
     sets = dict(content.point_sets)
     for name, members in content.groups.items():
@@ -156,7 +156,7 @@ def _groups(
 def _each_once(
     cells: dict[str, Ints], numbers: dict[str, Ints], groups: dict[str, dict[str, Ints]]
 ) -> tuple[dict[str, Ints], dict[str, Ints], dict[str, dict[str, Ints]]]:
-    """Cells that name the same nodes made one, which is in the groups of all."""
+    """Merge cells that name the same nodes; the merged cell is in the groups of all."""
     kept, new = {}, {}
     for kind, nodes in cells.items():
         _, first, same = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True)

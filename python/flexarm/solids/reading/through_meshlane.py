@@ -18,7 +18,7 @@ from flexarm.solids.reading.content import Block, Content
 def read_by(
     reader: Callable[[Path], Content], path: Path, what: str, remedies: Mapping[str, str] | None = None
 ) -> Content:
-    """What a reader that uses meshlane makes of a file.
+    """Read a file with a reader that uses meshlane.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def read_by(
 
 
 def blocks_of(mesh: Any) -> list[Block]:
-    """The blocks of a meshlane mesh, their cells numbered from 1."""
+    """Return the blocks of a meshlane mesh, their cells numbered from 1."""
     blocks, count = [], 0
     for block in mesh.cells:
         n = len(block.data)

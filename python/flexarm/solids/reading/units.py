@@ -29,7 +29,7 @@ def check_unit(unit: str) -> None:
 
 
 def si_materials(materials: Mapping[str, Elastic], unit: str) -> tuple[dict[str, Material], list[Problem]]:
-    """Materials by group, in SI, and why others cannot be used."""
+    """Return the materials by group, in SI, and why others cannot be used."""
     known, notes = {}, []
     for group, material in materials.items():
         why = _doubt(material, unit)
@@ -41,7 +41,7 @@ def si_materials(materials: Mapping[str, Elastic], unit: str) -> tuple[dict[str,
 
 
 def _doubt(material: Elastic, unit: str) -> str:
-    """Why a material of the file cannot be used; empty if it can."""
+    """Return the reason why a material of the file cannot be used; empty if it can."""
     modulus, ratio, density = material.youngs_modulus, material.poisson_ratio, material.density
     values = {"Young's modulus": modulus, "Poisson's ratio": ratio, "density": density}
     missing = [name for name, value in values.items() if value is None]
@@ -70,5 +70,5 @@ def _si(material: Elastic, unit: str) -> Material:
 
 
 def _shifted(value: float, factor: float) -> float:
-    """The product of a decimal number and a power of ten, rounded as the number was written."""
+    """Return the product with a power of ten, rounded as the decimal number was written."""
     return float(f"{value * factor:.15g}")

@@ -23,7 +23,7 @@ _NOT_GROUPS = re.compile(r"vtkOriginal|GlobalNodeId|GlobalElementId|GlobalCellId
 
 
 def content(path: Path) -> Content:
-    """What a VTU file holds."""
+    """Read the content of a VTU file."""
     return read_by(_content, path, "VTK unstructured grid")
 
 
@@ -64,7 +64,7 @@ def _is_mask(values: Ints) -> bool:
 
 
 def _refuse_losses(path: Path, n_read: int) -> None:
-    """meshlane keeps the last piece of several, and skips types of cells it does not know."""
+    """Refuse several pieces, of which meshlane keeps the last, and types of cells that it skips."""
     pieces = re.findall(rb"<Piece[^>]*NumberOfCells\s*=\s*[\"']\s*(\d+)", path.read_bytes())
     if len(pieces) > 1:
         raise InvalidFile(path, "UnstructuredGrid", f"holds {len(pieces)} pieces; save it as one")

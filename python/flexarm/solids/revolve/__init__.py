@@ -1,4 +1,4 @@
-"""Meshes of what revolves, without outside software: rings, tubes, shafts, flanges, stacks of them."""
+"""Meshes of bodies of revolution: rings, tubes, shafts, flanges, stacks of them."""
 
 from flexarm.solids.revolve.parts import disc, flange, ring, shaft, tube
 from flexarm.solids.revolve.profile import Block, BoltCircle, Patch

@@ -27,7 +27,7 @@ class Lines:
 
     @classmethod
     def through(cls, breakpoints: Iterable[float], size: float, most: float) -> Lines:
-        """Lines through all breakpoints, at most `size` apart; `most` is the size of the profile."""
+        """Return lines through all breakpoints, at most `size` apart; `most` is the size of the profile."""
         points = _distinct(breakpoints, SAME * most)
         pieces = [
             np.linspace(a, b, max(1, ceil((b - a) / size * (1 - 1e-9))), endpoint=False)
@@ -36,11 +36,11 @@ class Lines:
         return cls(np.concatenate([*pieces, [points[-1]]]))
 
     def index(self, value: float) -> int:
-        """Index of the line at a breakpoint."""
+        """Return the index of the line at a breakpoint."""
         return int(np.abs(self.values - value).argmin())
 
     def within(self, first: float, last: float) -> slice:
-        """Ints of the lines between two breakpoints, both included."""
+        """Return the slice of the lines between two breakpoints, both included."""
         return slice(self.index(first), self.index(last) + 1)
 
     def __len__(self) -> int:

@@ -27,7 +27,7 @@ def ring(
     patches: Sequence[Patch | BoltCircle] = (),
     material: Material | None = None,
 ) -> SolidMesh:
-    """A ring of rectangular section: group `ring`, sets `inner`, `outer`, `bottom`, `top`. Lengths in m.
+    """Return a ring: group `ring`, sets `inner`, `outer`, `bottom`, `top`. Lengths in m.
 
     >>> from flexarm.solids import ring
     >>> ring(0.1, 0.2, 0.1, size=0.05, around=24).n_cells
@@ -48,7 +48,7 @@ def tube(
     patches: Sequence[Patch | BoltCircle] = (),
     material: Material | None = None,
 ) -> SolidMesh:
-    """A tube along z, with the parameters of a beam's tube section: group `tube`. Lengths in m."""
+    """Return a tube along z with the parameters of a beam's tube section: group `tube`. Lengths in m."""
     if not 0 < 2 * thickness < outer_diameter:
         raise InvalidParameter(
             f"must be positive and less than half the outer diameter ({outer_diameter / 2:g} m), got "
@@ -69,7 +69,7 @@ def disc(
     patches: Sequence[Patch | BoltCircle] = (),
     material: Material | None = None,
 ) -> SolidMesh:
-    """A solid disc: group `disc`. Lengths in m."""
+    """Return a solid disc: group `disc`. Lengths in m."""
     block = Block("disc", 0.0, diameter / 2, 0.0, thickness)
     return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
 
@@ -83,7 +83,7 @@ def shaft(
     patches: Sequence[Patch | BoltCircle] = (),
     material: Material | None = None,
 ) -> SolidMesh:
-    """A solid stepped shaft along z: groups `step-1`, `step-2`, .. from the bottom.
+    """Return a solid stepped shaft along z: groups `step-1`, `step-2`, .. from the bottom.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def flange(
     patches: Sequence[Patch | BoltCircle] = (),
     material: Material | None = None,
 ) -> SolidMesh:
-    """A flange with pads under its bolts on the top face: group `flange`, sets `bolts`, `bolts-1`, ..
+    """Return a flange with pads under its bolts on the top face: group `flange`, sets `bolts`, `bolts-1`, ..
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ class Plan:
 
 
 def plan_of(radii: Floats, around: int, core_size: float) -> Plan:
-    """The plan of circles at `radii`, rising; a first radius of 0 asks for a core, cells `core_size` wide."""
+    """Return the plan of circles at rising `radii`; a first radius of 0 adds a core of `core_size` cells."""
     if radii[0] > 0:
         points = _circles(radii, around)
         quads = _rings(0, len(radii) - 1, around)
@@ -77,7 +77,7 @@ def _columns(n_radii: int, around: int) -> Ints:
 
 
 def _rings(first: int, layers: int, around: int) -> Ints:
-    """Quads between consecutive circles of `around` points, the innermost beginning at point `first`."""
+    """Return quads between consecutive circles of `around` points, from point `first` outwards."""
     k = np.arange(around)
     inner = first + np.arange(layers)[:, None] * around + k
     following = first + np.arange(layers)[:, None] * around + (k + 1) % around
@@ -86,7 +86,7 @@ def _rings(first: int, layers: int, around: int) -> Ints:
 
 
 def _core(size: float, around: int) -> tuple[Floats, Ints]:
-    """Points and quads of the square; its outline comes last, anticlockwise from the corner on x."""
+    """Return points and quads of the square; its outline comes last, anticlockwise from the corner on x."""
     n = around // 4
     s, t = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), indexing="ij")
     uv = np.tan(np.pi / 4 * np.stack([s, t], axis=-1))

@@ -1,4 +1,4 @@
-"""What is drawn in the (r, z) half-plane: blocks of material, patches of surface, bolt circles.
+"""The parts of a profile in the (r, z) half-plane: blocks of material, patches of surface, bolt circles.
 
 All are rectangles with sides along r and z: `inner` and `outer` are radii, `bottom` and `top` heights along
 the axis z [m].

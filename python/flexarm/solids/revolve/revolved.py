@@ -29,7 +29,7 @@ def revolved(
     patches: Sequence[Patch | BoltCircle] = (),
     material: Material | None = None,
 ) -> SolidMesh:
-    """Hexahedra for a part made of rings, discs and tubes around z.
+    """Mesh a part made of rings, discs and tubes around z with hexahedra.
 
     Blocks that touch share their points; blocks must not overlap.
 
@@ -161,7 +161,7 @@ def _sweep(
     radii: Lines,
     heights: Lines,
 ) -> tuple[Ints, dict[str, Ints]]:
-    """Hexahedra of all blocks, and the indices of those of each."""
+    """Return the hexahedra of all blocks, and the indices of those of each."""
     cells, groups, count = [], {}, 0
     for block in blocks:
         r, z = radii.within(block.inner, block.outer), heights.within(block.bottom, block.top)
@@ -175,7 +175,7 @@ def _sweep(
 
 
 def _used(points: Floats, circle: Floats, cells: Ints) -> tuple[Floats, Floats, Ints]:
-    """Only the points that cells use."""
+    """Keep only the points that cells use."""
     used, inverse = np.unique(cells, return_inverse=True)
     return points[used], circle[used], inverse.reshape(cells.shape)
 

@@ -15,7 +15,7 @@ from flexarm.solids.cell_types import CELL_TYPES
 
 
 def with_middle_points(points: Floats, circle: Floats, cells: Ints) -> tuple[Floats, Ints]:
-    """Points and 20-node cells; `circle` is the radius of the circle a point lies on, or nan."""
+    """Return points and 20-node cells; `circle` is the radius of the circle a point lies on, or nan."""
     edges = np.sort(cells[:, np.array(CELL_TYPES["hex20"].edges)].reshape(-1, 2), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
     middle = points[unique].mean(axis=1)

@@ -30,7 +30,7 @@ class _Places:
 def point_sets(
     points: Floats, blocks: Sequence[Block], patches: Sequence[Patch | BoltCircle]
 ) -> dict[str, Ints]:
-    """Every set by its name: faces of the part, faces of its blocks, patches, pads."""
+    """Return every set by its name: faces of the part, faces of its blocks, patches, pads."""
     places = _Places(points)
     whole = Patch(
         "",

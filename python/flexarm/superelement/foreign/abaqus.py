@@ -37,7 +37,7 @@ _TYPE = re.compile(r"TYPE\s*=\s*([A-Z ]+)", re.IGNORECASE)
 
 
 def read_abaqus(path: Path) -> MatrixFile:
-    """The matrices of a text file in the form of a user element or of matrix input.
+    """Read matrices in the form of a user element or of matrix input.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def _user_element(path: Path, text: str) -> MatrixFile:
 
 
 def _section(keyword: str, entries: dict[str, list[float]], ignored: list[str]) -> str:
-    """What follows a keyword: the entries of a matrix, points, or nothing that is read."""
+    """Return the section that a keyword begins: the entries of a matrix, points, or nothing that is read."""
     if keyword.upper().startswith("*USER ELEMENT"):
         return "points"
     match = _TYPE.search(keyword)
@@ -95,7 +95,7 @@ def _section(keyword: str, entries: dict[str, list[float]], ignored: list[str]) 
 
 
 def _components(path: Path, number: int, line: str, changes: dict[int, list[int]]) -> None:
-    """Components of the first point, or from the point at a position on."""
+    """Return the components of the first point, or from the point at a position on."""
     found = _integers(line)
     position = 1 if not changes else (found or [0])[0]
     components = (found or [])[0 if not changes else 1 :]
@@ -117,7 +117,7 @@ def _freedoms_of_points(path: Path, points: list[int], changes: dict[int, list[i
 
 
 def _triangle(path: Path, role: str, values: list[float], n: int) -> Floats:
-    """Column j holds rows 1 to j."""
+    """Fill a symmetric matrix; column j holds rows 1 to j."""
     if len(values) != n * (n + 1) // 2:
         what = f"{n} freedoms need {n * (n + 1) // 2} numbers in a triangle, got {len(values)}"
         raise InvalidFile(path, role, what)
@@ -148,14 +148,14 @@ def _matrix_input(path: Path, text: str) -> MatrixFile:
 
 
 def _freedom(point: float, component: float) -> Freedom:
-    """Internal points have no place and count as modes, each component one."""
+    """Return a freedom; internal points have no place and count as modes, each component one."""
     if point < 0:
         return Freedom(int(point) * 10 - int(component), SCALAR)
     return Freedom(int(point), int(component))
 
 
 def _symmetric(path: Path, triplets: Iterator[tuple[int, int, float]], n: int) -> Floats:
-    """One triangle, or both if they agree."""
+    """Fill a symmetric matrix from one triangle, or from both if they agree."""
     matrix = np.full((n, n), np.nan)
     for i, j, value in triplets:
         for a, b in ((i, j), (j, i)):
@@ -167,7 +167,7 @@ def _symmetric(path: Path, triplets: Iterator[tuple[int, int, float]], n: int) -
 
 
 def read_storage(path: Path) -> MatrixFile:
-    """A matrix that CalculiX stored: `.sti` or `.mas`, with the `.dof` file beside it.
+    """Read a matrix that CalculiX stored: `.sti` or `.mas`, with the `.dof` file next to it.
 
     Raises
     ------
@@ -196,7 +196,7 @@ def read_storage(path: Path) -> MatrixFile:
 
 
 def _integers(line: str) -> list[int] | None:
-    """The integers of a line, or None if it holds anything else."""
+    """Return the integers of a line, or None if it holds anything else."""
     words = re.split(r"[\s,]+", line.strip(" ,\t"))
     return [int(w) for w in words] if all(re.fullmatch(r"[+-]?\d+", w) for w in words) else None
 

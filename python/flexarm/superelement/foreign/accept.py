@@ -50,7 +50,7 @@ def accept_matrices(
     tolerance: float | None = None,
     name: str | None = None,
 ) -> SuperElement:
-    """Reduced matrices of another program as a super-element, checked before they are accepted.
+    """Import reduced matrices of another program as a super-element, checked before they are accepted.
 
     Such matrices hold no coordinates, Matrix Market and OP4 no order of freedoms, none of them a unit. All
     three are stated here, and a wrong statement is refused: rigid motion must strain nothing, R^T M R must be
@@ -119,7 +119,7 @@ def accept_matrices(
 
 
 def _refuse_unlikely(element: SuperElement) -> None:
-    """Without a stated mass the density alone shows a wrong unit."""
+    """Refuse a density that no material has: without a stated mass it alone shows a wrong unit."""
     for problem in unlikely_density(element):
         raise InvalidParameter(problem.what, where=problem.where)
 
@@ -136,7 +136,7 @@ def from_matrices(
     name: str,
     provenance: Mapping[str, str],
 ) -> SuperElement:
-    """The super-element of matrices with named freedoms; it is not checked yet.
+    """Return the super-element of matrices with named freedoms; it is not checked yet.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def from_matrices(
 
 
 def _modal(K: Floats, M: Floats, held: int) -> tuple[Floats, Floats]:
-    """Turns the internal coordinates into modes of unit mass, lowest first; with their frequencies [Hz]."""
+    """Turn the internal coordinates into modes of unit mass, lowest first; return T and frequencies [Hz]."""
     from scipy.linalg import LinAlgError, eigh
 
     T = np.eye(len(K))
@@ -185,7 +185,7 @@ def _modal(K: Floats, M: Floats, held: int) -> tuple[Floats, Floats]:
 
 
 def _exactly_symmetric(matrix: Floats) -> Floats:
-    """Without the rounding of the products; matrices that are not symmetric were refused before."""
+    """Remove the rounding of the products; matrices that are not symmetric were refused before."""
     return np.asarray((matrix + matrix.T) / 2)
 
 
@@ -196,7 +196,7 @@ def _aligned(
     C: Labelled | None,
     stated: tuple[Freedom, ...] | None,
 ) -> tuple[tuple[Freedom, ...], Floats, Floats, Floats | None]:
-    """All matrices over one order of freedoms."""
+    """Return all matrices over one order of freedoms."""
     given = [matrix for matrix in (K, M, C) if matrix is not None]
     if stated is None and any(matrix.freedoms is None for matrix in given):
         what = "the file does not say which freedom a row is; state it, such as --order '11, 12, 101-104.0'"
@@ -223,7 +223,7 @@ def _aligned(
 
 
 def _refuse_asymmetric(source: str | Path, role: str, matrix: Floats, freedoms: Sequence[Freedom]) -> None:
-    """Before anything is done to it: half of a matrix, or a damaged one."""
+    """Refuse half of a matrix, or a damaged one, before anything is done to it."""
     if not (np.abs(matrix) < HUGE).all():
         raise InvalidFile(source, role, f"holds numbers that are not finite and below {HUGE:g}")
     scale = np.sqrt(np.abs(np.diag(matrix)))
@@ -263,7 +263,7 @@ def _provenance(
 
 @contextmanager
 def blamed_on(file: str | Path) -> Iterator[None]:
-    """Names the file in errors that do not."""
+    """Name the file in errors that do not."""
     try:
         yield
     except InvalidFile:

@@ -30,11 +30,11 @@ class Card:
         return self.fields[0].strip("* ").upper()
 
     def blank(self, i: int) -> bool:
-        """Whether a field is empty or not there."""
+        """Return True if a field is empty or not there."""
         return i >= len(self.fields) or not self.fields[i]
 
     def integer(self, i: int, default: int | None = None) -> int:
-        """A whole number; without a default it must be there."""
+        """Return a whole number; without a default it must be there."""
         if self.blank(i) and default is not None:
             return default
         try:
@@ -44,7 +44,7 @@ class Card:
             raise
 
     def vector(self, i: int) -> Floats:
-        """Three real numbers from field i on; blank ones are zero."""
+        """Return three real numbers from field i on; blank ones are zero."""
         return np.array([0.0 if self.blank(k) else self._real(k) for k in range(i, i + 3)])
 
     def _real(self, i: int) -> float:
@@ -64,7 +64,7 @@ class Card:
 
 
 def cards_of(path: Path, text: str) -> Iterator[Card]:
-    """All entries of a bulk data file; comments and the sections before BEGIN BULK are skipped."""
+    """Yield all entries of a bulk data file; comments and the sections before BEGIN BULK are skipped."""
     begin = re.search(r"^\s*BEGIN\s+BULK.*$", text, re.IGNORECASE | re.MULTILINE)
     skipped = text.count("\n", 0, begin.end()) if begin else 0
     card: Card | None = None
@@ -84,7 +84,7 @@ def cards_of(path: Path, text: str) -> Iterator[Card]:
 
 
 def _split(line: str) -> list[str]:
-    """The fields of a line without that for the continuation at its end, padded to their full number."""
+    """Return the fields of a line, padded, without that for the continuation at its end."""
     line = line.expandtabs(8)
     if "," in line:
         fields = [field.strip() for field in line.split(",")]

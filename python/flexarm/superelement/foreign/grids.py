@@ -1,4 +1,4 @@
-r"""Where the points of a matrix stand, and along which axes their freedoms point.
+r"""Positions of the points of a matrix, and the axes of their freedoms.
 
 From Nastran bulk data (GRID, CORD1 and CORD2, rectangular, cylindrical and spherical, fields fixed, large or
 free) or from *NODE of Abaqus and CalculiX. A system (A, B, C) has its origin in A, z towards B, and C in the
@@ -40,7 +40,7 @@ class _System:
     axes: Floats
 
     def point(self, coordinates: Floats) -> Floats:
-        """A point of the system in the basic one, eq. (1)."""
+        """Return a point of the system in the basic one, eq. (1)."""
         a, b, c = coordinates
         t, f = np.deg2rad(b), np.deg2rad(c)
         local = {
@@ -51,7 +51,7 @@ class _System:
         return np.asarray(self.origin + self.axes @ local)
 
     def axes_at(self, position: Floats) -> Floats:
-        """Directions of the three coordinates at a point of the basic system."""
+        """Return the directions of the three coordinates at a point of the basic system."""
         x, y, z = self.axes.T @ (position - self.origin)
         if self.kind == "R" or (x == 0 and y == 0 and self.kind == "C"):
             return self.axes
@@ -67,7 +67,7 @@ class _System:
 
 
 def read_grids(path: str | Path) -> dict[int, Grid]:
-    """The points of a bulk data file or an input deck.
+    """Read the points of a bulk data file or an input deck.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def _bulk(path: Path, text: str) -> dict[int, Grid]:
 
 
 def _choice(card: Card, default: Card | None, field: int) -> int:
-    """A coordinate system of a grid: its own, that of GRDSET, or the basic one."""
+    """Return the coordinate system of a grid: its own, that of GRDSET, or the basic one."""
     if card.blank(field) and default is not None:
         return default.integer(field, 0)
     return card.integer(field, 0)
@@ -105,7 +105,7 @@ def _choice(card: Card, default: Card | None, field: int) -> int:
 def _systems(
     path: Path, cards: list[Card], grids: dict[int, Card], default: Card | None
 ) -> Callable[[int], _System]:
-    """Coordinate systems by number, built when asked for, since they may refer to one another."""
+    """Return coordinate systems by number, built on request, since they may refer to one another."""
     definitions = {}
     for card in cards:
         if card.name in ("CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S"):
@@ -151,7 +151,7 @@ def _from_points(path: Path, kind: str, number: int, corners: list[Floats]) -> _
 
 
 def _nodes(path: Path, text: str) -> dict[int, Grid]:
-    """Points of *NODE; freedoms point along the global axes."""
+    """Read the points of *NODE; freedoms point along the global axes."""
     grids: dict[int, Grid] = {}
     inside = False
     for number, line in enumerate(text.splitlines(), 1):

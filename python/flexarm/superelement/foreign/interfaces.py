@@ -39,7 +39,7 @@ class Reduction:
 def reduction(
     freedoms: Sequence[Freedom], grids: Mapping[int, Grid], wanted: Mapping[str, Sequence[int]]
 ) -> Reduction:
-    """The interfaces of a foreign matrix.
+    """Return the interfaces of a foreign matrix.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def reduction(
 
 
 def _follows(grid: Grid, arm: Floats) -> Floats:
-    """The six freedoms of a point in its axes for those of its frame, eq. (1)."""
+    """Return the six freedoms of a point in its axes for those of its frame, eq. (1)."""
     follows = np.zeros((6, 6))
     follows[:3, :3] = follows[3:, 3:] = grid.axes.T
     follows[:3, 3:] = -grid.axes.T @ cross_matrix(arm)
@@ -89,7 +89,7 @@ def _follows(grid: Grid, arm: Floats) -> Floats:
 def _groups(
     held: Mapping[int, set[int]], grids: Mapping[int, Grid], wanted: Mapping[str, Sequence[int]]
 ) -> dict[str, list[int]]:
-    """Points of each interface, those that were named first."""
+    """Return the points of each interface, those that were named first."""
     groups: dict[str, list[int]] = {}
     taken: dict[int, str] = {}
     for name, points in wanted.items():

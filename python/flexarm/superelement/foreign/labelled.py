@@ -35,7 +35,7 @@ class Labelled:
 
 @dataclass(frozen=True, eq=False)
 class MatrixFile:
-    """What a file holds: matrices by role or name, and what was left unread.
+    """The matrices of a file by role or name, and the names of those left unread.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class MatrixFile:
 
 
 def ordered(matrix: Labelled, freedoms: Sequence[Freedom], what: str) -> Floats:
-    """The matrix with its rows as in `freedoms`; freedoms that the file leaves out have none of it.
+    """Return the matrix with its rows as in `freedoms`; freedoms that the file leaves out are zero.
 
     Raises
     ------
@@ -71,5 +71,5 @@ def ordered(matrix: Labelled, freedoms: Sequence[Freedom], what: str) -> Floats:
 
 
 def union(matrices: Iterable[Labelled]) -> tuple[Freedom, ...]:
-    """All freedoms in rising order; a matrix file names only those where it is not zero."""
+    """Return all freedoms in rising order; a matrix file names only those where it is not zero."""
     return tuple(sorted({f for matrix in matrices for f in matrix.freedoms or ()}))

@@ -27,7 +27,7 @@ LARGEST = 10_000
 
 
 def read_matrix_market(path: Path) -> MatrixFile:
-    """The one matrix of a Matrix Market file.
+    """Read the one matrix of a Matrix Market file.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def _sizes(path: Path, content: Iterator[tuple[int, str]], layout: str) -> tuple
 def _entries(
     path: Path, content: Iterator[tuple[int, str]], layout: str, symmetry: str, n: int
 ) -> tuple[list[int], list[int], Floats]:
-    """Row, column and value of every entry, counted from 0."""
+    """Return the row, column and value of every entry, counted from 0."""
     table = [(number, line, line.split()) for number, line in content]
     width = 3 if layout == "coordinate" else 1
     rows, columns, values = [], [], []

@@ -20,7 +20,7 @@ from flexarm.superelement.foreign.labelled import Freedom, Labelled, MatrixFile
 
 
 def read_dmig(path: Path) -> MatrixFile:
-    """The square matrices of a bulk or punch file; symmetric ones may give one triangle.
+    """Read the square matrices of a bulk or punch file; symmetric ones may give one triangle.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def read_dmig(path: Path) -> MatrixFile:
 
 
 def read_op4(path: Path) -> MatrixFile:
-    """The square real matrices of an OUTPUT4 file, text or binary.
+    """Read the square real matrices of an OUTPUT4 file, text or binary.
 
     Raises
     ------

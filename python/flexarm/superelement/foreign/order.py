@@ -24,7 +24,7 @@ _WORD = re.compile(r"(\d+)(?:-(\d+))?(?:\.(0|[1-6]{1,6}))?")
 
 
 def read_order(order: str | Path) -> tuple[Freedom, ...]:
-    """The freedoms in the order of a list, or of a file that holds one.
+    """Read the order of freedoms from a list, or from a file that holds one.
 
     Raises
     ------

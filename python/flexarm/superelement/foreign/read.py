@@ -1,4 +1,4 @@
-"""Which format a file has, and which of its matrices are stiffness, mass and damping."""
+"""The format of a matrix file, and the choice of stiffness, mass and damping."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Chosen:
 
 
 def read_matrix_file(path: Path) -> MatrixFile:
-    """All matrices of a file.
+    """Return all matrices of a file.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def read_matrix_file(path: Path) -> MatrixFile:
 
 
 def choose(stiffness: str | Path, mass: str | Path | None, damping: str | Path | None) -> Chosen:
-    """Stiffness, mass and damping out of one file or several, each FILE or FILE:NAME.
+    """Choose stiffness, mass and damping from one file or several, each FILE or FILE:NAME.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def _found(source: str | Path, role: str) -> Labelled:
 
 
 def _split(source: str | Path) -> tuple[Path, str]:
-    """FILE or FILE:NAME."""
+    """Split FILE:NAME."""
     text = str(source)
     if Path(text).exists() or ":" not in text:
         return Path(text), ""
@@ -90,7 +90,7 @@ def _split(source: str | Path) -> tuple[Path, str]:
 
 
 def _optional(file: Path, held: MatrixFile) -> Labelled | None:
-    """A damping matrix that stands beside the stiffness."""
+    """Return a damping matrix that stands in the stiffness file."""
     return _pick(file, held, "damping", "") if _candidates(held, "damping") else None
 
 

@@ -24,7 +24,7 @@ SYSTEMS = {"m": (1.0, 1.0), "mm": (1e-3, 1e-3)}
 
 
 def system(unit: str) -> tuple[float, float]:
-    """Length and energy of a unit system.
+    """Return the length and energy of a unit system.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def system(unit: str) -> tuple[float, float]:
 
 
 def in_si(matrix: Floats, freedoms: Sequence[Freedom], unit: str) -> Floats:
-    """A matrix in SI units, eq. (1)."""
+    """Return a matrix in SI units, eq. (1)."""
     length, energy = system(unit)
     scale = (
         {kind: 1.0 for kind in (4, 5, 6)} | {kind: 1 / length for kind in (1, 2, 3)} | {SCALAR: energy**-0.5}
