@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from flexarm import Arm, Record
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.output import output_directory
 from flexarm.residual_analysis.free_decay import RingDown, ring_downs
@@ -112,7 +112,7 @@ def make_page(data: Path, out: Path, jobs: int | None, every: bool, force: bool)
         if swings:
             without(records / "ringdown.toml", swings, swings[-1], jobs, directory / "ringdown")
             arm = Arm.from_toml(records / "ringdown.toml")
-            rings = ring_downs({folder.name: beside(arm, Record.load(folder)) for folder in swings})
+            rings = ring_downs({folder.name: simulate_record(arm, Record.load(folder)) for folder in swings})
             ring_down_figure(rings, directory / "ringdown" / "ringdown.png")
             print("\n".join(map(str, rings)))
     print(f"\nwritten to {out}: open {out / 'static/report.html'}")

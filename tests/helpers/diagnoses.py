@@ -13,7 +13,7 @@ from planted import two_joints
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.measurement import ClockError, Registration
@@ -82,7 +82,7 @@ def located() -> tuple[Located, Located]:
     """Where the gap of training is, with the nominal and the updated model."""
     records = {"slow": record(1), "fast": record(2, 0.25)}
     return tuple(
-        locate({name: beside(each, measured, step=0.01) for name, measured in records.items()})
+        locate({name: simulate_record(each, measured, step=0.01) for name, measured in records.items()})
         for each in (nominal(), with_spring())
     )
 
@@ -231,8 +231,10 @@ def of_poses() -> Diagnosis:
         noise_std=TRACKER,
     )
     empty = flexarm.Record(signals=[*drives, tip], drive=("shoulder", "elbow"), kind="static")
-    true = beside(updated, empty, align=False)
-    seen = true.subject.predicted(tip, true.aligned.placement) + TRACKER * rng.standard_normal((2 * count, 2))
+    true = simulate_record(updated, empty, align=False)
+    seen = true.simulated.predicted(tip, true.aligned.placement) + TRACKER * rng.standard_normal(
+        (2 * count, 2)
+    )
     measured = empty.replace(signals=[*drives, tip.replace(values=seen)])
     named = NamedEffect("joint_compliance", "elbow", 0.98, (estimate("stiffness", 1e5, "N m/rad"),))
     return Diagnosis(
@@ -244,6 +246,6 @@ def of_poses() -> Diagnosis:
         after={"poses": flexarm.compare(updated, measured)},
         training=("poses",),
         main_signal="tip",
-        located=locate({"poses": beside(model, measured)}),
-        located_after=locate({"poses": beside(updated, measured)}),
+        located=locate({"poses": simulate_record(model, measured)}),
+        located_after=locate({"poses": simulate_record(updated, measured)}),
     )

@@ -11,7 +11,7 @@ from arms import arm, beam, compliance, crane, drive, hinge, point, smooth_step
 from numpy.typing import NDArray
 
 import flexarm
-from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal
 
@@ -28,7 +28,7 @@ class Run:
     simulation: flexarm.Simulation
     record: Record
 
-    def showing(self, gaps: dict[str, Callable[[Floats], Floats]], seed: int | None = 0) -> Beside:
+    def showing(self, gaps: dict[str, Callable[[Floats], Floats]], seed: int | None = 0) -> AlignedRecord:
         """The record with gaps, functions of time that give (n, channels), and noise unless seed is None."""
         rng = np.random.default_rng(seed)
         signals = []
@@ -40,7 +40,7 @@ class Run:
                 values = values + signal.noise_std * rng.standard_normal(values.shape)
             signals.append(signal.replace(values=values))
         shown = self.record.replace(signals=signals)
-        return beside(self.simulation.arm, shown, align=False, simulation=self.simulation)
+        return simulate_record(self.simulation.arm, shown, align=False, simulation=self.simulation)
 
     def state(self, name: str, t: Floats, joint: int = 0) -> Floats:
         """An array of the simulation at times."""

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from flexarm import Arm, Record
 from flexarm.arm.parameter import parameters, with_value
+from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import pose_numbers, solve_poses
-from flexarm.comparison.start import first_guess
-from flexarm.comparison.subject import Placement, subject
-from flexarm.comparison.unknowns import stated
+from flexarm.comparison.simulated_record import Placement, pair_record
 from flexarm.measurement import predict, predict_slopes
 
 Floats = NDArray[np.float64]
@@ -68,7 +68,7 @@ def _residuals(arm: Arm, record: Record, keys: Sequence[str]) -> dict[str, tuple
     run = solve_poses(record.applied_to(arm), record, sensitivities=keys)
     stamps = pose_numbers(record)
     inputs = {n: "input" for n, s in record.signals.items() if n in record.drive or s.quantity == "force"}
-    pair = subject(run, record, stamps, inputs)
+    pair = pair_record(run, record, stamps, inputs)
     placement = _placement(arm, record)
     found = {}
     for name, signal in pair.evidence.items():
@@ -86,6 +86,8 @@ def _placement(arm: Arm, record: Record) -> Placement:
     """Frames as stated, unknown ones where the model without effects puts them."""
     if id(record) not in _PLACED:
         plain = arm.replace(effects=(), uncertainty={})
-        pair = subject(solve_poses(record.applied_to(plain), record), record, pose_numbers(record), arm=plain)
-        _PLACED[id(record)] = first_guess(pair, stated(record))
+        pair = pair_record(
+            solve_poses(record.applied_to(plain), record), record, pose_numbers(record), arm=plain
+        )
+        _PLACED[id(record)] = initial_guess(pair, stated_placement(record))
     return _PLACED[id(record)]

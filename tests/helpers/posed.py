@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 import flexarm
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.record import Frame, Record, Signal
 
 NOISE = 5e-5
@@ -63,10 +63,10 @@ def posed(
 
 
 def _measured(machine: flexarm.Arm, record: Record, rng: np.random.Generator) -> Record:
-    pair = beside(machine, record, align=False)
+    pair = simulate_record(machine, record, align=False)
     signals = dict(record.signals)
-    for name, signal in pair.subject.evidence.items():
-        true = pair.subject.predicted(signal, pair.aligned.placement)
+    for name, signal in pair.simulated.evidence.items():
+        true = pair.simulated.predicted(signal, pair.aligned.placement)
         noise = (signal.noise_std or 0.0) * rng.standard_normal(true.shape)
         signals[name] = signal.replace(values=true + noise)
     return record.replace(signals=signals)

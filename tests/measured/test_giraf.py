@@ -12,7 +12,7 @@ import flexarm
 from flexarm import Arm, InvalidFile, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.residual_analysis.free_decay import describe_ring_downs, ring_downs
 
 FOLDER = EXAMPLES / "giraf_boom"
@@ -222,7 +222,7 @@ ENDS = {
 def test_ring_downs_are_slower_and_more_damped_the_larger_they_are(folders):
     """At every length, by far more than the errors of it; no linear law does that."""
     arm = Arm.from_toml(FOLDER / "ringdown.toml")
-    pairs = {name: beside(arm, Record.load(folders[name])) for name in ENDS}
+    pairs = {name: simulate_record(arm, Record.load(folders[name])) for name in ENDS}
     found = ring_downs(pairs)
     assert [each.record for each in found] == list(ENDS)
     for each in found:

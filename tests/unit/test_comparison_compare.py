@@ -103,7 +103,7 @@ def test_planted_delay_and_registration_are_recovered(run):
     found = compare(arm(), record)
     values = dict(
         zip(
-            map(str, found.aligned.unknowns),
+            map(str, found.aligned.parameters),
             zip(found.aligned.values, found.aligned.std, strict=True),
             strict=True,
         )
@@ -124,7 +124,7 @@ def test_deviations_of_what_data_leave_open_are_those_of_the_prior(run):
         for s in record.signals.values()
     ]
     found = compare(arm(), record.replace(signals=precise))
-    sigma = np.array([unknown.sigma for unknown in found.aligned.unknowns])
+    sigma = np.array([unknown.sigma for unknown in found.aligned.parameters])
     assert np.all(np.asarray(found.aligned.std) <= sigma * (1 + 1e-9))
     assert found.aligned.undetermined
     assert "inf" not in found.summary().partition("aligned")[2]

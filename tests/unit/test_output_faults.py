@@ -18,9 +18,10 @@ from flexarm.errors import InvalidFile
 from flexarm.output import output_directory, output_file, write_file
 
 PROGRAM = "from flexarm.cli import main; main()"
-SMALL = f"import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); \
+SMALL = f"import resource, signal, sys; sys.dont_write_bytecode = True; \
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN); \
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); {PROGRAM}"
-"""No file may grow over 1000 bytes: to a program, the same as a disk that is full."""
+"""No file may grow over 1000 bytes, as on a full disk; nor may Python leave a cut-off .pyc file behind."""
 
 
 @pytest.fixture

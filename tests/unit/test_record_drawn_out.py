@@ -7,7 +7,7 @@ from tests.helpers.arms import beam, fixed, general, hinge, point
 import flexarm
 from flexarm import InvalidFile, InvalidParameter, Record, Signal
 from flexarm.comparison.poses import solve_poses
-from flexarm.comparison.subject import Placement
+from flexarm.comparison.simulated_record import Placement
 from flexarm.record import DrawnLink
 from flexarm.validation.initial_alignment import run
 

@@ -16,8 +16,8 @@ from flexarm import Arm, Drive, Record, Signal, compare, measure, simulate, stat
 from flexarm.arm.sensor import Sensor
 from flexarm.cli.virtual_record import sensed, simulated
 from flexarm.comparison.align import align
-from flexarm.comparison.subject import subject
-from flexarm.comparison.unknowns import stated
+from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.simulated_record import pair_record
 from flexarm.effects import (
     ClockDrift,
     DeadChannel,
@@ -385,12 +385,12 @@ def test_an_alignment_counts_from_the_models_effects():
     true = FLEXIBLE.replace(effects=(*FLEXIBLE.effects, *effects))
     record = experiment(true, smooth_swing(20.0))
     run = simulate(true, record)
-    aligned = align(subject(run, record), stated(record))
-    assert aligned.far == []
-    moves = [abs(v - u.centre) / u.sigma for u, v in zip(aligned.unknowns, aligned.values, strict=True)]
+    aligned = align(pair_record(run, record), stated_placement(record))
+    assert aligned.beyond_prior == []
+    moves = [abs(v - u.centre) / u.sigma for u, v in zip(aligned.parameters, aligned.values, strict=True)]
     assert max(moves) < 3
-    nominal = align(subject(run, record, arm=FLEXIBLE), stated(record))
-    assert nominal.far != []
+    nominal = align(pair_record(run, record, arm=FLEXIBLE), stated_placement(record))
+    assert nominal.beyond_prior != []
 
 
 def test_an_unknown_clock_and_frame_are_found_beside_the_models_effects():

@@ -10,7 +10,7 @@ from flexarm.arm.joint import Gear, Joint
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.arm.vocabulary import places
-from flexarm.tables.table import Path
+from flexarm.tables.field import Path
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm

@@ -26,7 +26,8 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
 from flexarm.tables import unit_of
-from flexarm.tables.table import Label, Nested
+from flexarm.tables.field import Nested
+from flexarm.tables.table import Label
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm

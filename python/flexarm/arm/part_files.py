@@ -8,10 +8,9 @@ from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.link import SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.output import place_of
-from flexarm.tables import table
+from flexarm.tables.field import Path as TablePath
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -74,11 +73,11 @@ def _loaded(path: str, stamp: int) -> SuperElement:
     return SuperElement.load(path)
 
 
-def part_problems(arm: Arm) -> Iterator[tuple[table.Path, str]]:
+def part_problems(arm: Arm) -> Iterator[tuple[TablePath, str]]:
     """Places and sentences for files that are missing and interfaces that their parts do not have."""
     interfaces: dict[str, tuple[str, ...]] = {}
     for i, link in enumerate(arm.links):
-        if not isinstance(link, SuperElementLink):
+        if link.type != "superelement":
             continue
         if Path(link.file).is_file():
             interfaces[link.name] = link.part.interfaces

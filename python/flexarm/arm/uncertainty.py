@@ -11,9 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from flexarm.tables.field import Inconsistent, Path, unit_of
 from flexarm.tables.messages import shown
 from flexarm.tables.ranges import out_of_range
-from flexarm.tables.table import Inconsistent, Path, Table, unit_of
+from flexarm.tables.table import Table
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm

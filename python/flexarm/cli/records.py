@@ -52,10 +52,10 @@ def blame_one_of(model: Path, files: dict[str, Path], records: dict[str, Record]
     except InvalidFile:
         raise
     except InvalidParameter:
-        from flexarm.comparison.beside import beside
+        from flexarm.comparison.aligned_record import simulate_record
 
         for name, record in records.items():
             with blame(model, files[name]), suppress(NotConverged):
-                beside(arm, record)
+                simulate_record(arm, record)
         with blame(model):
             raise

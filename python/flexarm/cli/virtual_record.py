@@ -15,7 +15,7 @@ from flexarm.record import Clock, Record, Signal
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.comparison.subject import Placement
+    from flexarm.comparison.simulated_record import Placement
     from flexarm.simulation import Simulation
 
 
@@ -52,9 +52,9 @@ def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
     Clocks and frames are as the record states them, offsets and poses included. Where a command drove, the
     motor's angle is added.
     """
-    from flexarm.comparison.unknowns import stated
+    from flexarm.comparison.alignment_parameters import stated_placement
 
-    placement = stated(record)
+    placement = stated_placement(record)
     signals = {name: _again(signal, run, record, placement) for name, signal in record.signals.items()}
     for driver in (record.signals[name] for name in record.drive):
         if driver.quantity != "joint_angle":  # a command: what the motor made of it is the drive of the arm

@@ -25,10 +25,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.comparison.aligned_place import AlignedPlace
+from flexarm.comparison.alignment_parameters import (
+    AlignmentParameter,
+    alignment_parameters,
+    has_noise,
+    move_placement,
+)
+from flexarm.comparison.effective_parameters import EffectiveParameters
 from flexarm.comparison.pose_outliers import pose_outliers
-from flexarm.comparison.subject import Placement, Subject
-from flexarm.comparison.unknowns import Unknown, noise_is_stated, placed, unknowns
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.outliers import SMOOTH, outliers
 
 if TYPE_CHECKING:
@@ -44,34 +49,34 @@ FIRM = 1e-12
 
 
 @dataclass(frozen=True)
-class Aligned:
+class Alignment:
     """Outcome of an alignment.
 
     Attributes
     ----------
     placement : Placement
         Clocks and frames after it.
-    unknowns : tuple of Unknown
+    parameters : tuple of AlignmentParameter
         What was allowed to move.
     values, std : ndarray
         Where it ended and 1 sigma [s, m, rad]; the sigma counts noise and priors, not an error of the model.
     outliers : dict of str to ndarray of bool, shape (n,)
         Rows that were taken for gross outliers, by signal; of signals that have some.
-    places : tuple of AlignedPlace
+    effective_parameters : tuple of EffectiveParameters
         How many values of each clock and frame were aligned to how many readings.
     """
 
     placement: Placement
-    unknowns: tuple[Unknown, ...] = ()
+    parameters: tuple[AlignmentParameter, ...] = ()
     values: Floats | tuple[float, ...] = ()
     std: Floats | tuple[float, ...] = ()
     outliers: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
-    places: tuple[AlignedPlace, ...] = ()
+    effective_parameters: tuple[EffectiveParameters, ...] = ()
 
     @property
-    def far(self) -> list[str]:
+    def beyond_prior(self) -> list[str]:
         """What moved further than the record's sigma allows for."""
-        pairs = zip(self.unknowns, self.values, strict=True)
+        pairs = zip(self.parameters, self.values, strict=True)
         moves = [(u, abs(value - u.centre) / u.sigma) for u, value in pairs if np.isfinite(u.sigma)]
         return [f"{u} ({move:.0f} sigma)" for u, move in moves if move > FAR]
 
@@ -80,157 +85,163 @@ class Aligned:
         """What the data say nothing about."""
         return [
             str(u)
-            for u, std in zip(self.unknowns, self.std, strict=True)
+            for u, std in zip(self.parameters, self.std, strict=True)
             if not std < (KEPT * u.sigma if np.isfinite(u.sigma) else np.inf)
         ]
 
     @property
-    def crowded(self) -> list[str]:
+    def overfitted(self) -> list[str]:
         """Sentences on clocks and frames that were aligned to few readings."""
-        return [str(place) for place in self.places if place.few]
+        return [str(place) for place in self.effective_parameters if place.overfitted]
 
 
-def align(subject: Subject, start: Placement) -> Aligned:
+def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
     """Clocks and frames that minimise (1).
 
     Parameters
     ----------
-    subject : Subject
+    simulated : SimulatedRecord
         Simulation and record.
     start : Placement
         Where to start; clocks and frames without a prior must be near already.
     """
-    unknown = unknowns(subject, start)
-    places = {each.place for each in unknown}
-    out = _gross_outliers(subject, start, places)
-    if not unknown:
-        return Aligned(start, outliers=out)
-    rows = _Rows(subject, start, unknown, out)
-    values = np.array([each.centre for each in unknown])
-    residual, jacobian = rows(values), _jacobian(rows, values, unknown)
+    parameters = alignment_parameters(simulated, start)
+    places = {each.place for each in parameters}
+    out = _gross_outliers(simulated, start, places)
+    if not parameters:
+        return Alignment(start, outliers=out)
+    rows = _WeightedResiduals(simulated, start, parameters, out)
+    values = np.array([each.centre for each in parameters])
+    residual, jacobian = rows(values), _jacobian(rows, values, parameters)
     for _ in range(ITERATIONS):
-        change = _least_norm(jacobian, -residual, unknown)[0]
-        values, residual, moved = _descend(rows, values, residual, change)
-        scaled = np.abs(moved) / [each.step for each in unknown]
+        change = _least_squares(jacobian, -residual, parameters)[0]
+        values, residual, moved = _line_search(rows, values, residual, change)
+        scaled = np.abs(moved) / [each.step for each in parameters]
         if scaled.max() < 1e-3:
             break
-        jacobian = _jacobian(rows, values, unknown)
-    std = _least_norm(jacobian, residual, unknown)[1]
-    found = placed(start, unknown, values)
-    return Aligned(found, tuple(unknown), values, std, out, rows.aligned_places(jacobian))
+        jacobian = _jacobian(rows, values, parameters)
+    std = _least_squares(jacobian, residual, parameters)[1]
+    found = move_placement(start, parameters, values)
+    return Alignment(found, tuple(parameters), values, std, out, rows.effective_parameters(jacobian))
 
 
-def _gross_outliers(subject: Subject, start: Placement, places: set[str]) -> dict[str, NDArray[np.bool_]]:
+def _gross_outliers(
+    simulated: SimulatedRecord, start: Placement, places: set[str]
+) -> dict[str, NDArray[np.bool_]]:
     """Rows that are gross outliers, of signals that are aligned or cannot jump.
 
     A stated noise tells those of motions, the other poses those of poses.
     """
     wanted = {
         name: signal
-        for name, signal in subject.evidence.items()
-        if signal.quantity in SMOOTH or _moves(signal, places)
+        for name, signal in simulated.evidence.items()
+        if signal.quantity in SMOOTH or _depends_on(signal, places)
     }
-    if subject.record.kind == "static":
-        far = pose_outliers(subject, start)
+    if simulated.record.kind == "static":
+        far = pose_outliers(simulated, start)
         return {name: far[name].rows for name in wanted if name in far}
     found = {
-        name: outliers(subject.residual(signal, start, hold=True), subject.noise(signal))
+        name: outliers(simulated.residual(signal, start, hold=True), simulated.noise(signal))
         for name, signal in wanted.items()
-        if noise_is_stated(signal.noise_std)
+        if has_noise(signal.noise_std)
     }
     return {name: rows for name, rows in found.items() if rows.any()}
 
 
-def _moves(signal: Signal, places: set[str]) -> bool:
+def _depends_on(signal: Signal, places: set[str]) -> bool:
     """Whether its clock or frame is among those that may move."""
     return signal.clock in places or signal.frame in places
 
 
-class _Rows:
+class _WeightedResiduals:
     """Whitened residuals and priors of (1) as one vector; rows without a value, and outliers, are zero."""
 
     def __init__(
         self,
-        subject: Subject,
+        simulated: SimulatedRecord,
         start: Placement,
-        unknown: list[Unknown],
+        parameters: list[AlignmentParameter],
         gross: Mapping[str, NDArray[np.bool_]],
     ) -> None:
-        self.subject, self.start, self.unknown = subject, start, unknown
-        places = {each.place for each in unknown}
+        self.simulated, self.start, self.parameters = simulated, start, parameters
+        places = {each.place for each in parameters}
         self.signals = [
             signal
-            for signal in subject.evidence.values()
-            if noise_is_stated(signal.noise_std) and _moves(signal, places)
+            for signal in simulated.evidence.values()
+            if has_noise(signal.noise_std) and _depends_on(signal, places)
         ]
-        self.centre = np.array([each.centre for each in unknown])
-        self.sigma = np.array([each.sigma for each in unknown])
+        self.centre = np.array([each.centre for each in parameters])
+        self.sigma = np.array([each.sigma for each in parameters])
         self.out = [self._expected(signal) | gross.get(signal.name, False) for signal in self.signals]
 
     def _expected(self, signal: Signal) -> NDArray[np.bool_]:
         """Rows that an effect `outliers` of the model explains."""
-        return self.subject.outliers(signal, self.subject.residual(signal, self.start, hold=True))
+        return self.simulated.outliers(signal, self.simulated.residual(signal, self.start, hold=True))
 
     def __call__(self, values: Floats) -> Floats:
-        placement = placed(self.start, self.unknown, values)
+        placement = move_placement(self.start, self.parameters, values)
         parts = [(values - self.centre) / self.sigma]
         for signal, out in zip(self.signals, self.out, strict=True):
             # held beyond its end: no row may escape from (1) by leaving the run
-            residual = self.subject.residual(signal, placement, hold=True) / self.subject.noise(signal)
+            residual = self.simulated.residual(signal, placement, hold=True) / self.simulated.noise(signal)
             parts.append(np.where(out[:, None], 0.0, residual).ravel())
         found: Floats = np.nan_to_num(np.concatenate(parts))
         return found
 
-    def aligned_places(self, jacobian: Floats) -> tuple[AlignedPlace, ...]:
+    def effective_parameters(self, jacobian: Floats) -> tuple[EffectiveParameters, ...]:
         """How many values were aligned to how many readings, by place; the first rows are priors."""
-        of_readings = jacobian[len(self.sigma) :] * _sizes(self.unknown)
+        of_readings = jacobian[len(self.sigma) :] * _scales(self.parameters)
         square = of_readings.T @ of_readings
-        prior = np.diag((_sizes(self.unknown) / self.sigma) ** 2)
+        prior = np.diag((_scales(self.parameters) / self.sigma) ** 2)
         share = np.diag(np.linalg.pinv(square + prior, rcond=FIRM, hermitian=True) @ square)
         found = []
-        for place in dict.fromkeys(each.place for each in self.unknown):
-            values = float(sum(share[k] for k, each in enumerate(self.unknown) if each.place == place))
-            of = [(s, out) for s, out in zip(self.signals, self.out, strict=True) if _moves(s, {place})]
+        for place in dict.fromkeys(each.place for each in self.parameters):
+            values = float(sum(share[k] for k, each in enumerate(self.parameters) if each.place == place))
+            of = [(s, out) for s, out in zip(self.signals, self.out, strict=True) if _depends_on(s, {place})]
             readings = sum(self._readings(signal, out) for signal, out in of)
-            found.append(AlignedPlace(place, values, readings, tuple(signal.name for signal, _ in of)))
+            found.append(EffectiveParameters(place, values, readings, tuple(signal.name for signal, _ in of)))
         return tuple(found)
 
     def _readings(self, signal: Signal, out: NDArray[np.bool_]) -> int:
         """Number of values that count."""
-        residual = self.subject.residual(signal, self.start, hold=True)
+        residual = self.simulated.residual(signal, self.start, hold=True)
         return int(np.isfinite(residual[~out]).sum())
 
 
-def _jacobian(rows: _Rows, values: Floats, unknown: list[Unknown]) -> Floats:
+def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[AlignmentParameter]) -> Floats:
     """Central differences of the rows by the unknowns."""
     columns = []
-    for i, each in enumerate(unknown):
-        step = np.zeros(len(unknown))
+    for i, each in enumerate(parameters):
+        step = np.zeros(len(parameters))
         step[i] = each.step
         columns.append((rows(values + step) - rows(values - step)) / (2 * each.step))
     found: Floats = np.stack(columns, axis=1)
     return found
 
 
-def _least_norm(jacobian: Floats, right: Floats, unknown: list[Unknown]) -> tuple[Floats, Floats]:
+def _least_squares(
+    jacobian: Floats, right: Floats, parameters: list[AlignmentParameter]
+) -> tuple[Floats, Floats]:
     """Return the least-squares step and standard deviations; what the data leave open keeps its prior's."""
-    scale = _sizes(unknown)
+    scale = _scales(parameters)
     scaled = jacobian * scale
     squares, axes = np.linalg.eigh(scaled.T @ scaled)
     firm = squares > FIRM * squares[-1]
     step = axes[:, firm] @ ((axes[:, firm].T @ (scaled.T @ right)) / squares[firm])
     variance = np.sum(axes[:, firm] ** 2 / squares[firm], axis=1)
     loose = np.sum(axes[:, ~firm] ** 2, axis=1) > 1e-3
-    prior = np.array([each.sigma for each in unknown])
+    prior = np.array([each.sigma for each in parameters])
     return step * scale, np.where(loose, prior, np.sqrt(variance) * scale)
 
 
-def _sizes(unknown: list[Unknown]) -> Floats:
+def _scales(parameters: list[AlignmentParameter]) -> Floats:
     """What unknowns are measured in: sigmas of their priors, or so many steps where there is none."""
-    return np.array([each.sigma if np.isfinite(each.sigma) else 100 * each.step for each in unknown])
+    return np.array([each.sigma if np.isfinite(each.sigma) else 100 * each.step for each in parameters])
 
 
-def _descend(rows: _Rows, values: Floats, residual: Floats, change: Floats) -> tuple[Floats, Floats, Floats]:
+def _line_search(
+    rows: _WeightedResiduals, values: Floats, residual: Floats, change: Floats
+) -> tuple[Floats, Floats, Floats]:
     """A step along `change`, halved until (1) falls; none if it never does."""
     cost = residual @ residual
     for _ in range(12):

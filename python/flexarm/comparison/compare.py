@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arguments import ARM, FLAG, MOTION, NUMBER, RECORD, ROW, takes
-from flexarm.comparison.align import Aligned
+from flexarm.comparison.align import Alignment
+from flexarm.comparison.aligned_record import simulate_record
+from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.comparison.bands import alias
-from flexarm.comparison.beside import beside
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.comparison.step_check import step_notes
-from flexarm.comparison.unknowns import movable
 from flexarm.drive.lead_in import LEAD
 from flexarm.measurement.outliers import SMOOTH, told
 from flexarm.record.against_arm import unplaced_effects
@@ -87,14 +87,14 @@ def compare(
     --------
     >>> print(flexarm.compare(arm, flexarm.Record.load("measured")))  # doctest: +SKIP
     """
-    pair = beside(arm, record, align, simulation=simulation, step=step, alpha=alpha)
-    subject, aligned = pair.subject, pair.aligned
+    pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
+    simulated, aligned = pair.simulated, pair.aligned
     modes_hz = pair.modes_hz if bands is None else ()
     gaps = {
         name: signal_gap(
-            subject, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(signal, aligned)
+            simulated, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(signal, aligned)
         )
-        for name, signal in subject.signals.items()
+        for name, signal in simulated.signals.items()
     }
     steps = step_notes(arm, pair, step, alpha) if check_step else ()
     return Comparison(
@@ -102,22 +102,22 @@ def compare(
         record.description,
         gaps,
         aligned,
-        dict(subject.skipped),
+        dict(simulated.skipped),
         modes_hz,
-        (*_about_effects(subject.arm, record), *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        (*_about_effects(simulated.arm, record), *_notes(record, gaps, modes_hz, aligned, align), *steps),
     )
 
 
 def _notes(
-    record: Record, gaps: dict[str, SignalGap], modes_hz: Sequence[float], aligned: Aligned, wanted: bool
+    record: Record, gaps: dict[str, SignalGap], modes_hz: Sequence[float], aligned: Alignment, wanted: bool
 ) -> list[str]:
     """What a reader of the numbers should know."""
     found = _about_drives(record)
     if aligned.undetermined:
         found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
-    found += aligned.crowded
-    if aligned.far:
-        found.append(f"moved further than the record allows for: {', '.join(aligned.far)}")
+    found += aligned.overfitted
+    if aligned.beyond_prior:
+        found.append(f"moved further than the record allows for: {', '.join(aligned.beyond_prior)}")
     found += [_about_outliers(gaps[name], rows) for name, rows in aligned.outliers.items()]
     found += [
         f"{gap.removed} of {gap.removed + len(gap.time)} rows of {gap.name} are outliers as the model has "
@@ -141,7 +141,7 @@ def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
     """Which clocks and frames signals without a stated noise leave as they are stated."""
     found: dict[tuple[str, ...], list[str]] = {}
     for name in unweighed:
-        if places := movable(record, record.signals[name]):
+        if places := uncertain_clock_and_frame(record, record.signals[name]):
             found.setdefault(places, []).append(name)
     return [
         f"no noise is stated for {', '.join(names)}: not used to align {' and '.join(places)}"
@@ -149,7 +149,7 @@ def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
     ]
 
 
-def _gross(signal: Signal, aligned: Aligned) -> NDArray[np.bool_] | None:
+def _gross(signal: Signal, aligned: Alignment) -> NDArray[np.bool_] | None:
     """Rows of a signal that no number counts: outliers of what cannot jump."""
     return aligned.outliers.get(signal.name) if signal.quantity in SMOOTH else None
 

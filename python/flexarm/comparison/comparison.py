@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.comparison.align import Aligned
+from flexarm.comparison.align import Alignment
 from flexarm.comparison.gap import SignalGap
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class Comparison:
         Name of the model, description of the record.
     signals : dict of str to SignalGap
         The gap of every signal that could be compared; drives are marked.
-    aligned : Aligned
+    aligned : Alignment
         Clocks and frames as they were used.
     skipped : dict of str to str
         Signals that were not compared, and why.
@@ -39,7 +39,7 @@ class Comparison:
     arm: str
     record: str
     signals: Mapping[str, SignalGap]
-    aligned: Aligned
+    aligned: Alignment
     skipped: Mapping[str, str]
     modes_hz: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
@@ -64,7 +64,7 @@ class Comparison:
                     "unit": unknown.unit,
                 }
                 for unknown, value, std in zip(
-                    self.aligned.unknowns, self.aligned.values, self.aligned.std, strict=True
+                    self.aligned.parameters, self.aligned.values, self.aligned.std, strict=True
                 )
             ],
             "modes_hz": list(self.modes_hz),
@@ -76,11 +76,11 @@ class Comparison:
         """Tables that a person reads: the gap, its bands, the alignment."""
         title = f"gap between {self.arm!r} and " + (repr(self.record) if self.record else "the record")
         lines = [title, "", *self._gap_table(), "", *self._band_table()]
-        if self.aligned.unknowns:
+        if self.aligned.parameters:
             lines += ["", "aligned, +- 1 sigma beside the stated one"]
-            rows = zip(self.aligned.unknowns, self.aligned.values, self.aligned.std, strict=True)
+            rows = zip(self.aligned.parameters, self.aligned.values, self.aligned.std, strict=True)
             lines += [
-                f"  {u!s:<36}{_to_its_sigma(value, std):>12} +- {_sigma(std, 'any'):>8}  "
+                f"  {u!s:<36}{_rounded_to(value, std):>12} +- {_sigma(std, 'any'):>8}  "
                 f"({_sigma(u.sigma, 'unknown')}) {u.unit}"
                 for u, value, std in rows
             ]
@@ -147,7 +147,7 @@ def _sigma(std: float, infinite: str) -> str:
     return f"{std:.1e}" if np.isfinite(std) else infinite
 
 
-def _to_its_sigma(value: float, std: float) -> str:
+def _rounded_to(value: float, std: float) -> str:
     """Four digits, or as many as its deviation needs: what a clock is late by may be copied into a record."""
     if abs(value) < 1 or not 0 < std < 1e-3 * abs(value):
         return f"{value:.3e}"

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.comparison.bands import Band, band_edges, band_split
 from flexarm.comparison.directions import base_directions, joint_directions, project
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.sampling import sample
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class SignalGap:
 
 
 def signal_gap(
-    subject: Subject,
+    simulated: SimulatedRecord,
     signal: Signal,
     placement: Placement,
     joint: str | None,
@@ -93,10 +93,10 @@ def signal_gap(
 
     Parameters
     ----------
-    subject : Subject
+    simulated : SimulatedRecord
         Simulation and record.
     signal : Signal
-        One of the subject's signals.
+        One of its signals.
     placement : Placement
         Clocks and frames.
     joint : str or None
@@ -108,14 +108,14 @@ def signal_gap(
     gross : ndarray of bool, shape (n,), optional
         Rows to leave out as gross outliers.
     """
-    instants, residual = subject.instants(signal, placement), subject.residual(signal, placement)
-    out = subject.outliers(signal, residual)
+    instants, residual = simulated.instants(signal, placement), simulated.residual(signal, placement)
+    out = simulated.outliers(signal, residual)
     left = np.zeros(len(residual), dtype=bool) if gross is None else gross & ~out
     keep = np.isfinite(residual).all(axis=1) & ~out & ~left
     instants, residual = instants[keep], residual[keep]
-    parts = _parts(subject, signal, placement, joint, instants, residual)
+    parts = _parts(simulated, signal, placement, joint, instants, residual)
     bands: list[Band] = []
-    if subject.record.kind == "motion":
+    if simulated.record.kind == "motion":
         bands = band_split(instants, residual, band_edges(instants, modes_hz, edges))
     return SignalGap(
         signal.name,
@@ -132,19 +132,19 @@ def signal_gap(
             "total": _max(np.linalg.norm(residual, axis=1)),
         },
         tuple(bands),
-        _noise(subject, signal, placement) if signal.noise_std is not None else None,
-        signal.name in subject.record.drive,
+        _noise(simulated, signal, placement) if signal.noise_std is not None else None,
+        signal.name in simulated.record.drive,
         int(out.sum()),
         tuple(map(int, np.flatnonzero(left))),
     )
 
 
-def _noise(subject: Subject, signal: Signal, placement: Placement) -> float:
+def _noise(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> float:
     """Noise of the total, eq. (2)."""
-    square = float(np.sum(subject.noise(signal) ** 2))
-    if signal.jitter_std > 0 and subject.record.kind == "motion":
+    square = float(np.sum(simulated.noise(signal) ** 2))
+    if signal.jitter_std > 0 and simulated.record.kind == "motion":
         ahead, behind = (
-            subject.residual(signal, _shifted(placement, signal, shift), hold=True)
+            simulated.residual(signal, _shifted(placement, signal, shift), hold=True)
             for shift in (-JITTER_STEP, JITTER_STEP)
         )
         rate = (behind - ahead) / (2 * JITTER_STEP)
@@ -160,7 +160,7 @@ def _shifted(placement: Placement, signal: Signal, shift: float) -> Placement:
 
 
 def _parts(
-    subject: Subject,
+    simulated: SimulatedRecord,
     signal: Signal,
     placement: Placement,
     joint: str | None,
@@ -169,26 +169,28 @@ def _parts(
 ) -> dict[str, Floats | None]:
     """Residual along the directions of the signal: of the arm for positions, of its own axes else."""
     if signal.quantity == "position":
-        directions = directions_of(subject, signal, joint, instants)
-        return project(residual, signal.axes, subject.frame(signal, placement), directions)
+        directions = directions_of(simulated, signal, joint, instants)
+        return project(residual, signal.axes, simulated.frame(signal, placement), directions)
     if signal.quantity == "orientation" or (signal.spec.channels is None and signal.axes):
         axes = signal.axes or ("x", "y", "z")
         return {axis: residual[:, axes.index(axis)] if axis in axes else None for axis in "xyz"}
     return {"total": residual[:, 0]}
 
 
-def directions_of(subject: Subject, signal: Signal, joint: str | None, instants: Floats) -> dict[str, Floats]:
+def directions_of(
+    simulated: SimulatedRecord, signal: Signal, joint: str | None, instants: Floats
+) -> dict[str, Floats]:
     """Unit vectors in the base along which a position's gap is shown: those of the joint, else x, y, z."""
     directions = None
     if joint is not None and signal.point is not None:
-        angles = drive_angles(subject, instants)
-        directions = joint_directions(subject.simulation.arm, joint, signal.point, angles)
+        angles = drive_angles(simulated, instants)
+        directions = joint_directions(simulated.simulation.arm, joint, signal.point, angles)
     return directions or base_directions(len(instants))
 
 
-def drive_angles(subject: Subject, instants: Floats) -> dict[str, Floats]:
+def drive_angles(simulated: SimulatedRecord, instants: Floats) -> dict[str, Floats]:
     """Drive angles of all joints at the instants."""
-    run = subject.simulation
+    run = simulated.simulation
     values = sample(run.time, np.asarray(run.drive_angle), instants, np.asarray(run.drive_rate))
     return {name: values[:, j] for j, name in enumerate(run.joints)}
 

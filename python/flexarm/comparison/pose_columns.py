@@ -21,7 +21,7 @@ import numpy as np
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.gap import drive_angles
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.measurement.sampling import sample
 from flexarm.measurement.tracker import base_position
@@ -41,18 +41,22 @@ ANGLES = ("joint_angle", "inclination", "orientation")
 """Quantities of which a model misses by `TURN`; of others that are no places it may miss all it says."""
 
 
-def pose_columns(subject: Subject, signal: Signal, placement: Placement) -> Floats:
+def pose_columns(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
     """Columns for every row of a signal, shape (n, channels, k)."""
     of = _of_point if signal.quantity == "position" else _of_channels
-    return np.stack([column for column in of(subject, signal, placement) if np.any(column)], axis=2)
+    return np.stack([column for column in of(simulated, signal, placement) if np.any(column)], axis=2)
 
 
-def _of_point(subject: Subject, signal: Signal, placement: Placement) -> Iterator[Floats]:
+def _of_point(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Iterator[Floats]:
     """(1) to (3) of a point, along the measured axes."""
-    arm, instants, axes = subject.arm, subject.instants(signal, placement), subject.axes(signal, placement)
-    frame, size, place = subject.record.frame_of(signal), reach(arm), arm.point(signal.point)
-    angles = drive_angles(subject, instants)
-    there = base_position(subject.simulation, signal, instants)
+    arm, instants, axes = (
+        simulated.arm,
+        simulated.instants(signal, placement),
+        simulated.axes(signal, placement),
+    )
+    frame, size, place = simulated.record.frame_of(signal), reach(arm), arm.point(signal.point)
+    angles = drive_angles(simulated, instants)
+    there = base_position(simulated.simulation, signal, instants)
     yield (there - link_pose(arm, place.link, angles).of_point(np.asarray(place.position))) @ axes  # eq. (2)
     shift = FREE * size if frame.unknown else max(SHIFT * size, KNOWN * frame.translation)
     turn = FREE if frame.unknown else max(TURN, KNOWN * frame.rotation)
@@ -63,28 +67,28 @@ def _of_point(subject: Subject, signal: Signal, placement: Placement) -> Iterato
         most = TURN * (size if joint.type == "prismatic" else 1.0)
         turned = most * point_jacobian(arm, joint.name, str(signal.point), angles) @ axes
         yield turned  # eq. (3)
-        for state in _states(subject, joint.name, instants):
+        for state in _states(simulated, joint.name, instants):
             yield state[:, None] * turned
 
 
-def _of_channels(subject: Subject, signal: Signal, placement: Placement) -> Iterator[Floats]:
+def _of_channels(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Iterator[Floats]:
     """The same of other quantities."""
-    predicted = subject.predicted(signal, placement, hold=True)
-    channels = subject.residual(signal, placement, hold=True).shape[1]
+    predicted = simulated.predicted(signal, placement, hold=True)
+    channels = simulated.residual(signal, placement, hold=True).shape[1]
     size = TURN if signal.quantity in ANGLES else float(np.max(np.abs(predicted), initial=0.0))
     states = [np.ones(len(signal)), *map(_over_greatest, predicted.T)]
-    for joint in subject.arm.moving_joints:
-        states += _states(subject, joint.name, subject.instants(signal, placement))
+    for joint in simulated.arm.moving_joints:
+        states += _states(simulated, joint.name, simulated.instants(signal, placement))
     for state in states:
         for channel in np.eye(channels):
             yield size * np.outer(state, channel)
 
 
-def _states(subject: Subject, joint: str, instants: Floats) -> list[Floats]:
+def _states(simulated: SimulatedRecord, joint: str, instants: Floats) -> list[Floats]:
     """Angle and torque of a joint over their greatest."""
-    run = subject.simulation
+    run = simulated.simulation
     torque = sample(run.time, np.asarray(run.motor_torque)[:, run.joints.index(joint)], instants)
-    return [_over_greatest(drive_angles(subject, instants)[joint]), _over_greatest(torque)]
+    return [_over_greatest(drive_angles(simulated, instants)[joint]), _over_greatest(torque)]
 
 
 def _over_greatest(values: Floats) -> Floats:

@@ -31,9 +31,9 @@ from numpy.typing import NDArray
 
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
+from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.pose_columns import ANGLES, pose_columns
-from flexarm.comparison.start import first_guess
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.outliers import beyond_all
 
 if TYPE_CHECKING:
@@ -64,68 +64,68 @@ TINY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class FarOff:
+class PoseOutliers:
     """Outliers of one signal: which rows, and how far every row is from what the others foretell [unit]."""
 
     rows: NDArray[np.bool_]
     size: Floats
 
 
-def pose_outliers(subject: Subject, start: Placement) -> dict[str, FarOff]:
+def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, PoseOutliers]:
     """Outliers of a static record by signal, of those that have some.
 
     Parameters
     ----------
-    subject : Subject
+    simulated : SimulatedRecord
         Simulation and record.
     start : Placement
         Frames as stated; those of which nothing is stated are fitted here.
     """
-    found: dict[str, FarOff] = {}
+    found: dict[str, PoseOutliers] = {}
     for _ in range(FRAMES):
-        placement = first_guess(_without(subject, found), start)
-        each = {name: _of_signal(subject, signal, placement) for name, signal in subject.evidence.items()}
+        placement = initial_guess(_without(simulated, found), start)
+        each = {name: _of_signal(simulated, signal, placement) for name, signal in simulated.evidence.items()}
         last, found = found, {name: far for name, far in each.items() if far is not None}
-        if _numbers(last) == _numbers(found):
+        if _row_numbers(last) == _row_numbers(found):
             break
     return found
 
 
-def _numbers(found: Mapping[str, FarOff]) -> dict[str, list[int]]:
+def _row_numbers(found: Mapping[str, PoseOutliers]) -> dict[str, list[int]]:
     return {name: np.flatnonzero(far.rows).tolist() for name, far in found.items()}
 
 
-def _without(subject: Subject, found: Mapping[str, FarOff]) -> Subject:
-    """The subject with these rows lost."""
-    signals = dict(subject.signals)
+def _without(simulated: SimulatedRecord, found: Mapping[str, PoseOutliers]) -> SimulatedRecord:
+    """The signals with these rows lost."""
+    signals = dict(simulated.signals)
     for name, far in found.items():
         values = np.where(far.rows[:, None], np.nan, signals[name].values)
         signals[name] = signals[name].replace(values=values)
-    return replace(subject, signals=signals)
+    return replace(simulated, signals=signals)
 
 
-def _of_signal(subject: Subject, signal: Signal, placement: Placement) -> FarOff | None:
+def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> PoseOutliers | None:
     """Of one signal; None if there are none, or so many that they are none."""
-    gap = subject.residual(signal, placement, hold=True)
+    gap = simulated.residual(signal, placement, hold=True)
     known = np.isfinite(gap).all(axis=1)
     if len(np.unique(np.asarray(signal.pose)[known])) < LEAST_POSES:
         return None
-    far = FAR * reach(subject.arm) if signal.unit == "m" else FAR if signal.quantity in ANGLES else 0.0
-    columns = pose_columns(subject, signal, placement)
-    off, sigma = foretold(columns[known], gap[known], subject.noise(signal))
-    limit = np.maximum(SPREAD * sigma, np.maximum(NOISE * subject.noise(signal), far))
+    far = FAR * reach(simulated.arm) if signal.unit == "m" else FAR if signal.quantity in ANGLES else 0.0
+    columns = pose_columns(simulated, signal, placement)
+    off, sigma = prediction_residuals(columns[known], gap[known], simulated.noise(signal))
+    limit = np.maximum(SPREAD * sigma, np.maximum(NOISE * simulated.noise(signal), far))
     rows, size = np.zeros(len(gap), dtype=bool), np.full(len(gap), np.nan)
-    held = _held(signal.values[known], signal.noise_std or 0.0)
+    held = _repeated(signal.values[known], signal.noise_std or 0.0)
     beyond = np.abs(off) > limit
     if held.shape == beyond.shape:  # not of orientations, whose gaps are no channels
         beyond &= ~held
     rows[known], size[known] = np.any(beyond, axis=1), np.linalg.norm(off, axis=1)
     if rows.any() and signal.quantity not in DESCRIBED:
         rows &= beyond_all(gap, rows)
-    return FarOff(rows, size) if 0 < rows.sum() <= max(1.0, MOST * known.sum()) else None
+    return PoseOutliers(rows, size) if 0 < rows.sum() <= max(1.0, MOST * known.sum()) else None
 
 
-def _held(values: Floats, noise: float) -> NDArray[np.bool_]:
+def _repeated(values: Floats, noise: float) -> NDArray[np.bool_]:
     """Readings that `ALIKE` rows of a channel share, exactly or, the greatest and the least, to the noise."""
     found = np.zeros(values.shape, dtype=bool)
     for channel, column in zip(found.T, values.T, strict=True):
@@ -137,7 +137,7 @@ def _held(values: Floats, noise: float) -> NDArray[np.bool_]:
     return found
 
 
-def foretold(columns: Floats, gap: Floats, noise: Floats) -> tuple[Floats, Floats]:
+def prediction_residuals(columns: Floats, gap: Floats, noise: Floats) -> tuple[Floats, Floats]:
     """How far each row is from what the others foretell, and 1 sigma of that: (2), shapes (n, channels).
 
     Parameters

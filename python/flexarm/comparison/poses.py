@@ -55,14 +55,14 @@ def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) 
     NotConverged
         If a pose has no stable equilibrium.
     """
-    bench = _Bench(arm, record, parameters(arm, sensitivities))
-    found = [bench.held(bench.inputs(pose), bench.turning(pose)) for pose in record.poses]
+    model = _StaticModel(arm, record, parameters(arm, sensitivities))
+    found = [model.held(model.inputs(pose), model.turning(pose)) for pose in record.poses]
     run = sequence(arm, found)
-    return replace(run, sensitivities=_sensitivities(bench, run, found)) if bench.wanted else run
+    return replace(run, sensitivities=_sensitivities(model, run, found)) if model.wanted else run
 
 
 @dataclass(frozen=True)
-class _Inputs:
+class _PoseInputs:
     """What one pose was told: angles [rad, m], forces [N] and weighed payloads [kg]."""
 
     angles: Mapping[str, float]
@@ -70,7 +70,7 @@ class _Inputs:
     masses: Mapping[str, float]
 
 
-class _Bench:
+class _StaticModel:
     """The arm of a static record, assembled once for every set of payloads that its poses carry."""
 
     def __init__(self, arm: Arm, record: Record, wanted: tuple[Parameter, ...]) -> None:
@@ -96,9 +96,9 @@ class _Bench:
             if is_input(self.record, signal)
         }
 
-    def inputs(self, pose: str, true: Mapping[str, Floats] | None = None) -> _Inputs:
+    def inputs(self, pose: str, true: Mapping[str, Floats] | None = None) -> _PoseInputs:
         """What a pose was told, from the true values of its signals."""
-        return _inputs(self.record, pose, self.true if true is None else true)
+        return _pose_inputs(self.record, pose, self.true if true is None else true)
 
     def quantity_read_by(self, parameter: Parameter) -> str | None:
         """What the sensor measures to which a parameter belongs; None if it is none of an input."""
@@ -117,7 +117,7 @@ class _Bench:
             found[key] = Turning(above, up, below, down)
         return found
 
-    def held(self, inputs: _Inputs, turning: Mapping[str, Turning] | None = None) -> Held:
+    def held(self, inputs: _PoseInputs, turning: Mapping[str, Turning] | None = None) -> Held:
         """The equilibrium."""
         load = tuple(sorted(inputs.masses.items()))
         if load not in self._arms:
@@ -127,27 +127,27 @@ class _Bench:
         return self._arms[load].at({**self.record.joints, **inputs.angles}, inputs.forces, turning)
 
 
-def _sensitivities(bench: _Bench, run: PoseSequence, found: list[Held]) -> Sensitivities:
+def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[Held]) -> Sensitivities:
     """Derivatives of a sequence: of its equilibria, and by sensors of forces through what these read."""
     slopes = {
         name: np.stack([held.sensitivities[name] for held in found if held.sensitivities])
         for name in (*SEEN, "drive_angle")
     }
-    for k, parameter in enumerate(bench.wanted):
-        if bench.quantity_read_by(parameter) == "force":
-            for name, array in _through_forces(bench, parameter).items():
+    for k, parameter in enumerate(model.wanted):
+        if model.quantity_read_by(parameter) == "force":
+            for name, array in _force_derivatives(model, parameter).items():
                 slopes[name][..., k] = array
-    return Sensitivities(bench.wanted, slopes_of(bench.arm, run, slopes))
+    return Sensitivities(model.wanted, slopes_of(model.arm, run, slopes))
 
 
-def _through_forces(bench: _Bench, parameter: Parameter) -> dict[str, Floats]:
+def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, Floats]:
     """Derivatives by the sensor of a force, whose true value is another one: two more equilibria a pose."""
-    (above, up), (below, down) = neighbours(bench.arm, parameter)
-    bare = _Bench(bench.arm, bench.record, ())
+    (above, up), (below, down) = neighbours(model.arm, parameter)
+    bare = _StaticModel(model.arm, model.record, ())
     sides = []
     for other in (above, below):
-        true = bench.readings(other)
-        sides.append([bare.held(bare.inputs(pose, true)) for pose in bench.record.poses])
+        true = model.readings(other)
+        sides.append([bare.held(bare.inputs(pose, true)) for pose in model.record.poses])
     return {
         name: np.array([a.arrays[name] - b.arrays[name] for a, b in zip(*sides, strict=True)]) / (up - down)
         for name in SEEN
@@ -165,7 +165,7 @@ def pose_numbers(record: Record) -> dict[str, Floats]:
     }
 
 
-def _inputs(record: Record, pose: str, true: Mapping[str, Floats]) -> _Inputs:
+def _pose_inputs(record: Record, pose: str, true: Mapping[str, Floats]) -> _PoseInputs:
     """Joint angles, forces and payload masses of one pose, from the true values of their signals."""
     angles: dict[str, float] = {}
     forces: dict[str, Floats] = {}
@@ -189,4 +189,4 @@ def _inputs(record: Record, pose: str, true: Mapping[str, Floats]) -> _Inputs:
             masses[signal.payload] = float(mean[0])
         elif signal.joint is not None:
             angles[signal.joint] = float(mean[0])
-    return _Inputs(angles, forces, masses)
+    return _PoseInputs(angles, forces, masses)

@@ -15,19 +15,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import NotConverged
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.comparison.beside import Beside
+    from flexarm.comparison.aligned_record import AlignedRecord
     from flexarm.record import Signal
 
 FINE = 0.5
 """Change of a prediction over its noise, where the step is halved, from which on it is told."""
 
 
-def step_notes(arm: Arm, pair: Beside, step: float, alpha: float) -> Iterator[str]:
+def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iterator[str]:
     """Yield a sentence for each signal that half a time step moves by more than `FINE` of its noise.
 
     Takes one more simulation of twice the work; nothing for poses.
@@ -35,11 +35,11 @@ def step_notes(arm: Arm, pair: Beside, step: float, alpha: float) -> Iterator[st
     if pair.record.kind == "static":
         return
     try:
-        finer = beside(arm, pair.record, align=False, step=step / 2, alpha=alpha)
+        finer = simulate_record(arm, pair.record, align=False, step=step / 2, alpha=alpha)
     except NotConverged:
         return
-    for signal in pair.subject.evidence.values():
-        noise = float(np.sqrt(np.sum(pair.subject.noise(signal) ** 2)))
+    for signal in pair.simulated.evidence.values():
+        noise = float(np.sqrt(np.sum(pair.simulated.noise(signal) ** 2)))
         said = step_note(change(pair, finer, signal), noise, step)
         if said:
             yield f"{signal.name}: {said}"
@@ -55,10 +55,10 @@ def step_note(moved: float, noise: float, step: float) -> str:
     )
 
 
-def change(pair: Beside, other: Beside, signal: Signal) -> float:
+def change(pair: AlignedRecord, other: AlignedRecord, signal: Signal) -> float:
     """Return the rms change of a prediction, all channels together, at the record's own instants."""
     placement = pair.aligned.placement
-    there = other.subject.residual(signal, placement) - pair.subject.residual(signal, placement)
+    there = other.simulated.residual(signal, placement) - pair.simulated.residual(signal, placement)
     squares = np.sum(there**2, axis=1)
     return float(np.sqrt(np.nanmean(squares))) if np.isfinite(squares).any() else 0.0
 

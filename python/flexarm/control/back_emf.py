@@ -19,7 +19,7 @@ from flexarm.arrays import read_only
 from flexarm.control.actuator import actuator_of
 from flexarm.control.dual import value_of
 from flexarm.effects import MotorFriction
-from flexarm.simulation import Simulation
+from flexarm.simulation.simulation import Simulation
 
 
 def losses_of(arm: Arm, controllers: Mapping[str, Controller]) -> dict[str, float]:

@@ -27,10 +27,11 @@ from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
-from flexarm.simulation import Progress, Simulation, reported
 from flexarm.simulation.endless import refuse_endless
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
+from flexarm.simulation.progress import Progress, reported
+from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import DIFFERENTIATED
 
 Schedule = Mapping[str, Callable[[float], Controller]]

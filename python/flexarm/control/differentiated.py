@@ -34,7 +34,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive, Sensitivities, collected, entry_of, varied
-from flexarm.simulation import Simulation
+from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import derived
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from flexarm.arm import Arm
 from flexarm.arm.link import Beam, RigidLink
 from flexarm.arm.sensor_effect import ClockEffect, SignalEffect
-from flexarm.comparison.unknowns import drive_clock
+from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.problem import Observed
 from flexarm.record import Record
 

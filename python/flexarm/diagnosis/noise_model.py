@@ -42,7 +42,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.comparison.unknowns import movable
+from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.diagnosis.fit import FAILED
 from flexarm.diagnosis.problem import Observed, extrapolated
 from flexarm.diagnosis.residual_rows import has_corners
@@ -85,7 +85,7 @@ def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -
     begin = f"{name} states no noise of {signal.name}"
     if noise is not None:
         return [f"{begin}: {with_unit(noise, signal.unit, 2)} count, as the training states it"]
-    places = movable(record, signal)
+    places = uncertain_clock_and_frame(record, signal)
     return [f"{begin}, nor does the training: it does not align {listed(places)}"] if places else []
 
 

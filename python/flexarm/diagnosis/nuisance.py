@@ -18,7 +18,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters, with_value
-from flexarm.comparison.unknowns import drive_clock
+from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.candidate_places import weighed
 from flexarm.diagnosis.initial_conditions import SIGMA
 from flexarm.diagnosis.problem import Observed

@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.comparison.start import first_guesses
-from flexarm.comparison.subject import Placement, Subject
-from flexarm.comparison.unknowns import stated
+from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.initial_guess import initial_guesses
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.diagnosis.initial_conditions import Start, start_slopes, starts_of
 from flexarm.diagnosis.jacobian import differences, pose_slopes
 from flexarm.diagnosis.residual_rows import Rows, evidence_rows, has_corners, put_over_noise, rows_left
@@ -88,7 +88,7 @@ class Observed:
         self.runs = Runs(self.records, self.step, self.alpha)
         rows: list[Rows] = []
         pairs = [self.runs.beside(name, self.arm) for name in self.records]
-        guesses = first_guesses(pairs, [stated(record) for record in self.records.values()])
+        guesses = initial_guesses(pairs, [stated_placement(record) for record in self.records.values()])
         self.placement = dict(zip(self.records, guesses, strict=True))
         for name, pair in zip(self.records, pairs, strict=True):
             self.skipped |= {f"{name}: {signal}": why for signal, why in pair.skipped.items()}
@@ -177,7 +177,9 @@ class Observed:
         while len(self._residuals) > KEPT_RESIDUALS:
             self._residuals.popitem(last=False)
 
-    def put(self, found: Floats, name: str, pair: Subject, rows: Iterable[Rows] | None = None) -> None:
+    def put(
+        self, found: Floats, name: str, pair: SimulatedRecord, rows: Iterable[Rows] | None = None
+    ) -> None:
         """Writes the rows of one record into a residual, or some of them."""
         seen = self._seen.setdefault(pair.simulation, {})
 

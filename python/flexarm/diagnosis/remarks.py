@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from flexarm.comparison.unknowns import movable, noise_is_stated
+from flexarm.comparison.alignment_parameters import has_noise, uncertain_clock_and_frame
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.nuisance import known_loads
 from flexarm.diagnosis.problem import Observed
@@ -44,11 +44,15 @@ def unweighed(observed: Observed) -> Iterator[str]:
     """A sentence for each signal without a stated noise: what stands for it, what is not aligned by it."""
     shown: dict[str, float] = {}
     for rows in observed.rows:
-        if not noise_is_stated(_signal(observed, rows.record, rows.signal).noise_std):
+        if not has_noise(_signal(observed, rows.record, rows.signal).noise_std):
             shown[rows.signal] = max(shown.get(rows.signal, 0.0), rows.sigma)
     for name, sigma in shown.items():
         own = [(each, each.signals[name]) for each in observed.records.values() if name in each.signals]
-        places = list(dict.fromkeys(place for record, signal in own for place in movable(record, signal)))
+        places = list(
+            dict.fromkeys(
+                place for record, signal in own for place in uncertain_clock_and_frame(record, signal)
+            )
+        )
         noise = with_unit(sigma, own[0][1].unit, 2)
         text = f"no noise is stated for {name}: the {noise} that its values show count instead"
         if places:
@@ -70,7 +74,7 @@ def unfitted(observed: Observed, compared: Mapping[str, Sequence[str]]) -> Itera
     for record in observed.records:
         for name in compared.get(record, ()):
             if (record, name) not in seen:
-                stated = noise_is_stated(_signal(observed, record, name).noise_std)
+                stated = has_noise(_signal(observed, record, name).noise_std)
                 why = "none of its values lies in the time of the drives" if stated else _SILENT
                 yield f"{record}: {name} is not fitted: {why}"
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.noise import repeated_noise
@@ -84,7 +84,7 @@ class Rows:
         return self.shaken + (self.unsteady if corners else 0.0)
 
 
-def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) -> Iterator[Rows]:
+def evidence_rows(name: str, pair: SimulatedRecord, placement: Placement, start: int) -> Iterator[Rows]:
     """Rows of all channels of a record, beside any simulation; the first one is `start` of the residual.
 
     Raises
@@ -98,7 +98,9 @@ def evidence_rows(name: str, pair: Subject, placement: Placement, start: int) ->
             start = each.where.stop
 
 
-def _channels(name: str, pair: Subject, placement: Placement, signal: Signal, start: int) -> Iterator[Rows]:
+def _channels(
+    name: str, pair: SimulatedRecord, placement: Placement, signal: Signal, start: int
+) -> Iterator[Rows]:
     residual = pair.residual(signal, placement, hold=True)
     noise = pair.noise(signal)
     if pair.record.kind == "static" and not noise.all():

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
-from flexarm.comparison.beside import last_needed
+from flexarm.comparison.aligned_record import end_of_simulation
 from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
-from flexarm.comparison.subject import Subject, subject
+from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
@@ -49,7 +49,7 @@ class Runs:
         self.records, self.step, self.alpha = records, step, alpha
         self.made = 0
         self._kept = max(KEPT_RUNS, 2 * len(records))
-        self._runs: OrderedDict[Any, Subject] = OrderedDict()
+        self._runs: OrderedDict[Any, SimulatedRecord] = OrderedDict()
         self._drives: dict[Any, Drive] = {}
 
     def with_step(self, step: float) -> Runs:
@@ -59,7 +59,7 @@ class Runs:
         found._kept = max(len(self.records), min(self._kept, int(self._kept * step / self.step)))
         return found
 
-    def beside(self, name: str, arm: Arm) -> Subject:
+    def beside(self, name: str, arm: Arm) -> SimulatedRecord:
         """A run of the model, beside the record that it repeats."""
         record = self.records[name]
         carried = record.applied_to(arm)
@@ -72,15 +72,15 @@ class Runs:
                 self._runs.popitem(last=False)
         return replace(run, arm=carried)
 
-    def _made(self, name: str, arm: Arm) -> Subject:
+    def _made(self, name: str, arm: Arm) -> SimulatedRecord:
         """A run."""
         record = self.records[name]
         if record.kind == "static":
             inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
-            return subject(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
-        return subject(self._along(self.drive(name, arm), name, arm), record, arm=arm)
+            return pair_record(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+        return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
 
-    def jerked(self, start: Start, arm: Arm, height: float) -> Subject:
+    def jerked(self, start: Start, arm: Arm, height: float) -> SimulatedRecord:
         """A run beside its record that a jerk of a drive comes before."""
         record = self.records[start.record]
         carried = record.applied_to(arm)
@@ -88,7 +88,7 @@ class Runs:
         jerk = jerked(drive.joints[start.joint], start.before, start.width, height)
         self.made += 1
         run = self._along(replace(drive, joints={**drive.joints, start.joint: jerk}), start.record, carried)
-        return subject(run, record, arm=carried)
+        return pair_record(run, record, arm=carried)
 
     def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
         """The simulation along a drive."""
@@ -103,7 +103,7 @@ class Runs:
             rotations=True,
             forces=any(signal.quantity == "strain" for signal in record.signals.values()),
             consistent_forces=any(signal.quantity in FORCES for signal in record.signals.values()),
-            end=last_needed(record, arm, drive.start),
+            end=end_of_simulation(record, arm, drive.start),
         )
 
     def drive(self, name: str, arm: Arm) -> Drive:

@@ -18,12 +18,12 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
-from flexarm.comparison.align import Aligned
+from flexarm.comparison.align import Alignment
+from flexarm.comparison.alignment_parameters import AlignmentParameter
 from flexarm.comparison.bands import Band
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap
-from flexarm.comparison.subject import Placement
-from flexarm.comparison.unknowns import Unknown
+from flexarm.comparison.simulated_record import Placement
 from flexarm.configuration import version
 from flexarm.diagnosis.report_file import ReportFile
 from flexarm.errors import InvalidFile
@@ -83,7 +83,7 @@ def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
         "skipped": dict(comparison.skipped),
         "modes_hz": list(comparison.modes_hz),
         "notes": list(comparison.notes),
-        "unknowns": [[u.place, u.kind, u.axis, u.centre, u.sigma, u.step] for u in aligned.unknowns],
+        "unknowns": [[u.place, u.kind, u.axis, u.centre, u.sigma, u.step] for u in aligned.parameters],
         "values": [float(value) for value in aligned.values],
         "std": [float(value) for value in aligned.std],
     }
@@ -194,9 +194,9 @@ def _comparisons(dataset: xr.Dataset) -> dict[str, dict[str, Comparison]]:
         signals.setdefault((side, record), {})[gap.name] = gap
     found: dict[str, dict[str, Comparison]] = {"before": {}, "after": {}}
     for told in json.loads(dataset.attrs["comparisons"]):
-        aligned = Aligned(
+        aligned = Alignment(
             Placement(),
-            tuple(Unknown(*each) for each in told["unknowns"]),
+            tuple(AlignmentParameter(*each) for each in told["unknowns"]),
             tuple(told["values"]),
             tuple(told["std"]),
         )

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
-from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
@@ -127,10 +127,10 @@ class Bench:
         """The same by any record."""
         return self._gaps(model, {**self.training, **self.held_out})
 
-    def beside(self, model: Arm) -> dict[str, Beside]:
+    def beside(self, model: Arm) -> dict[str, AlignedRecord]:
         """A model beside each record that was fitted, sample by sample."""
         return {
-            name: beside(model, record, step=self.step, alpha=self.alpha)
+            name: simulate_record(model, record, step=self.step, alpha=self.alpha)
             for name, record in self.training.items()
         }
 
@@ -204,18 +204,18 @@ def verified(
         located_after,
         _remainder(pairs, located_after) if open_gap else "",
         (
-            *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.crowded),
+            *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.overfitted),
             *floor(pairs_after, step=bench.step, alpha=bench.alpha).notes,
         ),
     )
 
 
-def _located(pairs: Mapping[str, Beside]) -> Located | None:
+def _located(pairs: Mapping[str, AlignedRecord]) -> Located | None:
     kinds = {pair.record.kind for pair in pairs.values()}
     return locate(pairs) if len(kinds) == 1 else None
 
 
-def _remainder(before: Mapping[str, Beside], after: Located | None) -> str:
+def _remainder(before: Mapping[str, AlignedRecord], after: Located | None) -> str:
     """What is seen of a gap that stays open, in what is left and in how the machine rings down."""
     left = describe_remainder(after) if after else None
     swings = describe_ring_downs(ring_downs(before))

@@ -122,9 +122,9 @@ class Drive:
             If the record holds poses, a drive is neither angle nor command of a joint, two drive the same
             joint, or an effect on a drive cannot act there or leaves nothing of it.
         """
-        from flexarm.drive.from_record import drive_of
+        from flexarm.drive.from_record import attributes_in
 
-        return drive_of(record, arm)
+        return cls(**attributes_in(record, arm))
 
     def at_inputs(self, arm: Arm) -> Drive:
         """The same motion with angles at outputs of gears moved to their inputs, which hold the motors."""

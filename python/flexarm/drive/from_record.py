@@ -8,12 +8,11 @@ readings and their noise, so that the drive depends smoothly on the parameters o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.drive.drive import Drive
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.drive.lead_in import LEAD, led_in
 from flexarm.errors import InvalidParameter
@@ -30,8 +29,8 @@ _AFTER_THE_LAST = 0.02
 """A run goes on so long after the last stamp [s], for clocks that are late."""
 
 
-def drive_of(record: Record, arm: Arm) -> Drive:
-    """The drive of a record, see `Drive.from_record`."""
+def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
+    """Return the attributes of the drive of a record, see `Drive.from_record`."""
     if record.kind == "static":
         raise InvalidParameter(
             'is "static": poses do not move the arm; allowed as a drive is a record of kind "motion"',
@@ -59,7 +58,13 @@ def drive_of(record: Record, arm: Arm) -> Drive:
     end = max(last for _, last in known) + _AFTER_THE_LAST
     if record.initial == "moving" and all(each.side != "command" for each in joints.values()):
         joints, lead = {name: led_in(each) for name, each in joints.items()}, LEAD
-    return Drive(joints, dict(record.joints), float(min(starts)), float(end), lead)
+    return {
+        "joints": joints,
+        "rest": dict(record.joints),
+        "start": float(min(starts)),
+        "end": float(end),
+        "lead": lead,
+    }
 
 
 def _start(record: Record, arm: Arm) -> float:

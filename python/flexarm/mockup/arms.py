@@ -12,15 +12,17 @@ would close a loop.) There the cross-roller ring carries everything but the torq
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.link import Beam
 from flexarm.effects import JointCompliance
-from flexarm.mockup.hinge import SolidHinge
 from flexarm.mockup.models import model
+
+if TYPE_CHECKING:
+    from flexarm.mockup.hinge import SolidHinge
 
 Tables = dict[str, Any]
 

@@ -13,6 +13,7 @@ from math import atan2
 from typing import TYPE_CHECKING
 
 from flexarm.arm import Arm
+from flexarm.mockup.arms import hinge_tables
 from flexarm.statics import static
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ HALF_ARM = 0.1
 
 def torsional_stiffness(hinge: SolidHinge) -> float:
     """Return k of (1) [N m/rad]."""
-    from flexarm.mockup.arms import hinge_tables
-
     tables = hinge_tables(hinge)
     seats = {"ahead": HALF_ARM, "behind": -HALF_ARM}
     arm = Arm.from_dict(

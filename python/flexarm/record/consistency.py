@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.arm.consistency import missing
 from flexarm.quantities import DRIVES
-from flexarm.tables.table import Path
+from flexarm.tables.field import Path
 from flexarm.units import factor_to
 
 if TYPE_CHECKING:

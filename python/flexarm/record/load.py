@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,6 @@ from flexarm.errors import InvalidFile, Problem
 from flexarm.reading import OUTSIDE, is_inside, reading
 from flexarm.record.columns import CsvFile
 from flexarm.record.file_table import RecordTable, SignalTable
-from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.record.table import Clock
 from flexarm.tables import check_table, read_toml
@@ -23,8 +23,8 @@ from flexarm.tables.ranges import first_beyond, range_of
 from flexarm.units import factor_to, si_factor
 
 
-def load(path: Path, allow_outside: bool = False) -> Record:
-    """The record in a directory, or beside the `record.toml` that `path` names."""
+def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
+    """Return the attributes of the record in a directory, or beside the `record.toml` that `path` names."""
     toml = path / "record.toml" if path.is_dir() else path
     if not _exists(toml) and toml.name != "record.toml":
         raise InvalidFile(
@@ -36,7 +36,7 @@ def load(path: Path, allow_outside: bool = False) -> Record:
     clocks = dict(table.clocks) or {"clock": Clock()}
     with reading(toml, "a record"):
         signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
-    return Record(
+    return dict(
         signals={signal.name: signal for signal in signals},
         drive=table.drive,
         description=table.description,

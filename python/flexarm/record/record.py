@@ -136,9 +136,9 @@ class Record:
         InvalidFile
             With the place and value of what is wrong.
         """
-        from flexarm.record.load import load
+        from flexarm.record.load import stored
 
-        return load(Path(path), allow_outside)
+        return cls(**stored(Path(path), allow_outside))
 
     @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, force: bool = False) -> None:

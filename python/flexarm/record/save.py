@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.output import write_file
-from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.tables import toml_text
+
+if TYPE_CHECKING:
+    from flexarm.record.record import Record
 
 _UNIT_SUFFIX = {
     "m": "m",

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+RIGID, MODEL, MEASURED, SINE = "#000000", "#0072B2", "#D55E00", "#009E73"
+"""Okabe and Ito's colours, told apart by everyone; line styles and markers differ too."""
 ARM_SCALE, HINGE_SCALE = 10.0, 50.0
 """Displacements are drawn so many times as large, the whole arm and its hinge."""
 COLOURS = "viridis"
@@ -119,8 +121,6 @@ def _faces(ax: Any, parts: Sequence[Part], colours: Any, alpha: float) -> None:
 
 def _tips(ax: Any, table: Table) -> None:
     """Draw the three tips and the ends of the arm, true scale."""
-    from flexarm.reproduction.figures import MEASURED, MODEL, RIGID
-
     tips = {name: _xz(table, name)[:, -1] for name in ("rigid", "model", "measured")}
     for name, style, colour, marker, text in (
         ("rigid", "--", RIGID, "s", "rigid arm at the encoder's angle"),

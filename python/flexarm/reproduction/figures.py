@@ -12,6 +12,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.output import write_file
+from flexarm.reproduction.deformed_figure import MEASURED, MODEL, RIGID, SINE, deformed
 from flexarm.reproduction.scene import Surface
 from flexarm.reproduction.tables import Table
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-RIGID, MODEL, MEASURED, SINE = "#000000", "#0072B2", "#D55E00", "#009E73"
-"""Okabe and Ito's colours, told apart by everyone; line styles and markers differ too."""
 WIDTH = 6.9
 """Two columns of a journal [in]."""
 STYLE: Any = {
@@ -55,8 +54,6 @@ THIN: dict[str, Any] = {"linewidth": 0.6, "zorder": 3}
 
 def draw(number: str, table: Table, surfaces: Sequence[Surface] = ()) -> Figure:
     """Draw the figure of that number; Figure 6 shows the surfaces of the mock-up."""
-    from flexarm.reproduction.deformed_figure import deformed
-
     figure: Figure = deformed(table, surfaces) if number == "06" else _DRAWERS[number](table)
     return figure
 

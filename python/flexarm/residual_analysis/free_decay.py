@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.residual_analysis.spectrum import periodogram
 from flexarm.wording import number, with_unit
 
@@ -126,14 +126,14 @@ def mean(pieces: Sequence[Piece]) -> Piece:
     return Piece(time, amplitude, float(frequency), ratio, *errors)
 
 
-def ring_downs(pairs: Mapping[str, Beside]) -> list[RingDown]:
+def ring_downs(pairs: Mapping[str, AlignedRecord]) -> list[RingDown]:
     """Of every record that goes on while its drive stands, the channel of each signal that swings most."""
     found = []
     for name, pair in pairs.items():
         if pair.record.kind == "static":
             continue
         since = _still_since(pair)
-        for signal in pair.subject.evidence.values():
+        for signal in pair.simulated.evidence.values():
             rows = (signal.time > since) & np.isfinite(signal.values).all(axis=1)
             if np.count_nonzero(rows) < LEAST * PERIODS * SAMPLES:
                 continue
@@ -220,7 +220,7 @@ def _dominant(time: Floats, values: Floats) -> float | None:
     return float(frequencies[inside][np.argmax(powers[inside])])
 
 
-def _still_since(pair: Beside) -> float:
+def _still_since(pair: AlignedRecord) -> float:
     """Last instant at which a drive moved [s]; before everything if nothing drives."""
     found = -np.inf
     for name in pair.record.drive:

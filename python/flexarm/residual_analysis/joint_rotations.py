@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.gap import drive_angles
 from flexarm.measurement.kinematics import point_jacobian
 from flexarm.residual_analysis.covariates import Followed, followed
@@ -136,9 +136,9 @@ class _Rows:
     states: tuple[States, ...]
 
 
-def joint_rotations(pairs: Mapping[str, Beside]) -> JointRotations | None:
+def joint_rotations(pairs: Mapping[str, AlignedRecord]) -> JointRotations | None:
     """The gap of the positions of all records by (1); None where no position is measured, or none differs."""
-    arm = next(iter(pairs.values())).subject.arm
+    arm = next(iter(pairs.values())).simulated.arm
     joints = [joint.name for joint in arm.moving_joints]
     pieces = [rows for pair in pairs.values() if (rows := _rows(pair, joints)) is not None]
     rows = _stacked(pieces) if pieces else None
@@ -169,9 +169,9 @@ def joint_rotations(pairs: Mapping[str, Beside]) -> JointRotations | None:
     )
 
 
-def _rows(pair: Beside, joints: Sequence[str]) -> _Rows | None:
+def _rows(pair: AlignedRecord, joints: Sequence[str]) -> _Rows | None:
     """Channels of one record."""
-    subject, placement = pair.subject, pair.aligned.placement
+    subject, placement = pair.simulated, pair.aligned.placement
     instants, jacobians, gaps, noise = [], [], [], []
     for signal in subject.evidence.values():
         if signal.quantity != "position" or signal.point is None:

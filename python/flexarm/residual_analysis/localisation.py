@@ -1,7 +1,7 @@
 """Where simulation and measurement disagree: by signal, direction, band and state, against the noise.
 
 No simulation is run here. Records are looked at together, each beside its own simulation after alignment
-(`flexarm.comparison.beside`), with the nominal model or any other.
+(`flexarm.comparison.aligned_record`), with the nominal model or any other.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.errors import InvalidParameter
 from flexarm.residual_analysis.cells import WHOLE, Cell, cells_of, telling
 from flexarm.residual_analysis.covariates import Followed, followed
@@ -118,14 +118,14 @@ class Located:
         return self.summary()
 
 
-def locate(pairs: Mapping[str, Beside] | Beside) -> Located:
+def locate(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Located:
     """Where the gap is, over all records together.
 
     Parameters
     ----------
-    pairs : dict of str to Beside, or Beside
-        Records by name, each beside its simulation, as `flexarm.comparison.beside.beside` gives it; all of
-        one kind, motions or poses.
+    pairs : dict of str to AlignedRecord, or AlignedRecord
+        Records by name, each beside its simulation, as `flexarm.comparison.aligned_record.simulate_record`
+        gives it; all of one kind, motions or poses.
 
     Returns
     -------
@@ -138,16 +138,16 @@ def locate(pairs: Mapping[str, Beside] | Beside) -> Located:
 
     Examples
     --------
-    >>> print(locate({"train_a": beside(arm, record)}))  # doctest: +SKIP
+    >>> print(locate({"train_a": simulate_record(arm, record)}))  # doctest: +SKIP
     """
-    beside = {"record": pairs} if isinstance(pairs, Beside) else dict(pairs)
+    beside = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
     if not beside:
         raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
     _of_one_kind(beside)
     joints = moved_joints(list(beside.values()))
     shown = {pair.joint for pair in beside.values()}
     joint = shown.pop() if len(shown) == 1 else None
-    names = list(dict.fromkeys(name for pair in beside.values() for name in pair.subject.evidence))
+    names = list(dict.fromkeys(name for pair in beside.values() for name in pair.simulated.evidence))
     noise, notes = _noise(beside, names)
     waves = {name: MotorWaves(pair) for name, pair in beside.items()}
     found = {name: gap_rows(beside, waves, name, joints, joint, noise[name]) for name in names}
@@ -168,7 +168,7 @@ def locate(pairs: Mapping[str, Beside] | Beside) -> Located:
     )
 
 
-def _of_one_kind(pairs: Mapping[str, Beside]) -> None:
+def _of_one_kind(pairs: Mapping[str, AlignedRecord]) -> None:
     """Motions and poses have no bands in common."""
     kinds = {pair.record.kind: name for name, pair in pairs.items()}
     if len(kinds) > 1:
@@ -179,15 +179,15 @@ def _of_one_kind(pairs: Mapping[str, Beside]) -> None:
         )
 
 
-def _noise(pairs: Mapping[str, Beside], names: list[str]) -> tuple[dict[str, float], list[str]]:
+def _noise(pairs: Mapping[str, AlignedRecord], names: list[str]) -> tuple[dict[str, float], list[str]]:
     """Noise of the signals that state none, from their gaps; 1 where a gap has no scatter at all."""
     found, notes = {}, []
     for name in names:
-        pair = next(pair for pair in pairs.values() if name in pair.subject.evidence)
-        signal = pair.subject.signals[name]
+        pair = next(pair for pair in pairs.values() if name in pair.simulated.evidence)
+        signal = pair.simulated.signals[name]
         found[name] = 1.0
         if not signal.noise_std:
-            residual = pair.subject.residual(signal, pair.aligned.placement)
+            residual = pair.simulated.residual(signal, pair.aligned.placement)
             scatter = estimated_noise(pair, signal, residual)
             scale = float(np.sqrt(np.nanmean(residual**2))) if np.isfinite(residual).any() else 0.0
             found[name] = max(scatter or 0.0, 1e-6 * scale) or 1.0

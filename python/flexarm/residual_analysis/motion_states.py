@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.residual_analysis.covariates import BINS, SAMPLES, Groups, intervals
 
 Mask = NDArray[np.bool_]
@@ -87,20 +87,20 @@ def joined(parts: Sequence[States]) -> States:
     return States(parts[0].joint, **arrays, slides=parts[0].slides)
 
 
-def moved_joints(pairs: Sequence[Beside]) -> list[str]:
-    """Joints that at least one of the records moves; all movable ones if none does."""
+def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
+    """Joints that at least one of the records moves; all uncertain_clock_and_frame ones if none does."""
     found: dict[str, None] = {}
     for pair in pairs:
-        run = pair.subject.simulation
+        run = pair.simulated.simulation
         spans = np.ptp(np.asarray(run.drive_angle), axis=0)
         found |= dict.fromkeys(name for name, span in zip(run.joints, spans, strict=True) if span > 1e-9)
-    movable = [joint.name for joint in pairs[0].subject.arm.moving_joints]
-    return [name for name in movable if name in found] or movable
+    uncertain_clock_and_frame = [joint.name for joint in pairs[0].simulated.arm.moving_joints]
+    return [name for name in uncertain_clock_and_frame if name in found] or uncertain_clock_and_frame
 
 
-def states_of(pair: Beside, joint: str, instants: Floats) -> States:
+def states_of(pair: AlignedRecord, joint: str, instants: Floats) -> States:
     """States of a joint at instants of the simulation."""
-    run = pair.subject.simulation
+    run = pair.simulated.simulation
     time, j = np.asarray(run.time), run.joints.index(joint)
     rate = np.asarray(run.drive_rate)[:, j]
     torque = np.asarray(getattr(run, "joint_torque", run.motor_torque))[:, j]
@@ -119,7 +119,7 @@ def states_of(pair: Beside, joint: str, instants: Floats) -> States:
         _since(time, rate, instants) if moving else never,
         _since(time, torque, instants) if moving else never,
         _last_sign(time, rate, instants),
-        pair.subject.arm.joint(joint).type == "prismatic",
+        pair.simulated.arm.joint(joint).type == "prismatic",
     )
 
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.residual_analysis.motion_states import States
 
 MULTIPLES = (1, 2, 3, 4)
@@ -70,11 +70,11 @@ class MotorWaves:
 
     Attributes
     ----------
-    pair : Beside
+    pair : AlignedRecord
         The record beside its simulation.
     """
 
-    pair: Beside
+    pair: AlignedRecord
     _found: dict[tuple[str, float], Floats] = field(default_factory=dict)
 
     def at(self, joint: str, multiple: float, instants: Floats) -> Floats:
@@ -87,11 +87,11 @@ class MotorWaves:
     @property
     def _grid(self) -> Floats:
         """Even steps over the run [s]."""
-        time = np.asarray(self.pair.subject.simulation.time)
+        time = np.asarray(self.pair.simulated.simulation.time)
         return np.linspace(time[0], time[-1], len(time))
 
     def _computed(self, joint: str, multiple: float) -> Floats:
-        run, grid = self.pair.subject.simulation, self._grid
+        run, grid = self.pair.simulated.simulation, self._grid
         angle = np.interp(grid, run.time, np.asarray(run.drive_angle)[:, run.joints.index(joint)])
         columns = []
         for wave in (np.cos(multiple * angle), np.sin(multiple * angle)):

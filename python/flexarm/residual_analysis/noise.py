@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_split
-from flexarm.comparison.beside import Beside
 from flexarm.measurement.outliers import outliers
 
 if TYPE_CHECKING:
@@ -37,13 +37,13 @@ LEAST = 8 * BANDS
 """Samples below which no noise is estimated by (1)."""
 
 
-def estimated_noise(pair: Beside, signal: Signal, residual: Floats) -> float | None:
+def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> float | None:
     """1 sigma of a channel of a signal, from its gap by (1) or (3); None where too few samples tell."""
     keep = np.isfinite(residual).all(axis=1)
     if pair.record.kind == "static":
         return repeated_noise(np.asarray(signal.pose)[keep], residual[keep])
-    keep &= ~outliers(residual, pair.subject.noise(signal))
-    return quiet_noise(pair.subject.instants(signal, pair.aligned.placement)[keep], residual[keep])
+    keep &= ~outliers(residual, pair.simulated.noise(signal))
+    return quiet_noise(pair.simulated.instants(signal, pair.aligned.placement)[keep], residual[keep])
 
 
 def quiet_noise(time: Floats, values: Floats) -> float | None:

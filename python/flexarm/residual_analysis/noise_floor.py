@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.comparison.beside import Beside, beside
+from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.step_check import change, step_note
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.residual_analysis.noise import drive_noise, effective_samples, estimated_noise
@@ -191,7 +191,11 @@ def _ratio(error: float | None, noise: float | None) -> str:
 
 
 def floor(
-    pairs: Mapping[str, Beside] | Beside, *, thorough: bool = False, step: float = 2e-3, alpha: float = -0.05
+    pairs: Mapping[str, AlignedRecord] | AlignedRecord,
+    *,
+    thorough: bool = False,
+    step: float = 2e-3,
+    alpha: float = -0.05,
 ) -> Floor:
     """How small a gap could be: noise of every record, and error of the simulation.
 
@@ -199,7 +203,7 @@ def floor(
 
     Parameters
     ----------
-    pairs : dict of str to Beside, or Beside
+    pairs : dict of str to AlignedRecord, or AlignedRecord
         Records by name, each beside its simulation, as for `locate`.
     thorough : bool
         Find (2) and (3) of every record, not only of the one with the liveliest drive.
@@ -211,7 +215,7 @@ def floor(
     InvalidParameter
         If there is no record.
     """
-    found = {"record": pairs} if isinstance(pairs, Beside) else dict(pairs)
+    found = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
     if not found:
         raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
     liveliest = max(found, key=lambda name: _liveliness(found[name]))
@@ -228,27 +232,29 @@ def refined(arm: Arm) -> Arm:
     return arm.replace(links=tuple(links))
 
 
-def _liveliness(pair: Beside) -> float:
+def _liveliness(pair: AlignedRecord) -> float:
     """Greatest rms rate of a drive [rad/s]; of poses their number."""
     if pair.record.kind == "static":
         return float(len(pair.record.poses))
-    rates = np.asarray(pair.subject.simulation.drive_rate)
+    rates = np.asarray(pair.simulated.simulation.drive_rate)
     return float(np.sqrt(np.mean(rates**2, axis=0)).max(initial=0.0))
 
 
-def _of_record(name: str, pair: Beside, others: Mapping[str, Beside | None]) -> list[SignalFloor]:
+def _of_record(
+    name: str, pair: AlignedRecord, others: Mapping[str, AlignedRecord | None]
+) -> list[SignalFloor]:
     """Floors of the signals of one record, with the same record beside other simulations."""
     found = []
-    for signal in pair.subject.signals.values():
+    for signal in pair.simulated.signals.values():
         is_drive = signal.name in pair.record.drive
         errors = (
             {}
             if is_drive
             else {kind: inf if b is None else change(pair, b, signal) for kind, b in others.items()}
         )
-        residual = pair.subject.residual(signal, pair.aligned.placement)
+        residual = pair.simulated.residual(signal, pair.aligned.placement)
         rows = residual[np.isfinite(residual).all(axis=1)]
-        noise = pair.subject.noise(signal)
+        noise = pair.simulated.noise(signal)
         found.append(
             SignalFloor(
                 name,
@@ -266,16 +272,16 @@ def _of_record(name: str, pair: Beside, others: Mapping[str, Beside | None]) -> 
     return found
 
 
-def _estimated(pair: Beside, signal: Signal, residual: Floats, is_drive: bool) -> float | None:
+def _estimated(pair: AlignedRecord, signal: Signal, residual: Floats, is_drive: bool) -> float | None:
     """Noise from the samples: of a drive's own, else of the gap."""
     if is_drive and pair.record.kind == "motion":
         return drive_noise(signal.values[:, 0])
     return estimated_noise(pair, signal, residual)
 
 
-def _variants(pair: Beside, step: float, alpha: float, whole: bool) -> dict[str, Beside | None]:
+def _variants(pair: AlignedRecord, step: float, alpha: float, whole: bool) -> dict[str, AlignedRecord | None]:
     """The record beside other simulations, (1) or all; None where one comes to no end."""
-    arm, record = pair.subject.arm, replace(pair.record, links={})  # the arm is drawn out already
+    arm, record = pair.simulated.arm, replace(pair.record, links={})  # the arm is drawn out already
     wanted: dict[str, tuple[Arm, float, float]] = {}
     if whole and any(link.type == "beam" for link in arm.links):
         wanted["mesh"] = (refined(arm), step, alpha)  # eq. (2)
@@ -283,10 +289,10 @@ def _variants(pair: Beside, step: float, alpha: float, whole: bool) -> dict[str,
         wanted["step"] = (arm, step / 2, alpha)  # eq. (1)
     if whole and record.kind == "motion":
         wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (3)
-    found: dict[str, Beside | None] = {}
+    found: dict[str, AlignedRecord | None] = {}
     for kind, (model, length, damping) in sorted(wanted.items(), reverse=True):
         try:
-            found[kind] = beside(model, record, align=False, step=length, alpha=damping)
+            found[kind] = simulate_record(model, record, align=False, step=length, alpha=damping)
         except NotConverged:
             found[kind] = None
     return found

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_parts
-from flexarm.comparison.beside import Beside
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
 from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.torque import gear_ratio
@@ -185,7 +185,7 @@ class GapRows:
 
 
 def gap_rows(
-    pairs: Mapping[str, Beside],
+    pairs: Mapping[str, AlignedRecord],
     waves: Mapping[str, MotorWaves],
     signal: str,
     joints: Sequence[str],
@@ -196,7 +196,7 @@ def gap_rows(
 
     Parameters
     ----------
-    pairs : dict of str to Beside
+    pairs : dict of str to AlignedRecord
         Records by name.
     waves : dict of str to MotorWaves
         Of the same records.
@@ -209,7 +209,7 @@ def gap_rows(
     noise : float
         1 sigma of a channel where the record states none.
     """
-    holding = {name: pair for name, pair in pairs.items() if signal in pair.subject.evidence}
+    holding = {name: pair for name, pair in pairs.items() if signal in pair.simulated.evidence}
     found = {name: _of_record(holding[name], waves[name], signal, joints, joint, noise) for name in holding}
     found = {name: piece for name, piece in found.items() if len(piece.time)}
     if not found:
@@ -236,10 +236,10 @@ def gap_rows(
 
 
 def _of_record(
-    pair: Beside, waves: MotorWaves, name: str, joints: Sequence[str], joint: str | None, noise: float
+    pair: AlignedRecord, waves: MotorWaves, name: str, joints: Sequence[str], joint: str | None, noise: float
 ) -> GapRows:
     """The gap of a signal in one record."""
-    subject, signal = pair.subject, pair.subject.signals[name]
+    subject, signal = pair.simulated, pair.simulated.signals[name]
     gap = signal_gap(subject, signal, pair.aligned.placement, joint, ())
     directions = _directions(pair, signal, gap)
     n = len(gap.time)
@@ -256,18 +256,18 @@ def _of_record(
     return GapRows(name, gap.unit, ("",), record, gap.time, directions, stated, parts, states, tuple(notes))
 
 
-def _directions(pair: Beside, signal: Signal, gap: SignalGap) -> dict[str, Floats]:
+def _directions(pair: AlignedRecord, signal: Signal, gap: SignalGap) -> dict[str, Floats]:
     """The gap along every measured direction; along the sensor's axes where these span too few."""
     found = {name: part for name, part in gap.parts.items() if part is not None}
     channels = 3 if signal.quantity == "orientation" else signal.values.shape[1]
     if len(found) >= channels:
         return found
-    residual = pair.subject.residual(signal, pair.aligned.placement)
-    keep = np.isfinite(residual).all(axis=1) & ~pair.subject.outliers(signal, residual)
+    residual = pair.simulated.residual(signal, pair.aligned.placement)
+    keep = np.isfinite(residual).all(axis=1) & ~pair.simulated.outliers(signal, residual)
     return {f"sensor {axis}": residual[keep, k] for k, axis in enumerate(signal.axes)}
 
 
-def _bands(pair: Beside, time: Floats) -> tuple[list[tuple[float, float, str]], list[str]]:
+def _bands(pair: AlignedRecord, time: Floats) -> tuple[list[tuple[float, float, str]], list[str]]:
     """Named bands of a signal's samples; none for poses."""
     if pair.record.kind == "static" or len(time) < 3:
         return [], []
@@ -275,11 +275,16 @@ def _bands(pair: Beside, time: Floats) -> tuple[list[tuple[float, float, str]], 
 
 
 def _shares(
-    pair: Beside, signal: Signal, joint: str | None, joints: Sequence[str], time: Floats, direction: str
+    pair: AlignedRecord,
+    signal: Signal,
+    joint: str | None,
+    joints: Sequence[str],
+    time: Floats,
+    direction: str,
 ) -> list[Floats | float]:
     """How much of a turn of each joint shows along a direction; 1 where kinematics do not say."""
     if signal.quantity != "position" or signal.point is None or direction.startswith("sensor"):
         return [1.0] * len(joints)
-    unit = directions_of(pair.subject, signal, joint, time)[direction]
-    angles, arm = drive_angles(pair.subject, time), pair.subject.arm
+    unit = directions_of(pair.simulated, signal, joint, time)[direction]
+    angles, arm = drive_angles(pair.simulated, time), pair.simulated.arm
     return [np.sum(unit * point_jacobian(arm, each, signal.point, angles), axis=1) for each in joints]

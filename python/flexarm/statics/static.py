@@ -12,7 +12,8 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import core_arm
 from flexarm.held_arm import HeldArm, positions
-from flexarm.statics.statics import PartShape, Statics
+from flexarm.statics.part_shape import PartShape
+from flexarm.statics.statics import Statics
 
 
 @takes(arm=ARM, joints=VALUES, forces=VECTORS, at_link=NAMES, sensitivities=NAMES)

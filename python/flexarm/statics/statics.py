@@ -13,30 +13,12 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.result import Result
 from flexarm.sensitivity import Sensitivities
+from flexarm.statics.part_shape import PartShape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from flexarm.netcdf import Contents
-
-
-@dataclass(frozen=True, eq=False)
-class PartShape:
-    """Where a super-element is, and how it is deformed.
-
-    Attributes
-    ----------
-    rotation, position : ndarray, shapes (3, 3) and (3,)
-        The part's frame in the base, fixed to its first interface; position in m.
-    freedoms : ndarray, shape (dof,)
-        Displacements in that frame, in the freedoms of the super-element: of each interface three
-        translations [m] and three rotations [rad], then its modes. `SuperElement.recovery` turns them into
-        the mesh's.
-    """
-
-    rotation: Floats
-    position: Floats
-    freedoms: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from flexarm.arguments import ARRAY, FLAG, NAMES, PATH, POSITIVE, SHARE, TABLES, TEXT, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.reading import reading
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
 from flexarm.superelement.shape import problems_of_shape
 
@@ -261,7 +262,7 @@ class SuperElement:
             As for :meth:`recover`, measured from a frame that moves with the part: large rotations are no
             deformation.
         """
-        from flexarm.reduction.stress import von_mises
+        from flexarm.superelement.stress import von_mises
 
         return von_mises(self, mesh, coordinates)
 
@@ -300,9 +301,12 @@ class SuperElement:
         InvalidFile
             If the file is no super-element, or one that no elastic part could have.
         """
-        from flexarm.superelement.netcdf import load
+        from flexarm.superelement.netcdf import stored
 
-        return load(path)
+        with reading(path, "a super-element"):
+            element = cls(**stored(path))
+            element.check()
+        return element
 
     def __repr__(self) -> str:
         return (

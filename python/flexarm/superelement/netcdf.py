@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,10 +21,11 @@ from flexarm.errors import InvalidFile, Problem
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
 from flexarm.output import refuse_existing
-from flexarm.reading import reading
-from flexarm.superelement.element import SuperElement
 from flexarm.superelement.rigid_motion import inertia_load
 from flexarm.superelement.variables import Variables, read_variables, texts
+
+if TYPE_CHECKING:
+    from flexarm.superelement.element import SuperElement
 
 FORMAT = "flexarm-superelement/1"
 
@@ -108,26 +109,23 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def load(path: str | Path) -> SuperElement:
-    """Read a super-element file and check what mechanics demands of it.
+def stored(path: str | Path) -> dict[str, Any]:
+    """Return the attributes of the super-element in a file.
 
     Raises
     ------
     InvalidFile
-        If the file is no super-element, or one that no elastic part could have.
+        If the file is no super-element.
     """
     data = read_variables(path)
     if data.attributes.get("format") != FORMAT:
         found = data.attributes.get("format", "none")
         raise InvalidFile(path, "format", f"the attribute must be {FORMAT!r}, got {found!r}")
-    with reading(path, "a super-element"):
-        element = _element(data, path)
-        element.check()
-    return element
+    return _attributes(data, path)
 
 
-def _element(data: Variables, path: str | Path) -> SuperElement:
-    """Return the data class; report a variable that is missing or holds no numbers by its name."""
+def _attributes(data: Variables, path: str | Path) -> dict[str, Any]:
+    """Return the attributes; a variable that is missing or holds no numbers is reported with its name."""
     n = (*_shape(data, "interface_name"), 0)[0]
     left_out = ["inertia_load"] + ["frequency_hz"] * (_shape(data, "stiffness") == (6 * n, 6 * n))
     needed = [name for name in ("interface_name", *DIMENSIONS) if name not in left_out]
@@ -138,7 +136,7 @@ def _element(data: Variables, path: str | Path) -> SuperElement:
     mass = _numbers(data, "mass", path)
     there = [name for name in ("frequency_hz", "inertia_load", "recovery") if name in data.arrays]
     optional = {name: _numbers(data, name, path) for name in there}
-    return SuperElement(
+    return dict(
         name=str(data.attributes.get("name") or Path(path).stem),
         interfaces=_interface_names(data, path),
         positions=_numbers(data, "interface_position", path),

@@ -5,17 +5,8 @@ file into tables or into one `InvalidFile` that lists all that is wrong.
 """
 
 from flexarm.tables.check import check_table, parameter_error, refuse
-from flexarm.tables.table import (
-    FrozenDict,
-    Inconsistent,
-    Name,
-    Number,
-    Table,
-    Vector2,
-    Vector3,
-    unit_of,
-    value_in,
-)
+from flexarm.tables.field import Inconsistent, unit_of, value_in
+from flexarm.tables.table import FrozenDict, Name, Number, Table, Vector2, Vector3
 from flexarm.tables.toml import read_toml, toml_text
 
 __all__ = [

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.tables.field import Inconsistent, Nested, Path
 from flexarm.tables.messages import sentence
 from flexarm.tables.place import dotted, field_at, line_in, without_tags
-from flexarm.tables.table import Inconsistent, Nested, Path, Table
 
-AnyTable = TypeVar("AnyTable", bound=Table)
+AnyTable = TypeVar("AnyTable", bound=BaseModel)
 
 
 def check_table(
@@ -23,7 +23,7 @@ def check_table(
     Parameters
     ----------
     table : type
-        A subclass of `Table`.
+        A subclass of `flexarm.tables.Table`.
     data : dict
         What the TOML file holds.
     file, text : optional
@@ -52,7 +52,7 @@ def refuse(found: list[tuple[Path, str]], data: dict[str, Any], file: str | File
         raise InvalidFile(file, first.where, first.what, line=first.line, problems=problems)
 
 
-def parameter_error(table: type[Table], error: ValidationError, data: Any) -> InvalidParameter:
+def parameter_error(table: type[BaseModel], error: ValidationError, data: Any) -> InvalidParameter:
     """The error of a table that was made in Python."""
     problems = tuple(Problem(dotted(path, data), what) for path, what in problems_of(table, error, data))
     label = getattr(table, "name", None)  # effects carry their name on the class
@@ -62,7 +62,7 @@ def parameter_error(table: type[Table], error: ValidationError, data: Any) -> In
 
 
 def problems_of(
-    table: type[Table], error: ValidationError, data: Any, prefix: Path = ()
+    table: type[BaseModel], error: ValidationError, data: Any, prefix: Path = ()
 ) -> list[tuple[Path, str]]:
     """Pairs of place and sentence."""
     found: list[tuple[Path, str]] = []

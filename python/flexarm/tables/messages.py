@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from flexarm.tables.table import unit_of
+from flexarm.tables.field import unit_of
 
 _LIMITS = {
     "greater_than": ("gt", "greater than"),

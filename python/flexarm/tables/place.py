@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, get_args
 
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from flexarm.tables.table import Path, Table
+from flexarm.tables.field import Path
 
 
 def without_tags(location: Path, data: Any, ends_in_missing: bool) -> Path:
@@ -21,7 +22,7 @@ def without_tags(location: Path, data: Any, ends_in_missing: bool) -> Path:
             data = data[step] if isinstance(data, list | tuple) and step < len(data) else None
         elif isinstance(data, dict) and step in data:
             data = data[step]
-        elif isinstance(data, Table) and step in type(data).model_fields:
+        elif isinstance(data, BaseModel) and step in type(data).model_fields:
             data = getattr(data, step)
         elif not keep:
             continue
@@ -49,10 +50,10 @@ def _child(data: Any, step: str | int) -> Any:
         return data.get(step)
     if isinstance(data, list | tuple) and isinstance(step, int) and step < len(data):
         return data[step]
-    return getattr(data, step, None) if isinstance(data, Table) and isinstance(step, str) else None
+    return getattr(data, step, None) if isinstance(data, BaseModel) and isinstance(step, str) else None
 
 
-def field_at(table: type[Table], location: Path) -> tuple[FieldInfo | None, list[str]]:
+def field_at(table: type[BaseModel], location: Path) -> tuple[FieldInfo | None, list[str]]:
     """The field at a location, tags included, and the keys that are allowed beside it."""
     tables, field = [table], None
     allowed: list[str] = []
@@ -73,12 +74,12 @@ def field_at(table: type[Table], location: Path) -> tuple[FieldInfo | None, list
     return field, allowed
 
 
-def _tables_in(field: FieldInfo) -> list[type[Table]]:
-    found: list[type[Table]] = []
+def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:
+    found: list[type[BaseModel]] = []
     stack = [field.annotation]
     while stack:
         annotation: Any = stack.pop(0)
-        if isinstance(annotation, type) and issubclass(annotation, Table):
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             found.append(annotation)
         stack.extend(get_args(annotation))
     return found

@@ -13,20 +13,19 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
-    Field,
     Strict,
     ValidationError,
     ValidationInfo,
     field_validator,
 )
-from pydantic.fields import FieldInfo
 
 from flexarm.errors import InvalidParameter
+from flexarm.tables.check import parameter_error
+from flexarm.tables.field import unit_of
 from flexarm.tables.ranges import NEVER_ZERO_ALONE, out_of_range
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
-Path = tuple[str | int, ...]
 
 
 class FrozenDict(dict[Key, Value]):
@@ -43,22 +42,6 @@ class FrozenDict(dict[Key, Value]):
 
     def __reduce__(self) -> tuple[type[Self], tuple[dict[Key, Value]]]:
         return type(self), (dict(self),)
-
-
-class Inconsistent(ValueError):
-    """Values that are fine alone and impossible together: a list of (place, what is wrong)."""
-
-    def __init__(self, *problems: tuple[Path, str]) -> None:
-        self.problems = problems
-        super().__init__("; ".join(what for _, what in problems))
-
-
-class Nested(ValueError):
-    """The error of a table that a registry checks, with its class and what was checked."""
-
-    def __init__(self, table: type[Table], error: ValidationError, data: Any) -> None:
-        super().__init__(str(error))
-        self.table, self.error, self.data = table, error, data
 
 
 def _plain(value: Any) -> Any:
@@ -114,17 +97,6 @@ Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
 
 
-def value_in(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
-    """A field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
-    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
-
-
-def unit_of(field: FieldInfo) -> str:
-    """Unit that `value_in` gave a field, empty if none."""
-    extra = field.json_schema_extra
-    return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-
-
 @cache
 def _measure(table: type[Table], name: str) -> tuple[str, bool]:
     """Return the unit of a field, and True if its value cannot be negative, hence is no coordinate."""
@@ -154,8 +126,6 @@ class Table(BaseModel):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            from flexarm.tables.check import parameter_error
-
             raise parameter_error(type(self), error, values) from None
 
     # Tells pydantic that nested tables need not pass through this __init__, so that a file's error keeps its

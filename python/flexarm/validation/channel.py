@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.quantities import channel_names
 from flexarm.validation.regression import Fit, columns_of, fit_at, slope_of, values_at
 
@@ -124,26 +124,26 @@ def missed(signal: Signal) -> float:
     return MISSED.get(signal.quantity, MISSED_ELSE)
 
 
-def channels(name: str, subject: Subject, placement: Placement) -> list[Channel]:
+def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> list[Channel]:
     """All channels of a record that the simulation predicts and that hold enough values."""
     return [
         channel
-        for signal in subject.evidence.values()
-        for channel in _of_signal(name, subject, placement, signal)
+        for signal in simulated.evidence.values()
+        for channel in _of_signal(name, simulated, placement, signal)
         if len(channel.rows) >= LEAST_ROWS
     ]
 
 
-def _of_signal(name: str, subject: Subject, placement: Placement, signal: Signal) -> list[Channel]:
-    predicted = values_at(subject, signal, placement)
+def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, signal: Signal) -> list[Channel]:
+    predicted = values_at(simulated, signal, placement)
     measured = _nearer_sign(signal, predicted)
-    instants = subject.instants(signal, placement)
+    instants = simulated.instants(signal, placement)
     found = []
     for k in range(measured.shape[1]):
         keep = np.isfinite(measured[:, k]) & np.isfinite(predicted[:, k])
-        columns, sizes = columns_of(subject, signal, placement, predicted, k)
+        columns, sizes = columns_of(simulated, signal, placement, predicted, k)
         moving = float(np.std(predicted[keep, k])) if keep.any() else 0.0
-        stated = float(subject.effects(signal).noise(signal.noise_std or 0.0)[k])
+        stated = float(simulated.effects(signal).noise(signal.noise_std or 0.0)[k])
         noise = min(stated, _step_to_step(measured[keep, k]))
         found.append(
             Channel(
@@ -157,19 +157,19 @@ def _of_signal(name: str, subject: Subject, placement: Placement, signal: Signal
                 columns[keep],
                 sizes,
                 noise or 1e-6 * moving,
-                _floor(subject, signal, moving),
-                reach(subject.arm) if signal.unit == "m" else 1.0,
-                _driven(subject, instants[keep]),
+                _floor(simulated, signal, moving),
+                reach(simulated.arm) if signal.unit == "m" else 1.0,
+                _driven(simulated, instants[keep]),
             )
         )
     return found
 
 
-def _driven(subject: Subject, instants: Floats) -> NDArray[np.bool_]:
+def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
     """Where some drive moves by more than a part `STANDS` of its greatest rate; everywhere in poses."""
-    if subject.record.kind == "static":
+    if simulated.record.kind == "static":
         return np.ones(len(instants), dtype=bool)
-    run = subject.simulation
+    run = simulated.simulation
     rate = np.abs(np.asarray(run.drive_rate))
     moving = np.any(rate > STANDS * np.max(rate, axis=0), axis=1)
     found: NDArray[np.bool_] = np.interp(instants, run.time, moving.astype(float)) > 0
@@ -189,9 +189,9 @@ def _nearer_sign(signal: Signal, predicted: Floats) -> Floats:
     return signal.values * np.where(sign == 0, 1.0, sign)[:, None]
 
 
-def _floor(subject: Subject, signal: Signal, moving: float) -> float:
+def _floor(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
     """What a nominal model misses of a channel [SI]."""
     absolute = AMISS.get(signal.quantity, 0.0)
     if signal.unit == "m":
-        absolute = AMISS["position"] * reach(subject.arm)
+        absolute = AMISS["position"] * reach(simulated.arm)
     return float(np.hypot(absolute, missed(signal) * moving))

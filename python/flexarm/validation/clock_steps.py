@@ -32,7 +32,7 @@ from flexarm.validation.initial_alignment import placing
 from flexarm.validation.saturation import SLOW
 
 if TYPE_CHECKING:
-    from flexarm.comparison.subject import Subject
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record, Signal
 
 
@@ -43,14 +43,14 @@ TIMES = 60
 """Instants T that are tried."""
 
 
-def remarks_on_clocks(subjects: Mapping[str, Subject]) -> list[str]:
+def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
     """Steps of the delay of every clock in every record."""
     found = []
-    for name, subject in subjects.items():
-        if subject.record.kind == "static":
+    for name, simulated in simulations.items():
+        if simulated.record.kind == "static":
             continue
         best: dict[str, tuple[float, float, float, str]] = {}
-        for channel in channels(name, subject, placing(subject)):
+        for channel in channels(name, simulated, placing(simulated)):
             clock = channel.signal.clock
             if channel.signal.quantity in SLOW and len(channel.rows) > 30:
                 best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
@@ -128,13 +128,13 @@ SUDDEN = 0.05
 """Rate with which a drive begins, over its greatest one, above which it was moving before."""
 
 
-def remarks_on_starts(subjects: Mapping[str, Subject]) -> Iterator[str]:
+def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for every record of which a drive says otherwise than the record."""
-    for name, subject in subjects.items():
-        record = subject.record
+    for name, simulated in simulations.items():
+        record = simulated.record
         if record.kind == "static" or record.initial == "moving":
             continue
-        run = subject.simulation
+        run = simulated.simulation
         for signal in (record.signals[drive] for drive in record.drive):
             if signal.quantity != "joint_angle":
                 continue

@@ -119,8 +119,8 @@ class _Case:
     def tried(self, hypothesis: Hypothesis, step: float) -> _Trial | None:
         """One hypothesis; None if the model cannot follow it."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
-        subjects, _, _ = run(repaired, {self.name: self.record}, step, self.alpha)
-        rest = findings(self.name, subjects[self.name]) if self.name in subjects else []
+        simulations, _, _ = run(repaired, {self.name: self.record}, step, self.alpha)
+        rest = findings(self.name, simulations[self.name]) if self.name in simulations else []
         if not rest:
             return None
         known = {each.key for each in self.without or () if each.name}

@@ -32,7 +32,7 @@ from flexarm.validation.initial_alignment import placing
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
-    from flexarm.comparison.subject import Subject
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record, Signal
 
 
@@ -46,24 +46,24 @@ TOLD = 0.05
 """Part of the shift that an axis must have to be told."""
 
 
-def remarks_on_shifts(subjects: Mapping[str, Subject]) -> Iterator[str]:
+def remarks_on_shifts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for each position without a frame for which (1) holds."""
-    for name, subject in subjects.items():
-        for signal in subject.evidence.values():
+    for name, simulated in simulations.items():
+        for signal in simulated.evidence.values():
             if signal.quantity == "position" and signal.frame == "base":
-                yield from (f"{name}: {what}" for what in _shift(subject, signal))
+                yield from (f"{name}: {what}" for what in _shift(simulated, signal))
 
 
-def _shift(subject: Subject, signal: Signal) -> Iterator[str]:
-    placement = placing(subject)
-    gap = subject.residual(signal, placement, hold=True)
+def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
+    placement = placing(simulated)
+    gap = simulated.residual(signal, placement, hold=True)
     known = np.isfinite(gap).all(axis=1)
     if known.sum() < 3:
         return
-    gap, place = gap[known], subject.predicted(signal, placement, hold=True)[known]
+    gap, place = gap[known], simulated.predicted(signal, placement, hold=True)[known]
     off, far = np.mean(gap, axis=0), float(np.sqrt(np.mean(np.sum(place**2, axis=1))))
     size, left, turned = float(np.linalg.norm(off)), _scatter(gap), _scatter(place) / (far or 1.0)
-    least = max(OFF * reach(subject.arm), NOISE * float(np.max(subject.noise(signal))))
+    least = max(OFF * reach(simulated.arm), NOISE * float(np.max(simulated.noise(signal))))
     if turned > TURNED and size > least and size * turned > ALIKE_SHIFTS * left:  # eq. (1)
         along = ", ".join(
             f"{with_unit(float(value), 'm')} along {axis}"
@@ -85,25 +85,25 @@ def _scatter(values: np.ndarray) -> float:
 MOVED, ALIKE, SCATTERED = 5.0, 0.2, 10.0
 
 
-def remarks_on_frames(subjects: Mapping[str, Subject]) -> list[str]:
+def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
     """Frames that stood elsewhere in one record than in the one before."""
-    gaps = {name: _mean_gaps(subject) for name, subject in subjects.items()}
+    gaps = {name: _mean_gaps(simulated) for name, simulated in simulations.items()}
     return [
         remark
-        for one, other in pairwise(subjects)
+        for one, other in pairwise(simulations)
         for frame in dict.fromkeys(frame for frame, _, _ in gaps[one])
         for axis in "xyz"
-        for remark in _moved(subjects[one].record, frame, axis, one, other, gaps)
+        for remark in _moved(simulations[one].record, frame, axis, one, other, gaps)
     ]
 
 
-def _mean_gaps(subject: Subject) -> dict[tuple[str, str, str], float]:
+def _mean_gaps(simulated: SimulatedRecord) -> dict[tuple[str, str, str], float]:
     """Mean gap of every position, by frame, signal and axis."""
-    placement = placing(subject)
+    placement = placing(simulated)
     found = {}
-    for signal in subject.evidence.values():
-        if signal.quantity == "position" and not subject.record.frame_of(signal).unknown:
-            means = np.nanmean(subject.residual(signal, placement, hold=True), axis=0)
+    for signal in simulated.evidence.values():
+        if signal.quantity == "position" and not simulated.record.frame_of(signal).unknown:
+            means = np.nanmean(simulated.residual(signal, placement, hold=True), axis=0)
             for axis, mean in zip(signal.axes, means, strict=True):
                 found[signal.frame, signal.name, axis] = float(mean)
     return found

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.torque import gear_ratio
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.finding import PRIOR, Finding, cost, log_bayes
@@ -73,7 +73,7 @@ UNITS: dict[str, tuple[float, tuple[str, ...]]] = {
 """Conversions by the factor that a reading gets, and the SI units of what is measured so; of anything: ()."""
 
 
-def judged(channel: Channel, subject: Subject, placement: Placement) -> Finding:
+def judged(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> Finding:
     """The channel under its best hypothesis of slope."""
     fit, own = channel.fit(), channel.fit_at(1.0)
     here = in_order(channel, own)
@@ -84,9 +84,9 @@ def judged(channel: Channel, subject: Subject, placement: Placement) -> Finding:
     another_unit = not 1 / loose < abs(fit.slope) < loose
     if fit.slope > 0 and not another_unit:
         return replace(here, strange=_strange(channel, own))
-    if fit.slope < 0 and _late(channel, subject, placement, fit):
+    if fit.slope < 0 and _late(channel, simulated, placement, fit):
         return replace(here, strange=True)
-    return _flipped(channel, fit, own) if not another_unit else _scaled(channel, fit, own, subject.arm)
+    return _flipped(channel, fit, own) if not another_unit else _scaled(channel, fit, own, simulated.arm)
 
 
 def in_order(channel: Channel, own: Fit) -> Finding:
@@ -189,12 +189,12 @@ def _strange(channel: Channel, own: Fit) -> bool:
     return far or own.strain > STRAINED
 
 
-def _late(channel: Channel, subject: Subject, placement: Placement, flipped: Fit) -> bool:
+def _late(channel: Channel, simulated: SimulatedRecord, placement: Placement, flipped: Fit) -> bool:
     """Whether a delay explains a turned sign as well: vibration at 5 Hz turns over in 0.1 s."""
-    if subject.record.kind == "static":
+    if simulated.record.kind == "static":
         return False
     for delay in np.linspace(-FAR_DELAY, FAR_DELAY, 31):
-        there = values_at(subject, channel.signal, placement, float(delay))[channel.rows, channel.index]
+        there = values_at(simulated, channel.signal, placement, float(delay))[channel.rows, channel.index]
         if not np.isfinite(there).all():
             continue
         fit = replace(channel, predicted=there).fit()
@@ -207,15 +207,15 @@ AT_ITS_ENDS = 0.8
 """Share of the repeated values that lie at the ends of the range, where a channel is cut off, not frozen."""
 
 
-def findings(name: str, subject: Subject) -> list[Finding]:
+def findings(name: str, simulated: SimulatedRecord) -> list[Finding]:
     """What every channel of a record looks like beside one simulation of it."""
-    placement = placing(subject)
-    return [_finding(channel, subject, placement) for channel in channels(name, subject, placement)]
+    placement = placing(simulated)
+    return [_finding(channel, simulated, placement) for channel in channels(name, simulated, placement)]
 
 
-def _finding(channel: Channel, subject: Subject, placement: Placement) -> Finding:
+def _finding(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> Finding:
     """One channel: its slope first, then its plateaus."""
-    slope = judged(channel, subject, placement)
+    slope = judged(channel, simulated, placement)
     if slope.name:
         return slope
     held, cut = frozen(channel), saturated(channel)

@@ -1,8 +1,8 @@
 """Clocks and frames to look at channels with: as stated, or where unknown as most signals have it.
 
-The first guess of an unknown frame (`flexarm.comparison.start`) turns with a channel that is at fault. Here
-the signals of a frame vote: of the guesses of each alone and of all together the one counts for which the
-median signal has the smallest scatter over its motion.
+The first guess of an unknown frame (`flexarm.comparison.initial_guess`) turns with a channel that is at
+fault. Here the signals of a frame vote: of the guesses of each alone and of all together the one counts for
+which the median signal has the smallest scatter over its motion.
 
 Records beside the runs of the nominal model: one simulation a record.
 """
@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.campaign import simulate_all
-from flexarm.comparison.beside import NEEDS_ROTATIONS, beside
+from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
+from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import solve_poses
-from flexarm.comparison.start import first_guess
-from flexarm.comparison.subject import Placement, Subject
-from flexarm.comparison.unknowns import stated
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
@@ -29,29 +29,29 @@ if TYPE_CHECKING:
     from flexarm.simulation import Progress
 
 
-def placing(subject: Subject) -> Placement:
+def placing(simulated: SimulatedRecord) -> Placement:
     """Clocks and frames of a record."""
-    start = stated(subject.record)
-    found = first_guess(subject, start)
-    for name, frame in subject.record.frames.items():
-        seen = [s for s in subject.evidence.values() if s.frame == name and s.quantity == "position"]
+    start = stated_placement(simulated.record)
+    found = initial_guess(simulated, start)
+    for name, frame in simulated.record.frames.items():
+        seen = [s for s in simulated.evidence.values() if s.frame == name and s.quantity == "position"]
         if not frame.unknown or len(seen) < 2:
             continue
         guesses = [found]
         for signal in seen:
-            alone = first_guess(replace(subject, signals={signal.name: signal}), start)
+            alone = initial_guess(replace(simulated, signals={signal.name: signal}), start)
             guesses.append(Placement(found.clocks, {**found.frames, name: alone.frames[name]}))
-        found = min(guesses, key=lambda placement: _misfit(subject, placement, name))
+        found = min(guesses, key=lambda placement: _misfit(simulated, placement, name))
     return found
 
 
-def _misfit(subject: Subject, placement: Placement, frame: str) -> float:
+def _misfit(simulated: SimulatedRecord, placement: Placement, frame: str) -> float:
     """Of the median signal of a frame: scatter over motion, offsets aside."""
     shares = []
-    for signal in subject.evidence.values():
+    for signal in simulated.evidence.values():
         if signal.frame == frame and signal.quantity == "position":
-            residual = subject.residual(signal, placement, hold=True)
-            motion = float(np.nanstd(subject.predicted(signal, placement, hold=True)))
+            residual = simulated.residual(signal, placement, hold=True)
+            motion = float(np.nanstd(simulated.predicted(signal, placement, hold=True)))
             shares.append(float(np.nanstd(residual - np.nanmean(residual, axis=0))) / (motion or 1.0))
     return float(np.median(shares))
 
@@ -62,8 +62,8 @@ def run(
     step: float,
     alpha: float,
     progress: Progress = None,
-) -> tuple[dict[str, Subject], dict[str, str], dict[str, str]]:
-    """Subjects by record, and why there is none of those that cannot be simulated, and of the empty ones.
+) -> tuple[dict[str, SimulatedRecord], dict[str, str], dict[str, str]]:
+    """Simulations by record, and why there is none of those that cannot be simulated, and of the empty ones.
 
     A drive whose numbers are wrong may ask for a motion that no arm makes; an empty record holds nothing that
     a simulation predicts.
@@ -72,7 +72,7 @@ def run(
         runs = _simulations(arm, records, step, alpha, progress)
     except (InvalidParameter, NotConverged):
         runs = {}  # one of them fails: each by itself
-    found: dict[str, Subject] = {}
+    found: dict[str, SimulatedRecord] = {}
     failed: dict[str, str] = {}
     empty: dict[str, str] = {}
     for name, record in records.items():
@@ -82,7 +82,7 @@ def run(
             failed[name] = str(error)
             continue
         try:
-            found[name] = beside(arm, record, align=False, simulation=mine, step=step).subject
+            found[name] = simulate_record(arm, record, align=False, simulation=mine, step=step).simulated
         except InvalidParameter as error:
             empty[name] = error.problems[0].what
     return found, failed, empty

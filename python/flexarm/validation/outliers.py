@@ -41,7 +41,7 @@ from flexarm.validation.channel import channels
 from flexarm.validation.finding import Removed
 
 if TYPE_CHECKING:
-    from flexarm.comparison.subject import Placement, Subject
+    from flexarm.comparison.simulated_record import Placement, SimulatedRecord
     from flexarm.record import Record, Signal
 
 
@@ -79,21 +79,23 @@ def clean_drives(name: str, record: Record) -> tuple[Record, list[Removed]]:
     return record, found
 
 
-def clean_evidence(name: str, subject: Subject, placement: Placement) -> tuple[Record, list[Removed]]:
+def clean_evidence(
+    name: str, simulated: SimulatedRecord, placement: Placement
+) -> tuple[Record, list[Removed]]:
     """The record without outliers of its other signals."""
-    record, found = subject.record, []
+    record, found = simulated.record, []
     if record.kind == "static":
-        return _without_poses(name, subject, placement)
+        return _without_poses(name, simulated, placement)
     residuals: dict[str, Floats] = {}
-    for channel in channels(name, subject, placement):
+    for channel in channels(name, simulated, placement):
         signal = channel.signal
         residual = residuals.setdefault(signal.name, np.full(signal.values.shape, np.nan))
         residual[channel.rows, channel.index] = channel.left()
     for signal_name, residual in residuals.items():
         signal = record.signals[signal_name]
         residual[~signal.valid] = np.nan
-        noise = subject.effects(signal).noise(signal.noise_std or 0.0)
-        rows = _isolated(spikes(residual, noise, ringing(subject, signal, placement)))
+        noise = simulated.effects(signal).noise(signal.noise_std or 0.0)
+        rows = _isolated(spikes(residual, noise, ringing(simulated, signal, placement)))
         if signal.quantity not in SMOOTH:
             rows &= beyond_all(residual, rows)
         if rows.any() and rows.mean() < MOST:
@@ -102,10 +104,12 @@ def clean_evidence(name: str, subject: Subject, placement: Placement) -> tuple[R
     return record, found
 
 
-def _without_poses(name: str, subject: Subject, placement: Placement) -> tuple[Record, list[Removed]]:
+def _without_poses(
+    name: str, simulated: SimulatedRecord, placement: Placement
+) -> tuple[Record, list[Removed]]:
     """The record of poses without the outliers among them."""
-    record, found = subject.record, []
-    for signal_name, far in pose_outliers(subject, placement).items():
+    record, found = simulated.record, []
+    for signal_name, far in pose_outliers(simulated, placement).items():
         signal, rows = record.signals[signal_name], np.flatnonzero(far.rows)
         size = float(np.sqrt(np.mean(far.size[rows] ** 2)))
         poses = tuple(map(str, np.asarray(signal.pose)[rows]))
@@ -135,17 +139,17 @@ def _bends_beside(y: Floats) -> Floats:
     return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
 
 
-def ringing(subject: Subject, signal: Signal, placement: Placement) -> Floats:
+def ringing(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
     """Greatest vibration that the model predicts around each row, shape (n, channels)."""
     from scipy.ndimage import maximum_filter1d
     from scipy.signal import savgol_filter
 
-    run, instants = subject.simulation, subject.instants(signal, placement)
+    run, instants = simulated.simulation, simulated.instants(signal, placement)
     window = 2 * round(PERIOD / GRID / 2) + 1
     first = max(instants[0] - PERIOD, run.time[0])
     last = max(min(instants[-1] + PERIOD, run.time[-1]), first + window * GRID)
     grid = np.arange(first, last, GRID)
-    on_grid = read(run, signal, np.minimum(grid, run.time[-1]), subject.frame(signal, placement))
+    on_grid = read(run, signal, np.minimum(grid, run.time[-1]), simulated.frame(signal, placement))
     vibration = np.abs(on_grid - savgol_filter(on_grid, window, 3, axis=0))
     greatest = maximum_filter1d(vibration, window, axis=0, mode="nearest")
     return np.asarray(greatest[np.searchsorted(grid, instants).clip(0, len(grid) - 1)])

@@ -28,14 +28,14 @@ from flexarm.wording import listed
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.comparison.subject import Subject
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record, Signal
 
 
-def remarks_on_few_poses(subjects: Mapping[str, Subject]) -> Iterator[str]:
+def remarks_on_few_poses(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for each signal of a static record that holds values in too few poses."""
-    for name, subject in subjects.items():
-        for signal in subject.evidence.values():
+    for name, simulated in simulations.items():
+        for signal in simulated.evidence.values():
             if signal.pose is None:
                 continue
             count = len(np.unique(signal.pose[signal.valid]))
@@ -44,12 +44,12 @@ def remarks_on_few_poses(subjects: Mapping[str, Subject]) -> Iterator[str]:
                 yield f"{many}; outliers are looked for among {LEAST_POSES} or more"
 
 
-def remarks_on_skipped(subjects: Mapping[str, Subject]) -> Iterator[str]:
+def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """A sentence for each signal that is not compared, with the records and the reason."""
     found: dict[tuple[str, str], list[str]] = {}
-    for name, subject in subjects.items():
-        record = subject.record
-        for signal, why in subject.skipped.items():
+    for name, simulated in simulations.items():
+        record = simulated.record
+        for signal, why in simulated.skipped.items():
             if record.kind == "motion" or not is_input(record, record.signals[signal]):
                 found.setdefault((signal, why), []).append(name)
     for (signal, why), names in found.items():

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.record.doubts import clocks_apart
 from flexarm.simulation.endless import endless
@@ -35,7 +35,7 @@ from flexarm.validation.stuck_drives import borne_out, constant_drive, standing_
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.comparison.subject import Subject
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record
     from flexarm.simulation import Progress
 
@@ -85,22 +85,26 @@ def check(
         remarks += notes
     wild = {name: wild_drives(arm, record) for name, record in named.items()}
     tame = {name: record for name, record in named.items() if not wild[name]}
-    subjects, failed, empty = run(arm, tame, step, alpha, progress) if tame else ({}, {}, {})
+    simulations, failed, empty = run(arm, tame, step, alpha, progress) if tame else ({}, {}, {})
     failed |= {
         name: f"no joint turns as {', '.join(sorted(at))} say{'s' * (len(at) == 1)}"
         for name, at in wild.items()
         if at
     }
     verdicts = []
-    remarks += [*remarks_on_stamps(named), *remarks_on_starts(subjects), *remarks_on_few_poses(subjects)]
+    remarks += [
+        *remarks_on_stamps(named),
+        *remarks_on_starts(simulations),
+        *remarks_on_few_poses(simulations),
+    ]
     remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]
-    remarks += remarks_on_skipped(subjects)
+    remarks += remarks_on_skipped(simulations)
     for name in (each for each in named if each not in empty):
-        if name in subjects:
-            named[name], removed = clean_evidence(name, subjects[name], placing(subjects[name]))
+        if name in simulations:
+            named[name], removed = clean_evidence(name, simulations[name], placing(simulations[name]))
             outliers += removed
-            subjects[name] = _beside(arm, named[name], subjects[name])
-        verdict = _judged(arm, name, named[name], subjects.get(name), step, alpha)
+            simulations[name] = _beside(arm, named[name], simulations[name])
+        verdict = _judged(arm, name, named[name], simulations.get(name), step, alpha)
         verdicts.append(verdict)
         named[name], notes = _without_frozen(named[name], verdict)
         remarks += notes
@@ -109,10 +113,10 @@ def check(
     remarks += remarks_on_poses(named)
     faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
     if not faults:
-        remarks += [*remarks_on_clocks(subjects), *remarks_on_frames(subjects)]
-        remarks += remarks_on_shifts(subjects)
+        remarks += [*remarks_on_clocks(simulations), *remarks_on_frames(simulations)]
+        remarks += remarks_on_shifts(simulations)
     sure = {v.record: borne_out(arm, named[v.record], v.channels) for v in verdicts if v.drive is None}
-    compared = {name: tuple(subject.evidence) for name, subject in subjects.items()}
+    compared = {name: tuple(simulated.evidence) for name, simulated in simulations.items()}
     return Checked(
         named,
         faults,
@@ -148,10 +152,10 @@ def cleaned(arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alph
     for name, record in named.items():
         record, removed, notes = _readable(arm, name, record, step)
         try:
-            subject = beside(arm, record, align=False, step=step, alpha=alpha).subject
+            simulated = simulate_record(arm, record, align=False, step=step, alpha=alpha).simulated
         except InvalidParameter as error:
             raise InvalidParameter(str(error), where=name) from None
-        named[name], more = clean_evidence(name, subject, placing(subject))
+        named[name], more = clean_evidence(name, simulated, placing(simulated))
         outliers += [*removed, *more]
         remarks += notes
     return Checked(named, (), tuple(outliers), tuple(remarks))
@@ -210,12 +214,12 @@ def _readable(arm: Arm, name: str, record: Record, step: float) -> tuple[Record,
 
 
 def _judged(
-    arm: Arm, name: str, record: Record, subject: Subject | None, step: float, alpha: float
+    arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
 ) -> Verdict:
     """One record: its channels as they are, or with a drive's fault taken back if that explains more."""
-    if subject is None:
+    if simulated is None:
         return Verdict(name, (), drive_fault(arm, name, record, None, step, alpha))
-    found = findings(name, subject)
+    found = findings(name, simulated)
     standing = standing_drive(arm, record, found)
     if standing is not None:
         return Verdict(name, (), standing)
@@ -247,9 +251,9 @@ def _again(
     return verdict
 
 
-def _beside(arm: Arm, record: Record, subject: Subject) -> Subject:
+def _beside(arm: Arm, record: Record, simulated: SimulatedRecord) -> SimulatedRecord:
     """The simulation beside the record without its outliers."""
-    return beside(arm, record, align=False, simulation=subject.simulation).subject
+    return simulate_record(arm, record, align=False, simulation=simulated.simulation).simulated
 
 
 def _weighed(name: str, found: Sequence[Finding], drive: DriveFinding | None) -> Verdict:

@@ -46,6 +46,7 @@ def full(name: str, size: int) -> None:
 
 
 def _limit(size: int) -> None:
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"  # a .pyc file that is cut off would outlive this run
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
 

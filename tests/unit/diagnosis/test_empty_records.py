@@ -7,7 +7,7 @@ from diagnoses import lean
 
 import flexarm
 from flexarm import Record, Signal
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.nuisance import unknowns
 from flexarm.diagnosis.problem import Observed
@@ -36,8 +36,8 @@ def poses(count: int, seed: int = 0) -> Record:
         **of_all,
     )
     record = Record(kind="static", drive=("hinge",), signals=[angle, tip])
-    pair = beside(soft, record, align=False)
-    seen = pair.subject.predicted(tip, pair.aligned.placement)
+    pair = simulate_record(soft, record, align=False)
+    seen = pair.simulated.predicted(tip, pair.aligned.placement)
     return shown(record, seen + NOISE * np.random.default_rng(seed).standard_normal(seen.shape))
 
 

@@ -7,7 +7,7 @@ from tests.helpers.arms import beam, fixed, general, point
 
 import flexarm
 from flexarm import Record, Signal
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import DrawnLink
 from flexarm.residual_analysis.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
@@ -64,7 +64,7 @@ def test_halving_the_step_changes_a_prediction_by_a_quarter_as_much_each_time():
     run = run_of("one joint")
     changes = []
     for step in (8e-3, 4e-3):
-        pair = beside(run.simulation.arm, run.record, align=False, step=step)
+        pair = simulate_record(run.simulation.arm, run.record, align=False, step=step)
         rows = {each.signal: each for each in floor(pair, step=step).signals}
         changes.append(rows["tip"].errors["step"])
     assert changes[0] / changes[1] == pytest.approx(4.0, rel=0.2)
@@ -83,7 +83,7 @@ def test_a_floor_says_what_is_below_the_noise_and_what_is_not():
     assert rows["hinge encoder"].is_drive
     assert rows["hinge encoder"].errors == {}
     assert "estimated" in str(found)
-    coarse = floor(beside(run.simulation.arm, run.record, align=False, step=0.1), step=0.1)
+    coarse = floor(simulate_record(run.simulation.arm, run.record, align=False, step=0.1), step=0.1)
     assert not coarse.is_below_noise
     assert any("half the time step of 100 ms moves the prediction by" in note for note in coarse.notes)
 
@@ -120,7 +120,7 @@ def test_a_boom_that_a_record_draws_out_is_drawn_out_once():
         pose=np.array(["a"]),
     )
     record = Record(kind="static", signals=[tip], links={"boom": DrawnLink(length=2.0)})
-    (row,) = floor(beside(arm, record)).signals
+    (row,) = floor(simulate_record(arm, record)).signals
     assert row.errors["mesh"] < 1e-6
 
 
@@ -129,7 +129,7 @@ def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch
         raise NotConverged("stuck")
 
     pair = run_of("one joint").showing({}, 1)
-    monkeypatch.setattr("flexarm.residual_analysis.noise_floor.beside", fails)
+    monkeypatch.setattr("flexarm.residual_analysis.noise_floor.simulate_record", fails)
     found = floor(pair)
     assert not found.is_below_noise
     assert any("tip of record: cannot be simulated with another step" in note for note in found.notes)

@@ -5,7 +5,7 @@ import pytest
 from arms import arm, hinge, point, rigid
 from planted import run_of
 
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.joint_rotations import joint_rotations
@@ -102,7 +102,7 @@ def test_joints_that_cannot_be_told_apart_share_a_gap_and_could_explain_it_alone
         noise_std=1e-5,
     )
     record = Record(signals=[*signals, tip], drive=("near", "far"), kind="static")
-    found = joint_rotations({"poses": beside(model, record)})
+    found = joint_rotations({"poses": simulate_record(model, record)})
     lever = {"near": 2.0, "far": 1.0}
     for each in found.joints:
         assert each.angle == pytest.approx(gap / 2 / lever[each.joint], rel=0.01)

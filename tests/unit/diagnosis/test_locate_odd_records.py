@@ -6,7 +6,7 @@ from arms import arm, drive, hinge, point, rigid
 from planted import Run, run_of, swing
 
 import flexarm
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal
@@ -194,7 +194,9 @@ def test_motions_and_poses_are_not_looked_at_together():
             name="tip", quantity="position", point="tip", pose=poses, values=np.ones((2, 3)), noise_std=1e-4
         ),
     ]
-    static = beside(run.simulation.arm, Record(signals=signals, drive=("hinge",), kind="static"), align=False)
+    static = simulate_record(
+        run.simulation.arm, Record(signals=signals, drive=("hinge",), kind="static"), align=False
+    )
     assert locate(static).gaps["tip"].time.tolist() == [0.0, 1.0]
     with pytest.raises(InvalidParameter, match=r"'b' holds poses.*'a' holds a motion"):
         locate({"a": run.showing({}), "b": static})

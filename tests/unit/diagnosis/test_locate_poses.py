@@ -5,7 +5,7 @@ import pytest
 from planted import two_joints
 
 import flexarm
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.localisation import locate
 from flexarm.residual_analysis.noise_floor import floor
@@ -42,16 +42,19 @@ def pairs():
     machine = model.with_effect(
         flexarm.effects.effect_class("joint_compliance")(at="elbow", stiffness=SPRING, damping=0.0)
     )
-    true = beside(machine, empty, align=False)
+    true = simulate_record(machine, empty, align=False)
     filled = [
         signal.replace(
-            values=true.subject.predicted(signal, true.aligned.placement)
+            values=true.simulated.predicted(signal, true.aligned.placement)
             + 4e-5 * rng.standard_normal((120, 2))
         )
         for signal in seen
     ]
     record = empty.replace(signals=[*signals, *filled])
-    return {"spring": beside(model, record, align=False), "none": beside(machine, record, align=False)}
+    return {
+        "spring": simulate_record(model, record, align=False),
+        "none": simulate_record(machine, record, align=False),
+    }
 
 
 def test_a_gap_of_poses_has_one_band_and_no_velocity(pairs):

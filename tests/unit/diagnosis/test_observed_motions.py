@@ -12,7 +12,7 @@ from planted import run_of
 import flexarm
 from flexarm.arm.parameter import with_value
 from flexarm.arm.sensor import Sensor
-from flexarm.comparison.subject import Subject
+from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.nuisance import unknowns
@@ -40,13 +40,13 @@ def test_what_an_imperfect_sensor_shows_costs_no_run_and_no_reading_of_the_other
     there = observed(run, 4e-3)
     arm = run.simulation.arm
     before, made = there.residual(arm), there.runs.made
-    read, plain = [], Subject.residual
+    read, plain = [], SimulatedRecord.residual
 
     def spied(self, signal, *given, **named):
         read.append(signal.name)
         return plain(self, signal, *given, **named)
 
-    monkeypatch.setattr(Subject, "residual", spied)
+    monkeypatch.setattr(SimulatedRecord, "residual", spied)
     after = there.residual(arm.with_effect(SensorOffset(at="tip", offset=(1e-3, 0.0, 0.0))))
     assert (there.runs.made, read) == (made, ["tip"])
     moved = {row.signal for row in there.rows if not np.array_equal(before[row.where], after[row.where])}

@@ -8,7 +8,7 @@ from posed import NOISE, changed, moved, posed, poses, spoilt
 from tests.helpers.example_scripts import EXAMPLES
 
 import flexarm
-from flexarm.comparison.beside import beside
+from flexarm.comparison.aligned_record import simulate_record
 from flexarm.comparison.pose_outliers import LEAST_POSES, pose_outliers
 from flexarm.effects import Backlash, BaseTilt, JointCompliance, LinkBow, LinkStiffness
 from flexarm.record import Frame
@@ -36,8 +36,8 @@ MISSING = {
 
 def found(model: flexarm.Arm, record: flexarm.Record) -> dict[str, list[int]]:
     """Rows by signal."""
-    pair = beside(model, record, align=False)
-    far = pose_outliers(pair.subject, pair.aligned.placement)
+    pair = simulate_record(model, record, align=False)
+    far = pose_outliers(pair.simulated, pair.aligned.placement)
     return {name: np.flatnonzero(each.rows).tolist() for name, each in far.items()}
 
 

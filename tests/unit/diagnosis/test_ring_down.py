@@ -114,7 +114,7 @@ def pair(x, until=2.0):
     values = np.stack([0.1 * shaken, shaken], axis=1)
     tip = Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), values=values, time=time)
     record = Record(signals=[hinge, tip], drive=("hinge",))
-    return SimpleNamespace(record=record, subject=SimpleNamespace(evidence={"tip": record.signals["tip"]}))
+    return SimpleNamespace(record=record, simulated=SimpleNamespace(evidence={"tip": record.signals["tip"]}))
 
 
 def test_a_record_rings_down_from_where_its_drive_stands():

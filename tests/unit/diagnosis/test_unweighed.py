@@ -59,7 +59,7 @@ def test_a_signal_without_a_value_is_told_once():
 def test_a_comparison_says_what_is_not_aligned_where_nothing_can_be(silent):
     """Clock and frame have sigmas, and no signal that could be weighed against them."""
     found = compare(diagnoses.nominal(), silent)
-    assert found.aligned.unknowns == ()
+    assert found.aligned.parameters == ()
     assert "no noise is stated for tip: not used to align clock tracker and frame tracker" in found.notes
 
 

@@ -9,7 +9,7 @@ from tests.helpers.posed import changed, posed, poses
 
 import flexarm
 from flexarm.cli.run import run
-from flexarm.comparison.aligned_place import AlignedPlace
+from flexarm.comparison.effective_parameters import EffectiveParameters
 from flexarm.effects import JointCompliance
 from flexarm.record import Frame
 
@@ -27,8 +27,8 @@ def seen(count: int, frame: Frame, seed: int = 2) -> flexarm.Record:
     return posed(SOFT, poses(3, count, seed), seed, ("x", "y", "z"), frame)
 
 
-def place(record: flexarm.Record) -> AlignedPlace:
-    [found] = flexarm.compare(arm(), record).aligned.places
+def place(record: flexarm.Record) -> EffectiveParameters:
+    [found] = flexarm.compare(arm(), record).aligned.effective_parameters
     return found
 
 
@@ -37,15 +37,15 @@ def place(record: flexarm.Record) -> AlignedPlace:
 def test_free_values_are_as_many_as_the_readings_determine(frame, count, values):
     """A point has three coordinates, two have one distance that no frame changes, three are six values."""
     found = place(seen(count, frame))
-    assert found.values == pytest.approx(values, abs=1e-3)
+    assert found.count == pytest.approx(values, abs=1e-3)
     assert (found.name, found.readings, found.signals) == ("tracker", 3 * count, ("tip",))
 
 
 def test_a_registration_that_is_known_takes_nothing():
     """A hundredth of the noise: 4 sigma^2 N/noise^2 of four readings' worth is 4e-4 each."""
     found = place(seen(4, Frame(translation=5e-7)))
-    assert found.values == pytest.approx(3 * 4e-4, rel=0.01)
-    assert not found.few
+    assert found.count == pytest.approx(3 * 4e-4, rel=0.01)
+    assert not found.overfitted
 
 
 def test_readings_without_a_value_do_not_count():

@@ -20,14 +20,14 @@ ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
-class AlignedPlace:
+class EffectiveParameters:
     """A clock or frame after an alignment.
 
     Attributes
     ----------
     name : str
         Of the clock or frame.
-    values : float
+    count : float
         p of (1).
     readings : int
         Values of its signals that counted.
@@ -36,18 +36,18 @@ class AlignedPlace:
     """
 
     name: str
-    values: float
+    count: float
     readings: int
     signals: tuple[str, ...]
 
     @property
-    def few(self) -> bool:
+    def overfitted(self) -> bool:
         """Whether so few readings were aligned that what is left says little of a model."""
-        return self.readings < FEW * self.values * (1 - ROUNDING)
+        return self.readings < FEW * self.count * (1 - ROUNDING)
 
     def __str__(self) -> str:
-        left = max(0.0, 1.0 - self.values / self.readings) ** 0.5 if self.readings else 0.0
-        values = f"{self.values:.2g} value{'s' * (self.values > 1)}"
+        left = max(0.0, 1.0 - self.count / self.readings) ** 0.5 if self.readings else 0.0
+        values = f"{self.count:.2g} value{'s' * (self.count > 1)}"
         return (
             f"{self.readings} readings of {', '.join(self.signals)} are few for the {values} of {self.name} "
             f"that were aligned to them: of noise {100 * left:.0f} % would be left, and a gap may be "

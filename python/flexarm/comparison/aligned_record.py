@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.comparison.align import Aligned
+from flexarm.comparison.align import Alignment
 from flexarm.comparison.align import align as align_to
+from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
+from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
-from flexarm.comparison.start import first_guess
-from flexarm.comparison.subject import Subject, subject
-from flexarm.comparison.unknowns import drive_clock, is_open, stated
+from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
@@ -25,30 +25,30 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 MODES = 3
-SEEN = 0.01
+VISIBLE = 0.01
 """Part of a mode's motion of the points that a measured axis must show; a frame may be turned by as much."""
 NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
+class AlignedRecord:
     """A record, its simulation, and how they were aligned.
 
     Attributes
     ----------
-    subject : Subject
+    simulated : SimulatedRecord
         Simulation and record; its arm carries what the record says.
-    aligned : Aligned
+    aligned : Alignment
         Clocks and frames as they are used.
     """
 
-    subject: Subject
-    aligned: Aligned
+    simulated: SimulatedRecord
+    aligned: Alignment
 
     @property
     def record(self) -> Record:
         """What was measured."""
-        return self.subject.record
+        return self.simulated.record
 
     @cached_property
     def modes(self) -> tuple[tuple[float, float], ...]:
@@ -64,11 +64,11 @@ class Beside:
     def joint(self) -> str | None:
         """The one joint that the record drives, or that could move where nothing is driven; None: several."""
         moved = {self.record.signals[name].joint for name in self.record.drive}
-        moved = moved or {joint.name for joint in self.subject.simulation.arm.moving_joints}
+        moved = moved or {joint.name for joint in self.simulated.simulation.arm.moving_joints}
         return moved.pop() if len(moved) == 1 else None
 
 
-def beside(
+def simulate_record(
     arm: Arm,
     record: Record,
     align: bool = True,
@@ -76,7 +76,7 @@ def beside(
     simulation: Any = None,
     step: float = 2e-3,
     alpha: float = -0.05,
-) -> Beside:
+) -> AlignedRecord:
     """The simulation of a record, aligned with it; parameters and errors as of `compare`."""
     from flexarm.record import Record
 
@@ -84,17 +84,17 @@ def beside(
         raise InvalidParameter(
             f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
         )
-    pair = _subject(record.applied_to(arm), record, simulation, step, alpha)
+    pair = _simulated(record.applied_to(arm), record, simulation, step, alpha)
     if not pair.evidence:
         reasons = "; ".join(f"{name}: {why}" for name, why in pair.skipped.items())
         raise InvalidParameter(
             f"holds nothing to compare with a simulation ({reasons or 'only drives'})", where="signals"
         )
-    start = stated(record)
-    return Beside(pair, align_to(pair, first_guess(pair, start)) if align else Aligned(start))
+    start = stated_placement(record)
+    return AlignedRecord(pair, align_to(pair, initial_guess(pair, start)) if align else Alignment(start))
 
 
-def _subject(arm: Arm, record: Record, simulation: Any, step: float, alpha: float) -> Subject:
+def _simulated(arm: Arm, record: Record, simulation: Any, step: float, alpha: float) -> SimulatedRecord:
     """The simulation beside the record."""
     if record.kind == "static":
         inputs = {
@@ -102,11 +102,13 @@ def _subject(arm: Arm, record: Record, simulation: Any, step: float, alpha: floa
             for name, signal in record.signals.items()
             if is_input(record, signal)
         }
-        return subject(simulation or solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
-    return subject(_run(arm, record, step, alpha) if simulation is None else simulation, record, arm=arm)
+        return pair_record(simulation or solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+    return pair_record(
+        _simulate(arm, record, step, alpha) if simulation is None else simulation, record, arm=arm
+    )
 
 
-def _run(arm: Arm, record: Record, step: float, alpha: float) -> Any:
+def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
     """The record's drive through the model, up to the last stamp that a known clock gave."""
     from flexarm.simulation import simulate
 
@@ -117,13 +119,13 @@ def _run(arm: Arm, record: Record, step: float, alpha: float) -> Any:
         drive,
         step=step,
         alpha=alpha,
-        end=last_needed(record, arm, drive.start),
+        end=end_of_simulation(record, arm, drive.start),
         rotations=bool(quantities & set(NEEDS_ROTATIONS)),
         forces="strain" in quantities,
     )
 
 
-def last_needed(record: Record, arm: Arm, start: float) -> float:
+def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
     """Last instant that is needed: every stamp less what its clock is late, and three sigma more.
 
     Raises
@@ -137,17 +139,17 @@ def last_needed(record: Record, arm: Arm, start: float) -> float:
     ends = []
     for signal in record.signals.values():
         clock = record.clocks[signal.clock]
-        if len(signal.time) and (signal.name in record.drive or not is_open(record, signal.clock)):
+        if len(signal.time) and (signal.name in record.drive or not is_unknown_clock(record, signal.clock)):
             late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
             ends.append(float(true_time(signal, arm, start, late)[-1]))
     return max(ends, default=record.duration) + 1e-9
 
 
-def _modes(beside: Beside) -> list[tuple[float, float]]:
+def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
     """Modes of the arm at the middle of its motion; none if it has no equilibrium there."""
     from flexarm.modal import modes
 
-    run, arm = beside.subject.simulation, beside.subject.arm
+    run, arm = pair.simulated.simulation, pair.simulated.arm
     angles = np.asarray(run.drive_angle)
     middle = {
         name: float((angles[:, j].min() + angles[:, j].max()) / 2)
@@ -159,19 +161,19 @@ def _modes(beside: Beside) -> list[tuple[float, float]]:
     except (InvalidParameter, NotConverged):
         return []
     pairs = zip(found.frequency_hz.tolist(), found.damping_ratio.tolist(), strict=True)
-    return [pair for pair, seen in zip(pairs, _seen(beside, found), strict=True) if seen][:MODES]
+    return [pair for pair, seen in zip(pairs, _visible(pair, found), strict=True) if seen][:MODES]
 
 
-def _seen(beside: Beside, found: Modes) -> list[bool]:
+def _visible(pair: AlignedRecord, found: Modes) -> list[bool]:
     """Which modes move a point along a measured axis; all where something else than positions is measured."""
-    subject, largest = beside.subject, np.zeros(len(found.frequency_hz))
-    for signal in subject.evidence.values():
+    simulated, largest = pair.simulated, np.zeros(len(found.frequency_hz))
+    for signal in simulated.evidence.values():
         if signal.quantity == "position":
-            axes = subject.axes(signal, beside.aligned.placement)
+            axes = simulated.axes(signal, pair.aligned.placement)
             moved = found.shape[:, found.points.index(signal.point), :3] @ axes
             largest = np.maximum(largest, np.abs(moved).max(axis=1))
         elif signal.point is not None or signal.link is not None:
             return [True] * len(largest)
     if not np.any(largest):
         return [True] * len(largest)
-    return [bool(seen) for seen in largest > SEEN * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]
+    return [bool(seen) for seen in largest > VISIBLE * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]

@@ -14,20 +14,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.comparison.subject import Placement, Subject
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 
 if TYPE_CHECKING:
     from flexarm.record import Record, Signal
 
-KINDS = ("translation", "rotation")
-FRAMED = ("position", "orientation")
+FRAME_PARAMETERS = ("translation", "rotation")
+SEEN_IN_FRAMES = ("position", "orientation")
 """Quantities that are seen in a frame."""
 
 
 @dataclass(frozen=True)
-class Unknown:
+class AlignmentParameter:
     """One number that alignment may move.
 
     Attributes
@@ -62,13 +62,13 @@ def drive_clock(record: Record) -> str:
     return next((record.signals[name].clock for name in record.drive), record.reference_clock)
 
 
-def is_open(record: Record, clock: str) -> bool:
+def is_unknown_clock(record: Record, clock: str) -> bool:
     """Whether nothing is stated of a clock against that of the drive."""
     own = drive_clock(record)
     return clock != own and (record.clocks[clock].unknown or record.clocks[own].unknown)
 
 
-def stated(record: Record) -> Placement:
+def stated_placement(record: Record) -> Placement:
     """Clocks and frames as the record states them."""
     own = record.clocks[drive_clock(record)].offset
     clocks = {name: ClockError(delay=clock.offset - own) for name, clock in record.clocks.items()}
@@ -76,57 +76,59 @@ def stated(record: Record) -> Placement:
     return Placement(clocks, frames)
 
 
-def unknowns(subject: Subject, start: Placement) -> list[Unknown]:
+def alignment_parameters(simulated: SimulatedRecord, start: Placement) -> list[AlignmentParameter]:
     """Everything that may move and that a compared signal depends on."""
-    record = subject.record
-    signals = [signal for signal in subject.evidence.values() if noise_is_stated(signal.noise_std)]
-    found: list[Unknown] = []
+    record = simulated.record
+    signals = [signal for signal in simulated.evidence.values() if has_noise(signal.noise_std)]
+    found: list[AlignmentParameter] = []
     if record.kind == "motion":
         own = drive_clock(record)
         for name in dict.fromkeys(signal.clock for signal in signals):
             sigma = np.hypot(record.clocks[name].sigma, record.clocks[own].sigma)
-            sigma = np.inf if is_open(record, name) else float(sigma)
+            sigma = np.inf if is_unknown_clock(record, name) else float(sigma)
             if name != own and sigma > 0:
-                found.append(Unknown(name, "delay", "", start.clocks[name].delay, sigma, 1e-4))
-    framed = [signal for signal in signals if signal.quantity in FRAMED]
+                found.append(AlignmentParameter(name, "delay", "", start.clocks[name].delay, sigma, 1e-4))
+    framed = [signal for signal in signals if signal.quantity in SEEN_IN_FRAMES]
     for name in dict.fromkeys(signal.frame for signal in framed):
         frame = record.frames.get(name)
         if frame is not None:
-            for kind, step in zip(KINDS, (1e-4, 1e-5), strict=True):
+            for kind, step in zip(FRAME_PARAMETERS, (1e-4, 1e-5), strict=True):
                 sigma = np.inf if frame.unknown else getattr(frame, kind)
-                found += [Unknown(name, kind, axis, 0.0, sigma, step) for axis in "xyz" if sigma > 0]
+                found += [
+                    AlignmentParameter(name, kind, axis, 0.0, sigma, step) for axis in "xyz" if sigma > 0
+                ]
     return found
 
 
-def movable(record: Record, signal: Signal) -> tuple[str, ...]:
+def uncertain_clock_and_frame(record: Record, signal: Signal) -> tuple[str, ...]:
     """Clock and frame of a signal that the record does not state exactly, in words."""
     found = []
     own = drive_clock(record)
     if record.kind == "motion" and signal.clock != own:
         sure = record.clocks[signal.clock].sigma == record.clocks[own].sigma == 0
-        if is_open(record, signal.clock) or not sure:
+        if is_unknown_clock(record, signal.clock) or not sure:
             found.append(f"clock {signal.clock}")
-    frame = record.frames.get(signal.frame) if signal.quantity in FRAMED else None
+    frame = record.frames.get(signal.frame) if signal.quantity in SEEN_IN_FRAMES else None
     if frame is not None and (frame.unknown or frame.translation > 0 or frame.rotation > 0):
         found.append(f"frame {signal.frame}")
     return tuple(found)
 
 
-def noise_is_stated(noise_std: float | None) -> bool:
+def has_noise(noise_std: float | None) -> bool:
     """Whether a signal can be weighed: its noise is stated and not zero."""
     return noise_std is not None and noise_std > 0
 
 
-def placed(start: Placement, unknown: list[Unknown], values: Floats) -> Placement:
+def move_placement(start: Placement, parameters: list[AlignmentParameter], values: Floats) -> Placement:
     """Clocks and frames at given values of the unknowns."""
     clocks, frames = dict(start.clocks), dict(start.frames)
     moved: dict[tuple[str, str], Floats] = {}
-    for each, value in zip(unknown, values, strict=True):
+    for each, value in zip(parameters, values, strict=True):
         if each.kind == "delay":
             clocks[each.place] = replace(clocks[each.place], delay=float(value))
         else:
             moved.setdefault((each.place, each.kind), np.zeros(3))["xyz".index(each.axis)] = value
     for name in {place for place, _ in moved}:
-        translation, rotation = (moved.get((name, kind), np.zeros(3)) for kind in KINDS)
+        translation, rotation = (moved.get((name, kind), np.zeros(3)) for kind in FRAME_PARAMETERS)
         frames[name] = replace(frames[name], translation=translation, rotation=rotation)
     return Placement(clocks, frames)

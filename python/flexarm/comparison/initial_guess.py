@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.comparison.subject import Placement, Subject
-from flexarm.comparison.unknowns import is_open
+from flexarm.comparison.alignment_parameters import is_unknown_clock
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import IDENTITY, Registration
@@ -42,12 +42,12 @@ FINEST = 0.05
 """Greatest spacing of the delays that are tried [s]; the alignment refines the best."""
 
 
-def first_guess(subject: Subject, start: Placement) -> Placement:
+def initial_guess(simulated: SimulatedRecord, start: Placement) -> Placement:
     """`start` with unknown clocks (1) and frames (2) replaced by guesses from the data."""
-    return first_guesses([subject], [start])[0]
+    return initial_guesses([simulated], [start])[0]
 
 
-def first_guesses(subjects: Sequence[Subject], starts: Sequence[Placement]) -> list[Placement]:
+def initial_guesses(simulations: Sequence[SimulatedRecord], starts: Sequence[Placement]) -> list[Placement]:
     """The same of several records: what bears one name is one clock and one frame.
 
     What one of them knows is where it starts in all.
@@ -58,27 +58,31 @@ def first_guesses(subjects: Sequence[Subject], starts: Sequence[Placement]) -> l
         If a clock cannot have one offset in all records that it is in.
     """
     found = list(starts)
-    for name in dict.fromkeys(name for subject in subjects for name in subject.record.clocks):
-        there = [k for k, s in enumerate(subjects) if name in s.record.clocks and s.record.kind == "motion"]
-        open_ = [k for k in there if is_open(subjects[k].record, name)]
+    for name in dict.fromkeys(name for simulated in simulations for name in simulated.record.clocks):
+        there = [
+            k for k, s in enumerate(simulations) if name in s.record.clocks and s.record.kind == "motion"
+        ]
+        open_ = [k for k in there if is_unknown_clock(simulations[k].record, name)]
         known = [starts[k].clocks[name] for k in there if k not in open_]
-        seen = [_liveliest(subjects[k], name) for k in open_]
-        moving = [(subjects[k], signal) for k, signal in zip(open_, seen, strict=True) if signal is not None]
+        seen = [_highest_snr(simulations[k], name) for k in open_]
+        moving = [
+            (simulations[k], signal) for k, signal in zip(open_, seen, strict=True) if signal is not None
+        ]
         if known or moving:
             clock = known[0] if known else ClockError(delay=_delay(name, moving))
             for k in open_:
                 found[k] = replace(found[k], clocks={**found[k].clocks, name: clock})
-    return _with_frames(subjects, found)
+    return _with_frames(simulations, found)
 
 
-def _with_frames(subjects: Sequence[Subject], starts: Sequence[Placement]) -> list[Placement]:
+def _with_frames(simulations: Sequence[SimulatedRecord], starts: Sequence[Placement]) -> list[Placement]:
     """Unknown frames by (2), with clocks as they are."""
     found = list(starts)
-    for name in dict.fromkeys(name for subject in subjects for name in subject.record.frames):
-        there = [k for k, subject in enumerate(subjects) if name in subject.record.frames]
-        open_ = [k for k in there if subjects[k].record.frames[name].unknown]
+    for name in dict.fromkeys(name for simulated in simulations for name in simulated.record.frames):
+        there = [k for k, simulated in enumerate(simulations) if name in simulated.record.frames]
+        open_ = [k for k in there if simulations[k].record.frames[name].unknown]
         known = [starts[k].frames[name] for k in there if k not in open_]
-        points = [_points(subjects[k], starts[k], name) for k in open_]
+        points = [_points(simulations[k], starts[k], name) for k in open_]
         if known or any(len(base) for _, base in points):
             frame = known[0] if known else kabsch(*map(np.concatenate, zip(*points, strict=True)))
             for k in open_:
@@ -86,42 +90,42 @@ def _with_frames(subjects: Sequence[Subject], starts: Sequence[Placement]) -> li
     return found
 
 
-def _usable(subject: Subject, signal: Signal) -> bool:
+def _usable(simulated: SimulatedRecord, signal: Signal) -> bool:
     """Whether enough rows tell a true value in every channel."""
-    known = np.isfinite(subject.effects(signal).true(signal.values)).all(axis=1)
+    known = np.isfinite(simulated.effects(signal).true(signal.values)).all(axis=1)
     return int(known.sum()) > 3
 
 
-def _liveliness(signal: Signal) -> float:
+def _signal_to_noise(signal: Signal) -> float:
     """How far a signal's motion stands out of its noise."""
     spread = float(np.nanmax(np.nanstd(signal.values, axis=0)))
     return spread / (signal.noise_std or 1e-3 * spread or 1.0)
 
 
-def _liveliest(subject: Subject, clock: str) -> Signal | None:
+def _highest_snr(simulated: SimulatedRecord, clock: str) -> Signal | None:
     """Of the signals of a clock the one whose motion shows best."""
-    signals = [s for s in subject.evidence.values() if s.clock == clock and _usable(subject, s)]
-    return max(signals, key=_liveliness, default=None)
+    signals = [s for s in simulated.evidence.values() if s.clock == clock and _usable(simulated, s)]
+    return max(signals, key=_signal_to_noise, default=None)
 
 
 @dataclass(frozen=True)
-class _Track:
+class _Speeds:
     """How far a signal went between its stamps, beside its simulation, over its noise."""
 
     stamps: Floats
     steps: Floats
     time: Floats
-    simulated: Floats
+    predicted: Floats
 
     @classmethod
-    def of(cls, subject: Subject, signal: Signal) -> _Track:
+    def of(cls, simulated: SimulatedRecord, signal: Signal) -> _Speeds:
         noise = signal.noise_std or 1.0
-        values = subject.effects(signal).true(signal.values) / noise
+        values = simulated.effects(signal).true(signal.values) / noise
         keep = np.isfinite(values).all(axis=1)
-        stamps, values = subject.instants(signal, Placement())[keep], values[keep]
-        time = np.asarray(subject.simulation.time)
+        stamps, values = simulated.instants(signal, Placement())[keep], values[keep]
+        time = np.asarray(simulated.simulation.time)
         steps = np.linalg.norm(np.diff(values, axis=0), axis=1)
-        return cls(stamps, steps, time, read(subject.simulation, signal, time) / noise)
+        return cls(stamps, steps, time, read(simulated.simulation, signal, time) / noise)
 
     def pairs(self, delay: float) -> tuple[Floats, Floats] | None:
         """Measured and simulated steps of (1) at one delay, less their means; None of too few in the run."""
@@ -130,14 +134,14 @@ class _Track:
         both = inside[1:] & inside[:-1]
         if both.sum() < max(3, OVERLAP * len(both)):
             return None
-        there = np.stack([np.interp(instants, self.time, channel) for channel in self.simulated.T], axis=1)
+        there = np.stack([np.interp(instants, self.time, channel) for channel in self.predicted.T], axis=1)
         one, other = self.steps[both], np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
         return one - one.mean(), other - other.mean()
 
 
-def _delay(clock: str, moving: Sequence[tuple[Subject, Signal]]) -> float:
+def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> float:
     """Delay of (1), of all records."""
-    tracks = [_Track.of(subject, signal) for subject, signal in moving]
+    tracks = [_Speeds.of(simulated, signal) for simulated, signal in moving]
     step = min(FINEST, *(float(np.median(np.diff(track.stamps))) for track in tracks))
     least = max(track.stamps[0] - track.time[-1] for track in tracks)
     most = min(track.stamps[-1] - track.time[0] for track in tracks)
@@ -150,10 +154,10 @@ def _delay(clock: str, moving: Sequence[tuple[Subject, Signal]]) -> float:
     delays = np.arange(least, most + step, step)
     scores = np.array([_correlation(tracks, delay) for delay in delays])
     best = int(np.argmax(scores))
-    return float(delays[best] + step * _peak(scores[max(best - 1, 0) : best + 2]))
+    return float(delays[best] + step * _parabola_peak(scores[max(best - 1, 0) : best + 2]))
 
 
-def _correlation(tracks: Sequence[_Track], delay: float) -> float:
+def _correlation(tracks: Sequence[_Speeds], delay: float) -> float:
     """Correlation of (1) over all records at one delay; -1 where too few samples fall into a run."""
     pairs = [pair for track in tracks if (pair := track.pairs(delay)) is not None]
     if len(pairs) < len(tracks):
@@ -163,7 +167,7 @@ def _correlation(tracks: Sequence[_Track], delay: float) -> float:
     return float(one @ other) / size if size > 0 else -1.0
 
 
-def _peak(scores: Floats) -> float:
+def _parabola_peak(scores: Floats) -> float:
     """Where a parabola through three values is highest, from the middle one, in steps; 0 at an end."""
     if len(scores) < 3 or scores.min() <= -1.0:
         return 0.0
@@ -172,22 +176,22 @@ def _peak(scores: Floats) -> float:
     return float((below - above) / (2 * bend)) if bend < 0 else 0.0
 
 
-def _points(subject: Subject, placement: Placement, frame: str) -> tuple[Floats, Floats]:
+def _points(simulated: SimulatedRecord, placement: Placement, frame: str) -> tuple[Floats, Floats]:
     """Points as measured in a frame and as simulated in the base, (n, 3) each; axes not measured are zero."""
-    measured, simulated = [np.empty((0, 3))], [np.empty((0, 3))]
-    for signal in subject.evidence.values():
+    measured, predicted = [np.empty((0, 3))], [np.empty((0, 3))]
+    for signal in simulated.evidence.values():
         if signal.frame != frame or signal.quantity != "position":
             continue
-        instants = subject.instants(signal, placement)
-        known = base_position(subject.simulation, signal, instants)
-        seen = subject.effects(signal)
-        known = seen.registration(IDENTITY).positions(known, instants - subject.simulation.time[0])
+        instants = simulated.instants(signal, placement)
+        known = base_position(simulated.simulation, signal, instants)
+        seen = simulated.effects(signal)
+        known = seen.registration(IDENTITY).positions(known, instants - simulated.simulation.time[0])
         full = np.zeros((len(signal), 3))
         full[:, columns(signal.axes)] = seen.true(signal.values)
         keep = np.isfinite(full).all(axis=1) & np.isfinite(known).all(axis=1)
         measured.append(full[keep])
-        simulated.append(known[keep])
-    return np.concatenate(measured), np.concatenate(simulated)
+        predicted.append(known[keep])
+    return np.concatenate(measured), np.concatenate(predicted)
 
 
 def kabsch(measured: Floats, base: Floats) -> Registration:

@@ -54,7 +54,7 @@ class Placement:
 
 
 @dataclass(frozen=True)
-class Subject:
+class SimulatedRecord:
     """A simulation beside a record.
 
     Attributes
@@ -120,7 +120,9 @@ class Subject:
         """Measured minus predicted, shape (n, channels); of orientations the rotation vector between them."""
         values = self.predicted(signal, placement, hold)
         return (
-            turned_by(signal.values, values) if signal.quantity == "orientation" else signal.values - values
+            rotation_between(signal.values, values)
+            if signal.quantity == "orientation"
+            else signal.values - values
         )
 
     def noise(self, signal: Signal) -> Floats:
@@ -137,7 +139,7 @@ class Subject:
         return expected_outliers(residual, self.noise(signal), effect)
 
 
-def turned_by(measured: Floats, predicted: Floats) -> Floats:
+def rotation_between(measured: Floats, predicted: Floats) -> Floats:
     """Rotation vector [rad] from the predicted to the measured orientation, frame axes, shape (n, 3)."""
     from scipy.spatial.transform import Rotation
 
@@ -149,13 +151,13 @@ def turned_by(measured: Floats, predicted: Floats) -> Floats:
     return found
 
 
-def subject(
+def pair_record(
     simulation: Any,
     record: Record,
     stamps: Mapping[str, Floats] | None = None,
     inputs: Mapping[str, str] | None = None,
     arm: Any = None,
-) -> Subject:
+) -> SimulatedRecord:
     """The signals of a record that a simulation predicts, and why not the others.
 
     Parameters
@@ -186,7 +188,7 @@ def subject(
             skipped[name] = str(error)
         else:
             kept[name] = signal
-    return Subject(simulation, record, stamps, kept, skipped, simulation.arm if arm is None else arm)
+    return SimulatedRecord(simulation, record, stamps, kept, skipped, simulation.arm if arm is None else arm)
 
 
 def _empty(signal: Signal) -> str:

@@ -1,0 +1,37 @@
+"""Fields of a table with their units, where one stands, and errors of values that contradict one another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, Field, ValidationError
+from pydantic.fields import FieldInfo
+
+Path = tuple[str | int, ...]
+
+
+class Inconsistent(ValueError):
+    """Values that are fine alone and impossible together: a list of (place, what is wrong)."""
+
+    def __init__(self, *problems: tuple[Path, str]) -> None:
+        self.problems = problems
+        super().__init__("; ".join(what for _, what in problems))
+
+
+class Nested(ValueError):
+    """The error of a table that a registry checks, with its class and what was checked."""
+
+    def __init__(self, table: type[BaseModel], error: ValidationError, data: Any) -> None:
+        super().__init__(str(error))
+        self.table, self.error, self.data = table, error, data
+
+
+def value_in(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
+    """A field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
+    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Unit that `value_in` gave a field, empty if none."""
+    extra = field.json_schema_extra
+    return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
