@@ -17,10 +17,10 @@ from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents
-from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.reading import reading, require
 from flexarm.result import Result, counts, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities, collected, varied
+from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -211,6 +211,6 @@ def _derivatives(
     named = [wanted[place] for place in places]
     if any(parameter.one_sided for parameter in named):
         moving = _core.static_derivative(system, equilibrium, beside)
-        refuse_gaps_without_side(arm, named, beside, system, equilibrium, moving, at_rest, stiff=True)
+        require_backlash_derivative(arm, named, beside, system, equilibrium, moving, at_rest, stiff=True)
     slopes = np.asarray(_core.frequency_derivatives(system, equilibrium, count, beside))
     return collected(wanted, places, {"frequency": slopes})

@@ -23,7 +23,7 @@ from typing import Any
 
 from flexarm.arguments import FLAG, PATH, takes
 from flexarm.errors import InvalidFile
-from flexarm.leaving import undone_on_leaving
+from flexarm.termination import undone_on_exit
 
 PARTIAL, LOCK, ROOM = ".partial", "lock", "new"
 """Ending of the hidden directory's name; in it the locked file, and the directory of what is written."""
@@ -263,7 +263,7 @@ def _claimed(target: Path) -> Iterator[Path]:
         try:
             with uninterrupted(), _blamed(target):
                 claim.take()
-            with undone_on_leaving(claim.release):
+            with undone_on_exit(claim.release):
                 yield claim.partial
         finally:
             with uninterrupted():

@@ -7,7 +7,7 @@ from arms import LENGTH, TUBE, beam, crane
 from arms import arm as arm_of
 
 import flexarm
-from flexarm.arm.sizes import HEAVIEST, LONGEST, size_doubts
+from flexarm.arm.sizes import HEAVIEST, LONGEST, size_problems
 from flexarm.cli.run import run
 
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
@@ -40,7 +40,7 @@ def crane_with(
 
 
 def doubted(arm):
-    return [problem.where for problem in size_doubts(arm)]
+    return [problem.where for problem in size_problems(arm)]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 import flexarm
 from flexarm.cli.run import run as main
 from flexarm.record import Clock
-from flexarm.record.doubts import unknown_motion
+from flexarm.record.plausibility import unknown_motion
 
 RECORD = diagnoses.record(1)
 """A sine of 12 s that goes on at its end; encoder at 100 Hz, tracker at 10 Hz."""

@@ -42,7 +42,7 @@ def test_a_command_handles_signals_before_it_imports_what_takes_time(tmp_path):
     assert {name for name in begun if name.startswith("flexarm")} == {
         "flexarm",
         "flexarm.cli",
-        "flexarm.leaving",
+        "flexarm.termination",
     }
 
 

@@ -15,7 +15,7 @@ import flexarm
 from flexarm import Arm, Record, Signal
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.record import Clock, Frame
-from flexarm.record.against_arm import _undriven
+from flexarm.record.compatibility import _undriven
 
 STATIC = """\
 format = "flexarm-record/1"

@@ -17,10 +17,10 @@ from flexarm.arm.joint import Gear, Joint
 from flexarm.arm.link import Link
 from flexarm.arm.motor import Motor
 from flexarm.arm.part_files import found_from, part_problems, seen_from
+from flexarm.arm.plausibility import validate
 from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import flat_keys, sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
-from flexarm.arm.warnings import doubts
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.tables import (
     FrozenDict,
@@ -224,7 +224,7 @@ class Arm(Table):
     @property
     def warnings(self) -> tuple[Problem, ...]:
         """What is allowed and looks wrong, such as a wall that contradicts the area."""
-        return tuple(doubts(self))
+        return tuple(validate(self))
 
     # -------------------------------------------------------------------- text
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.geared import moved_with
+from flexarm.arm.gears import coupled_joints
 from flexarm.arm.joint import Gear, Joint
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
@@ -155,7 +155,7 @@ def _coupled_twice(arm: Arm) -> Found:
                 f"joint {gear.output!r} is the output of gear {first.name!r} (ratio {first.ratio:g}) "
                 f"already, got ratio {gear.ratio:g}; a joint has one input",
             )
-        elif gear.output in moved_with([gear.input], others):
+        elif gear.output in coupled_joints([gear.input], others):
             names = ", ".join(repr(other.name) for other in others)
             yield (
                 ("gears", i, "output"),

@@ -26,7 +26,7 @@ from math import hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
 from flexarm.arm.link import Beam, RigidLink
-from flexarm.arm.sensor_doubts import sensor_doubts
+from flexarm.arm.sensor_plausibility import sensor_problems
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import Problem
 
@@ -51,15 +51,15 @@ def reach(arm: Arm) -> float:
     return sum(lengths) + max(offsets, default=0.0)
 
 
-def size_doubts(arm: Arm) -> Iterable[Problem]:
+def size_problems(arm: Arm) -> Iterable[Problem]:
     """All sizes of a model beyond those of machines, sigmas beyond the sizes, and sensors in other units."""
-    yield from doubted_sizes(arm)
+    yield from implausible_sizes(arm)
     yield from _uncertainty(arm)
     for sensor in arm.sensors:
-        yield from sensor_doubts(sensor, reach(arm))
+        yield from sensor_problems(sensor, reach(arm))
 
 
-def doubted_sizes(arm: Arm) -> Iterable[Problem]:
+def implausible_sizes(arm: Arm) -> Iterable[Problem]:
     """Lengths, beams and payloads that no machine has."""
     yield from _lengths(arm)
     for link in arm.links:

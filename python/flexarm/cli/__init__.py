@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from flexarm.leaving import leave_when_told, stay
+from flexarm.termination import exit_on_signals, stay
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ __all__ = ["main"]
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Entry point of the command line."""
     _fill_closed_streams()
-    leave_when_told()  # before all imports that take time
+    exit_on_signals()  # before all imports that take time
     import gc
     import logging
     import sys

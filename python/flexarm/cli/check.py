@@ -83,9 +83,9 @@ def _beside(path: Path, records: list[Path]) -> tuple[dict[str, Any], list[str],
     """
     if _reader(path) is not _model:
         raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
-    from flexarm.cli.check_beside import check_beside
+    from flexarm.cli.check_records import check_records
 
-    return check_beside(path, records)
+    return check_records(path, records)
 
 
 def _reader(path: Path) -> Callable[[Path], Told]:
@@ -178,7 +178,7 @@ def _small(value: float) -> float:
 
 def _record(path: Path) -> Told:
     from flexarm.record import Record
-    from flexarm.record.doubts import unknown_motion
+    from flexarm.record.plausibility import unknown_motion
 
     record = Record.load(path)
     signals = {name: _signal(record, name) for name in record.signals}

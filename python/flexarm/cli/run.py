@@ -1,7 +1,7 @@
 """Runs a command and turns whatever happens into an exit code and one line on standard error.
 
 0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C, 143: SIGTERM, either of which is
-told, and leaves nothing behind; see `flexarm.leaving`. Never a traceback for a user's mistake.
+told, and leaves nothing behind; see `flexarm.termination`. Never a traceback for a user's mistake.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import os
 import sys
 
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged, printable
-from flexarm.leaving import farewell
+from flexarm.termination import farewell
 
 INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED = 2, 3, 130
 

@@ -57,7 +57,7 @@ def simulate(
     from flexarm.cli.virtual_record import sensed, simulated  # NumPy and the core, not needed for --help
     from flexarm.input_files import input_files
     from flexarm.output import output_directory
-    from flexarm.record.against_arm import unplaced_effects
+    from flexarm.record.compatibility import unplaced_effects
     from flexarm.record.save import write
 
     record = _record(drive, arm)

@@ -17,7 +17,7 @@ from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
-from flexarm.record.doubts import clocks_apart, unknown_motion
+from flexarm.record.plausibility import disjoint_clocks, unknown_motion
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -133,7 +133,7 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
     InvalidParameter
         If a signal has no instant in common with the drive, or shows a motion while that is unknown.
     """
-    for problem in (*clocks_apart(record), *unknown_motion(record)):
+    for problem in (*disjoint_clocks(record), *unknown_motion(record)):
         raise InvalidParameter(problem.what, where=problem.where)
     own = record.clocks[drive_clock(record)].offset
     ends = []

@@ -18,7 +18,7 @@ from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
 from flexarm.measurement.outliers import SMOOTH, told
-from flexarm.record.against_arm import unplaced_effects
+from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm

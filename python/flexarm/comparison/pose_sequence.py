@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats, frozen
-from flexarm.held_arm import Held
 from flexarm.measurement.states import States
 from flexarm.sensitivity import Sensitivities
+from flexarm.statics.batch import StaticSolution
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -39,7 +39,7 @@ class PoseSequence(States):
     sensitivities: Sensitivities | None = None
 
 
-def sequence(arm: Arm, found: Sequence[Held]) -> PoseSequence:
+def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
     """The equilibria as one sequence."""
     from scipy.spatial.transform import Rotation
 

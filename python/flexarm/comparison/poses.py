@@ -19,12 +19,12 @@ from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
 from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
 from flexarm.errors import InvalidParameter
-from flexarm.held_arm import Held, HeldArm, Turning
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
-from flexarm.record.against_arm import weighed
-from flexarm.record.doubts import INPUTS
+from flexarm.record.compatibility import with_payload_masses
+from flexarm.record.plausibility import INPUTS
 from flexarm.sensitivity import Sensitivities, entry_of
+from flexarm.statics.batch import DriveVariation, StaticsBatch, StaticSolution
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -81,7 +81,7 @@ class _StaticModel:
         self.turned = {signal.joint for signal in drives if signal.joint} - self.at_link
         self.loaded = {s.point for s in signals if s.quantity == "force" and s.point is not None}
         self.true = self.readings(arm)
-        self._arms: dict[tuple[tuple[str, float], ...], HeldArm] = {}
+        self._arms: dict[tuple[tuple[str, float], ...], StaticsBatch] = {}
         self._turning = {
             parameter.key: [(self.readings(other), change) for other, change in neighbours(arm, parameter)]
             for parameter in wanted
@@ -107,27 +107,29 @@ class _StaticModel:
             return None
         return self.record.signals[entry.at].quantity
 
-    def turning(self, pose: str) -> dict[str, Turning]:
+    def turning(self, pose: str) -> dict[str, DriveVariation]:
         """The angles of a pose that other parameters of the encoders would mean."""
         found = {}
         for key, sides in self._turning.items():
             (above, up), (below, down) = (
                 ({**self.record.joints, **self.inputs(pose, true).angles}, change) for true, change in sides
             )
-            found[key] = Turning(above, up, below, down)
+            found[key] = DriveVariation(above, up, below, down)
         return found
 
-    def held(self, inputs: _PoseInputs, turning: Mapping[str, Turning] | None = None) -> Held:
+    def held(
+        self, inputs: _PoseInputs, turning: Mapping[str, DriveVariation] | None = None
+    ) -> StaticSolution:
         """The equilibrium."""
         load = tuple(sorted(inputs.masses.items()))
         if load not in self._arms:
-            carried = weighed(self.arm, inputs.masses)
+            carried = with_payload_masses(self.arm, inputs.masses)
             keys = [parameter.key for parameter in self.wanted]
-            self._arms[load] = HeldArm(carried, self.at_link, self.loaded, keys, self.turned)
+            self._arms[load] = StaticsBatch(carried, self.at_link, self.loaded, keys, self.turned)
         return self._arms[load].at({**self.record.joints, **inputs.angles}, inputs.forces, turning)
 
 
-def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[Held]) -> Sensitivities:
+def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[StaticSolution]) -> Sensitivities:
     """Derivatives of a sequence: of its equilibria, and by sensors of forces through what these read."""
     slopes = {
         name: np.stack([held.sensitivities[name] for held in found if held.sensitivities])

@@ -21,7 +21,7 @@ from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import CannotMeasure, columns
-from flexarm.record.doubts import outside_the_drive
+from flexarm.record.plausibility import disjoint_signals
 
 if TYPE_CHECKING:
     from flexarm.record import Record, Signal
@@ -175,7 +175,7 @@ def pair_record(
     """
     stamps = {name: signal.time for name, signal in record.signals.items()} if stamps is None else stamps
     kept: dict[str, Signal] = {}
-    skipped = {**outside_the_drive(record), **(inputs or {})}
+    skipped = {**disjoint_signals(record), **(inputs or {})}
     for name, signal in record.signals.items():
         if name in skipped:
             continue

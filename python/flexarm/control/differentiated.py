@@ -31,11 +31,11 @@ from flexarm.control.plant import DifferentiatedPlant
 from flexarm.control.sensing import DifferentiatedSensing, Sensing
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
-from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive, Sensitivities, collected, entry_of, varied
 from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import derived
+from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 
 class Differentiation:
@@ -87,7 +87,7 @@ class Differentiation:
             self._spreads.append(up - down)
         self._equilibrium = task.at_rest(start)
         self._initial = _core.static_derivative(task.held, self._equilibrium, self._still, start)
-        refuse_gaps_without_side(
+        require_backlash_derivative(
             task.arm,
             acting,
             self._still,

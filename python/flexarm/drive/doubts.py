@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.errors import Problem
-from flexarm.record.lasting import motion_of, span_of, too_long
+from flexarm.record.time_unit import implausible_duration, motion_of, span_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -35,7 +35,7 @@ def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
     ]
     span = next((span_of(joint.breaks) for joint in drive.joints.values()), None)
     if span is not None:
-        yield from (Problem("column time_s", what) for what in too_long(span, motions, REMEDY))
+        yield from (Problem("column time_s", what) for what in implausible_duration(span, motions, REMEDY))
 
 
 def slides(arm: Arm, joint: str) -> bool:

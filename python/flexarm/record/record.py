@@ -205,9 +205,9 @@ class Record:
         arm : Arm, optional
             Whose gears turn shafts of motors more often than joints turn.
         """
-        from flexarm.record.doubts import doubts
+        from flexarm.record.plausibility import validate
 
-        return [*self.notes, *doubts(self, arm)]
+        return [*self.notes, *validate(self, arm)]
 
     @takes(arm=ARM)
     def check_against(self, arm: Arm) -> list[Problem]:
@@ -229,12 +229,12 @@ class Record:
             If the record names joints, points, links or payloads that the model has not, or its other signals
             tell of a motion while its drive is unknown; an `InvalidFile` if it was read from a file.
         """
-        from flexarm.record.against_arm import doubts, unknown_names
-        from flexarm.record.doubts import unknown_motion
+        from flexarm.record.compatibility import unknown_names, validate
+        from flexarm.record.plausibility import unknown_motion
 
         if problems := unknown_names(self, arm) or unknown_motion(self):
             raise self._error(problems)
-        return doubts(self, arm)
+        return validate(self, arm)
 
     @takes(arm=ARM)
     def applied_to(self, arm: Arm) -> Arm:
@@ -250,9 +250,9 @@ class Record:
         Arm
             With weighed masses in place of the model's; an effect `payload_mass` there gives way to them.
         """
-        from flexarm.record.against_arm import carrying
+        from flexarm.record.compatibility import with_overrides
 
-        return carrying(self, arm)
+        return with_overrides(self, arm)
 
     def _error(self, problems: list[Problem]) -> InvalidParameter:
         from flexarm.errors import InvalidFile

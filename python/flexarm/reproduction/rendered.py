@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.leaving import scratch_directory, undone_on_leaving
+from flexarm.termination import scratch_directory, undone_on_exit
 
 Part = tuple[Floats, tuple[tuple[int, ...], ...], Floats | None]
 """Points (n, 3), faces, and a value at each point to colour by; None: grey and seen through."""
@@ -69,7 +69,7 @@ def _done(command: list[str]) -> bool:
         renderer = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     except OSError:
         return False
-    with renderer, undone_on_leaving(renderer.kill):
+    with renderer, undone_on_exit(renderer.kill):
         try:
             return renderer.wait(PATIENCE) == 0
         except subprocess.TimeoutExpired:

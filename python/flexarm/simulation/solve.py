@@ -14,13 +14,13 @@ from flexarm import _core
 from flexarm.arm.parameter import Parameter
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values
-from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.sensitivity import Redrive, collected, varied
 from flexarm.simulation.energies import energies_of
 from flexarm.simulation.from_core import simulation_of
 from flexarm.simulation.prepared import PreparedRun
 from flexarm.simulation.progress import Report
 from flexarm.simulation.simulation import Simulation
+from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 DIFFERENTIATED = 1e-13
 """Newton's tolerance: accelerations, h^2 less exact than positions, enter derivatives by masses."""
@@ -66,7 +66,7 @@ def differentiated(
     if held is not system:
         still, _ = varied(run.arm, wanted, lambda arm: assemble(arm, run.prescribed), redrive)
     initial = _core.static_derivative(held, equilibrium, still, run.options.start)
-    refuse_gaps_without_side(
+    require_backlash_derivative(
         run.arm,
         [wanted[place] for place in places],
         still,

@@ -11,7 +11,7 @@ from flexarm.arguments import ARM, NAMES, VALUES, VECTORS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import core_arm
-from flexarm.held_arm import HeldArm, positions
+from flexarm.statics.batch import StaticsBatch, positions
 from flexarm.statics.part_shape import PartShape
 from flexarm.statics.statics import Statics
 
@@ -52,7 +52,7 @@ def static(
     --------
     >>> flexarm.static(arm, joints={"hinge": 0.5}).displacement  # doctest: +SKIP
     """
-    held = HeldArm(arm, at_link, forces or (), sensitivities)
+    held = StaticsBatch(arm, at_link, forces or (), sensitivities)
     found = held.at(joints or {}, forces)
     return Statics(
         arm=arm,

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.geared import moved_with, shaft_ratio
+from flexarm.arm.gears import coupled_joints, shaft_ratio
 from flexarm.arm.sizes import LONGEST
 from flexarm.measurement.torque import gear_ratio
-from flexarm.record.doubts import FARTHEST
-from flexarm.record.lasting import LIVELY, motion_of
+from flexarm.record.plausibility import FARTHEST
+from flexarm.record.time_unit import LIVELY, motion_of
 from flexarm.validation.finding import Finding
 from flexarm.validation.gain_faults import unit_named
 from flexarm.wording import listed
@@ -150,7 +150,7 @@ def moves(arm: Arm, joint: str, signal: Signal) -> bool:
     """Whether a joint, with what gears move along, moves a signal's place; torques are of their own joint."""
     if signal.joint is not None:
         return signal.joint == joint
-    together = moved_with({joint}, arm.gears)
+    together = coupled_joints({joint}, arm.gears)
     link = signal.link or (arm.point(signal.point).link if signal.point is not None else "")
     while link and link != "base":
         above = next(each for each in arm.joints if each.child.split(":")[0] == link.split(":")[0])

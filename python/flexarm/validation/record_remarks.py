@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.sizes import doubted_sizes
+from flexarm.arm.sizes import implausible_sizes
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
-from flexarm.record.against_arm import doubted_values
-from flexarm.record.doubts import INPUTS, doubted_units
-from flexarm.record.lasting import spans_apart
+from flexarm.record.compatibility import implausible_values
+from flexarm.record.plausibility import INPUTS, unit_problems
+from flexarm.record.time_unit import mismatched_durations
 from flexarm.wording import listed
 
 if TYPE_CHECKING:
@@ -71,11 +71,11 @@ def doubted(
     borne_out : dict of str to collection of str, optional
         By record the drives whose angles places bear out, however far they turn.
     """
-    found = [f"model: {problem}" for problem in doubted_sizes(arm)]
+    found = [f"model: {problem}" for problem in implausible_sizes(arm)]
     for name, record in records.items():
         sure = {f"signals.{drive}" for drive in (borne_out or {}).get(name, ())}
-        units = [problem for problem in doubted_units(record, arm) if problem.where not in sure]
-        problems = [*units, *spans_apart(record), *doubted_values(record, arm)]
+        units = [problem for problem in unit_problems(record, arm) if problem.where not in sure]
+        problems = [*units, *mismatched_durations(record), *implausible_values(record, arm)]
         found += [f"{name}: {problem}" for problem in problems]
     return tuple(found)
 

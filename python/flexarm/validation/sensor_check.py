@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
-from flexarm.record.doubts import clocks_apart
+from flexarm.record.plausibility import disjoint_clocks
 from flexarm.simulation.endless import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import Verdict, merged
@@ -206,7 +206,7 @@ def _readable(arm: Arm, name: str, record: Record, step: float) -> tuple[Record,
         of it would not end.
     """
     record.check_against(arm)
-    for problem in (*clocks_apart(record), *endless(record, step)):
+    for problem in (*disjoint_clocks(record), *endless(record, step)):
         raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
     record, notes = without_lost_channels(name, record)
     record, removed = clean_drives(name, record)

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.record.reached import span_by
+from flexarm.record.workspace import span_by
 from flexarm.validation.channel import Channel
 from flexarm.validation.drive_faults import DriveFinding
 from flexarm.validation.drive_hypotheses import disturbed, moves

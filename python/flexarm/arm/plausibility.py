@@ -12,7 +12,7 @@ from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import added, dot, scaled
 from flexarm.arm.section import General, contradiction
-from flexarm.arm.sizes import size_doubts
+from flexarm.arm.sizes import size_problems
 from flexarm.arm.urdf_beams import ENDS, left_from_end
 from flexarm.errors import Problem
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 
-def doubts(arm: Arm) -> Iterable[Problem]:
+def validate(arm: Arm) -> Iterable[Problem]:
     """All doubts about a model."""
     for link in arm.links:
         if isinstance(link, Beam):
@@ -29,7 +29,7 @@ def doubts(arm: Arm) -> Iterable[Problem]:
     yield from _beside_the_beam(arm)
     yield from _counted_twice(arm)
     yield from _unseen(arm)
-    yield from size_doubts(arm)
+    yield from size_problems(arm)
     if not 9.5 < hypot(*arm.gravity) < 10 and hypot(*arm.gravity) > 0:
         yield Problem("gravity", f"has a magnitude of {hypot(*arm.gravity):g} m/s2; on Earth it is 9.81 m/s2")
 

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from flexarm.arm.joint import Gear
 
 
-def moved_with(joints: Iterable[str], gears: Sequence[Gear]) -> set[str]:
+def coupled_joints(joints: Iterable[str], gears: Sequence[Gear]) -> set[str]:
     """These joints and all that gears move along with them."""
     found = set(joints)
     for _ in gears:  # a chain has no more of them

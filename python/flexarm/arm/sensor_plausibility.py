@@ -24,7 +24,7 @@ LATEST = 10.0
 """Age of a value at its stamp [s]."""
 
 
-def sensor_doubts(sensor: Sensor, reach: float) -> Iterable[Problem]:
+def sensor_problems(sensor: Sensor, reach: float) -> Iterable[Problem]:
     """All doubts about a sensor of an arm that reaches so far [m]."""
     where = f"sensors.{sensor.name}"
     unit, factor = sensor.si

@@ -9,11 +9,11 @@ import pytest
 
 import flexarm
 from flexarm.record import Clock, Signal
-from flexarm.record.noise_doubts import clock_doubts, noise_doubts
+from flexarm.record.noise_plausibility import clock_problems, noise_problems
 
 
 def doubted(signal: Signal) -> list[str]:
-    return [f"{problem.where.split('.')[-1]}: {problem.what}" for problem in noise_doubts(signal)]
+    return [f"{problem.where.split('.')[-1]}: {problem.what}" for problem in noise_problems(signal)]
 
 
 def tip(noise: float | None, **changes) -> Signal:
@@ -105,7 +105,7 @@ def test_jitter_beyond_the_distance_of_samples_is_doubted():
 def test_a_clock_that_is_hardly_known_is_doubted(sigma, count):
     """In a record of 12 s: stamps 2 s late or early, where 2 ms were meant; half a second by a stopwatch."""
     record = diagnoses.record(1).replace(clocks={"controller": Clock(), "tracker": Clock(sigma=sigma)})
-    found = [problem.what for problem in clock_doubts(record)]
+    found = [problem.what for problem in clock_problems(record)]
     assert len(found) == count
     assert all(
         what.startswith("is 2 s (1 sigma), its signals last 11.9 s; it is in s, not in ms") for what in found
@@ -117,7 +117,7 @@ def test_a_clock_of_a_long_record_may_be_a_second_off():
     tip = record.signals["tip"].replace(time=50 * record.signals["tip"].time)
     clocks = {"controller": Clock(), "tracker": Clock(sigma=2.0)}
     long = record.replace(signals={**record.signals, "tip": tip}, clocks=clocks)
-    assert list(clock_doubts(long)) == []
+    assert list(clock_problems(long)) == []
 
 
 def test_no_case_is_doubted(shared_dir: Path):

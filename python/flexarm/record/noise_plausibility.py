@@ -51,7 +51,7 @@ BAD, LATE = 1.0, 0.05
 """Sigma of a clock [s], and share of what its signals last, from which on it is as good as unknown."""
 
 
-def noise_doubts(signal: Signal) -> Iterable[Problem]:
+def noise_problems(signal: Signal) -> Iterable[Problem]:
     """Noise unlike the samples, and jitter beyond their distance."""
     where = f"signals.{signal.name}"
     quick = signal.quantity == "joint_angle" and len(signal.time) > 2 and signal.rate_hz >= QUICK
@@ -113,7 +113,7 @@ def _differences(signal: Signal, values: Floats, order: int) -> Floats:
     return np.concatenate([np.diff(values[signal.pose == pose], order) for pose in np.unique(signal.pose)])
 
 
-def clock_doubts(record: Record) -> Iterable[Problem]:
+def clock_problems(record: Record) -> Iterable[Problem]:
     """Clocks that are hardly known beside how long their signals last."""
     for name, clock in record.clocks.items():
         spans = [s.time[-1] - s.time[0] for s in record.signals.values() if s.clock == name and len(s.time)]

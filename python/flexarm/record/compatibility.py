@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.arm.geared import moved_with
+from flexarm.arm.gears import coupled_joints
 from flexarm.errors import InvalidParameter, Problem
-from flexarm.record.carried_doubts import carried_doubts
-from flexarm.record.doubts import stands_elsewhere
-from flexarm.record.drawn_out import drawn_out
 from flexarm.record.drive_span import range_at_rest
-from flexarm.record.frame_doubts import frame_doubts
-from flexarm.record.lasting import too_fast
-from flexarm.record.reached import places_seen, reached
+from flexarm.record.frame_plausibility import frame_problems
+from flexarm.record.link_length import with_link_lengths
+from flexarm.record.payload_plausibility import payload_problems
+from flexarm.record.plausibility import is_remote
+from flexarm.record.time_unit import implausible_rates
+from flexarm.record.workspace import predicted_places, workspace_radius
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -56,20 +56,20 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
     ]
 
 
-def doubts(record: Record, arm: Arm) -> list[Problem]:
+def validate(record: Record, arm: Arm) -> list[Problem]:
     """Values that contradict their unit, seen from the size of the arm; effects that act on nothing here."""
-    return [*doubted_values(record, arm), *unplaced_effects(record, arm)]
+    return [*implausible_values(record, arm), *unplaced_effects(record, arm)]
 
 
-def doubted_values(record: Record, arm: Arm) -> list[Problem]:
+def implausible_values(record: Record, arm: Arm) -> list[Problem]:
     """Values that this arm cannot show, as they stand in the record."""
     return [
         *_positions(record, arm),
         *_angles(record, arm),
         *_undriven(record, arm),
         *_too_fast(record, arm),
-        *frame_doubts(record, arm),
-        *carried_doubts(record, arm),
+        *frame_problems(record, arm),
+        *payload_problems(record, arm),
     ]
 
 
@@ -93,9 +93,9 @@ def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
     ]
 
 
-def carrying(record: Record, arm: Arm) -> Arm:
+def with_overrides(record: Record, arm: Arm) -> Arm:
     """The arm with the payloads and lengths of a run; a weighed mass wins over an effect `payload_mass`."""
-    arm = drawn_out(_set(arm, record), record.links)
+    arm = with_link_lengths(_set(arm, record), record.links)
     if not record.payloads:
         return arm
     loads = {load.name: load for load in arm.payloads}
@@ -104,7 +104,7 @@ def carrying(record: Record, arm: Arm) -> Arm:
             raise InvalidParameter(missing("payload", name, loads), where=f"payloads.{name}")
         loads[name] = loads[name].replace(**carried.to_plain())
     masses = {name: carried.mass for name, carried in record.payloads.items() if carried.mass is not None}
-    return weighed(arm.replace(payloads=tuple(loads.values())), masses)
+    return with_payload_masses(arm.replace(payloads=tuple(loads.values())), masses)
 
 
 def _set(arm: Arm, record: Record) -> Arm:
@@ -121,7 +121,7 @@ def _set(arm: Arm, record: Record) -> Arm:
     return arm.replace(controllers=tuple(own.values())) if record.controllers else arm
 
 
-def weighed(arm: Arm, masses: Mapping[str, float]) -> Arm:
+def with_payload_masses(arm: Arm, masses: Mapping[str, float]) -> Arm:
     """The arm with weighed payloads [kg], by name; an effect `payload_mass` there gives way to them."""
     if not masses:
         return arm
@@ -132,11 +132,11 @@ def weighed(arm: Arm, masses: Mapping[str, float]) -> Arm:
 
 def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
     seen = [signal for signal in record.of_quantity("position").values() if signal.valid.any()]
-    limit = reached(record, arm) if seen else 0.0
+    limit = workspace_radius(record, arm) if seen else 0.0
     for signal in seen if limit else []:
         span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
         far = float(np.nanmax(np.abs(signal.values)))
-        own = stands_elsewhere(record.frame_of(signal))
+        own = is_remote(record.frame_of(signal))
         value, what = (span, "moves over") if own else (far, "reaches")
         if value > 10 * limit:
             yield Problem(
@@ -155,7 +155,7 @@ def _too_small(record: Record, arm: Arm, signal: Signal, span: float, far: float
     """
     drives = [record.signals[name] for name in record.drive]
     told = bool(drives) and all(s.quantity == "joint_angle" and s.valid.any() for s in drives)
-    places = places_seen(record, arm, signal)
+    places = predicted_places(record, arm, signal)
     away = min(float(np.max(np.linalg.norm(place, axis=1))) for place in places)
     rigid = min(float(np.max(np.ptp(place, axis=0))) for place in places)
     if far is not None and 200 * far < away:
@@ -172,7 +172,7 @@ def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
     if record.kind != "motion" or not record.drive:
         return
     driven = {str(record.signals[name].joint) for name in record.drive}
-    driven = moved_with(driven | {controller.joint for controller in arm.controllers}, arm.gears)
+    driven = coupled_joints(driven | {controller.joint for controller in arm.controllers}, arm.gears)
     for signal in record.of_quantity("joint_angle").values():
         if signal.side == "motor" and signal.joint not in driven and _moves(signal):
             yield Problem(
@@ -190,7 +190,7 @@ def _moves(signal: Signal) -> bool:
 def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:
     """Joints that turn as fast as motors; shafts before gears are motors' own."""
     shafts = {gear.input for gear in arm.gears}
-    return too_fast(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
+    return implausible_rates(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:

@@ -10,7 +10,7 @@ from arms import paper_arm
 import flexarm
 from flexarm import InvalidFile, InvalidParameter
 from flexarm.record import Frame
-from flexarm.record.doubts import doubts
+from flexarm.record.plausibility import validate
 
 MODEL = "examples/one_link.toml"
 
@@ -67,5 +67,5 @@ def test_a_frame_turned_by_degrees_is_doubted():
     ]
     turned = Frame(rpy=(0.0, 0.0, 74.5))
     record = flexarm.Record(signals=signals, drive=("hinge",), frames={"tracker": turned})
-    [found] = [problem for problem in doubts(record) if problem.where == "frames.tracker.rpy"]
+    [found] = [problem for problem in validate(record) if problem.where == "frames.tracker.rpy"]
     assert found.what == "is [0.0, 0.0, 74.5] rad; write degrees as radians"

@@ -9,7 +9,7 @@ from arms import crane, smooth_step
 import flexarm
 from flexarm.cli.run import run
 from flexarm.record import Signal
-from flexarm.record.lasting import doubts_of_spans, too_fast
+from flexarm.record.time_unit import duration_problems, implausible_rates
 
 RATES = {"hinge": 250.0, "torque": 50.0, "tip": 10.0}
 
@@ -35,7 +35,7 @@ def record(
 
 
 def doubted(of: flexarm.Record) -> list[str]:
-    return [f"{problem.where}: {problem.what}" for problem in doubts_of_spans(of)]
+    return [f"{problem.where}: {problem.what}" for problem in duration_problems(of)]
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(1e3, "ms"), (1e6, "us")])
@@ -65,7 +65,7 @@ def test_seconds_that_are_said_to_be_milliseconds():
     assert what.endswith("are its stamps in s?")
     everything = record(40.0, times=dict.fromkeys(RATES, 1e-3))
     assert doubted(everything) == []
-    [problem] = too_fast(everything, ["hinge"])
+    [problem] = implausible_rates(everything, ["hinge"])
     assert "rad/s, faster than any joint; are its stamps, and its values, in their units?" in problem.what
     assert everything.check_against(crane()) == [problem]
 
@@ -87,7 +87,7 @@ SENSIBLE = {
 @pytest.mark.parametrize("what", SENSIBLE)
 def test_sensible_records_are_not_doubted(what):
     assert doubted(SENSIBLE[what]) == []
-    assert list(too_fast(SENSIBLE[what], ["hinge"])) == []
+    assert list(implausible_rates(SENSIBLE[what], ["hinge"])) == []
 
 
 def test_hours_are_told_by_the_steps_that_they_take():

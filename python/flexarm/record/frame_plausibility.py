@@ -16,7 +16,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import Problem
-from flexarm.record.reached import farthest, reached
+from flexarm.record.workspace import farthest_point, workspace_radius
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -31,7 +31,7 @@ LOOSE, TURNED = 0.2, 0.2
 UNKNOWN = 'a frame of which nothing is known is "unknown"'
 
 
-def rotation_doubts(record: Record) -> Iterable[Problem]:
+def frame_rotation_problems(record: Record) -> Iterable[Problem]:
     """Angles of (2), which need no arm."""
     for name, frame in record.frames.items():
         if frame.rotation > TURNED:
@@ -41,7 +41,7 @@ def rotation_doubts(record: Record) -> Iterable[Problem]:
             )
 
 
-def frame_doubts(record: Record, arm: Arm) -> Iterable[Problem]:
+def frame_problems(record: Record, arm: Arm) -> Iterable[Problem]:
     """(1) and lengths of (2), seen from the size of the arm."""
     for name, frame in record.frames.items():
         seen = [s for s in record.of_quantity("position").values() if s.frame == name and s.valid.any()]
@@ -53,14 +53,14 @@ def frame_doubts(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _loose(record: Record, arm: Arm, frame: Frame) -> Iterable[str]:
-    size = farthest(record, arm)
+    size = farthest_point(record, arm)
     if frame.translation > LOOSE * size > 0:
         what = f"is {frame.translation:g} m (1 sigma), the arm reaches {size:.3g} m; it is in m, not in mm"
         yield f"{what}; {UNKNOWN}"
 
 
 def _beyond(record: Record, arm: Arm, frame: Frame, seen: Sequence[Signal]) -> Iterable[str]:
-    limit = reached(record, arm)
+    limit = workspace_radius(record, arm)
     far, signal = max((_far(signal, frame), signal.name) for signal in seen)
     if far > BEYOND * limit + SURE * frame.translation:
         puts = f"is {list(frame.xyz)} m and puts {signal} {far:.4g} m from the base"

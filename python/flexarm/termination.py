@@ -29,7 +29,7 @@ _undo: list[Callable[[], object]] = []
 _leaving = threading.RLock()  # a second signal interrupts the handler of the first, in the same thread
 
 
-def leave_when_told() -> None:
+def exit_on_signals() -> None:
     """Let Ctrl-C and SIGTERM end this process from now on, unless they are ignored."""
     for number in WAYS:
         if signal.getsignal(number) is not signal.SIG_IGN:
@@ -49,7 +49,7 @@ def stay() -> None:
 
 
 @contextmanager
-def undone_on_leaving(undo: Callable[[], object]) -> Iterator[None]:
+def undone_on_exit(undo: Callable[[], object]) -> Iterator[None]:
     """Call `undo` if the process leaves within the block, in any thread; its errors count for nothing."""
     _undo.append(undo)
     try:
@@ -65,7 +65,7 @@ def scratch_directory() -> Iterator[Path]:
     from pathlib import Path
     from tempfile import TemporaryDirectory
 
-    with TemporaryDirectory() as path, undone_on_leaving(lambda: shutil.rmtree(path, ignore_errors=True)):
+    with TemporaryDirectory() as path, undone_on_exit(lambda: shutil.rmtree(path, ignore_errors=True)):
         yield Path(path)
 
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.geared import shaft_ratio
+from flexarm.arm.gears import shaft_ratio
 from flexarm.errors import Problem
 from flexarm.record.drive_span import single_values, uncovered
-from flexarm.record.frame_doubts import rotation_doubts
-from flexarm.record.lasting import doubts_of_spans, spans_apart
-from flexarm.record.noise_doubts import clock_doubts, noise_doubts
+from flexarm.record.frame_plausibility import frame_rotation_problems
+from flexarm.record.noise_plausibility import clock_problems, noise_problems
 from flexarm.record.signal import Signal
 from flexarm.record.table import Frame
+from flexarm.record.time_unit import duration_problems, mismatched_durations
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -30,20 +30,20 @@ DISTANT = 1000.0
 """Distance that no arm reaches or moves over [m]."""
 
 
-def doubts(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
+def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
     """All doubts about a record, of an arm with gears if one is given."""
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
-    yield from clocks_apart(record)
+    yield from disjoint_clocks(record)
     if record.kind == "motion":
-        yield from doubts_of_spans(record)
-    yield from (Problem(f"signals.{name}", what) for name, what in outside_the_drive(record).items())
+        yield from duration_problems(record)
+    yield from (Problem(f"signals.{name}", what) for name, what in disjoint_signals(record).items())
     if record.kind == "static" and not record.drive and record.of_quantity("joint_angle"):
         names = ", ".join(record.of_quantity("joint_angle"))
         yield Problem("drive", f"is not given: joint angles ({names}) are compared and place no joint")
-    yield from doubted_units(record, arm)
-    yield from rotation_doubts(record)
-    yield from clock_doubts(record)
+    yield from unit_problems(record, arm)
+    yield from frame_rotation_problems(record)
+    yield from clock_problems(record)
     for signal in record.signals.values():
         where = f"signals.{signal.name}"
         if not signal.valid.any():
@@ -52,14 +52,14 @@ def doubts(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
             yield Problem(where, f"holds no value{along} in {len(signal)} rows")
             continue
         yield from (Problem(where, what) for what in (*_dead(signal), *_gaps(signal)))
-        yield from noise_doubts(signal)
+        yield from noise_problems(signal)
         if signal.noise_std is None and signal.name not in record.drive and signal.quantity not in INPUTS:
             yield Problem(
                 f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
             )
 
 
-def doubted_units(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
+def unit_problems(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
     """Values that no sensor shows in the unit that is stated.
 
     Parameters
@@ -77,16 +77,16 @@ def doubted_units(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
             ratio = shaft_ratio(signal.joint, arm.gears) if arm is not None else 1.0
             found = [*_unit(signal, ratio)]
             if signal.quantity == "position" and arm is None:  # `against_arm` has its reach
-                found += _distant(signal, stands_elsewhere(record.frame_of(signal)))
+                found += _distant(signal, is_remote(record.frame_of(signal)))
             yield from (Problem(f"signals.{signal.name}", what) for what in found)
 
 
-def stands_elsewhere(frame: Frame) -> bool:
+def is_remote(frame: Frame) -> bool:
     """Whether places in a frame are far from where they are in the base, as of a tracker or a map."""
     return frame.unknown or any(frame.xyz)
 
 
-def clocks_apart(record: Record) -> Iterable[Problem]:
+def disjoint_clocks(record: Record) -> Iterable[Problem]:
     """Signals whose clock, as stated, ran when the drive's did not."""
     for signal, times, own in _apart(record):
         if signal.clock != own:
@@ -104,13 +104,13 @@ def unknown_motion(record: Record) -> list[Problem]:
     """
     if record.kind != "motion":
         return []
-    if (single := single_values(record)) or spans_apart(record):
+    if (single := single_values(record)) or mismatched_durations(record):
         return single
     apart = [signal.name for signal, *_ in _apart(record)]
     return uncovered(record, [s for s in record.signals.values() if s.name not in apart])
 
 
-def outside_the_drive(record: Record) -> dict[str, str]:
+def disjoint_signals(record: Record) -> dict[str, str]:
     """Signals of the drive's own clock that saw nothing of its motion, and what to do about it."""
     return {
         signal.name: f"{times} by the same: they have no instant in common; if the stamps are not of one "

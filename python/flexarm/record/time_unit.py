@@ -90,19 +90,19 @@ def motion_of(name: str, time: Floats, values: Floats, unit: str) -> Motion:
     return Motion(name, float(np.quantile(rates, SHARE)) if len(rates) else 0.0, unit)
 
 
-def doubts_of_spans(record: Record) -> Iterable[Problem]:
+def duration_problems(record: Record) -> Iterable[Problem]:
     """(1), (2) and the first of (3) of a record's signals."""
-    spans, apart = _spans(record), spans_apart(record)
+    spans, apart = _spans(record), mismatched_durations(record)
     yield from apart
     if not spans or apart:
         return
     whole = Span(max(span.seconds for span in spans.values()), max(span.rate for span in spans.values()))
     motions = [_motion(record.signals[name]) for name in record.drive if name in spans]
     first = motions[0].name if motions else next(iter(spans))
-    yield from (Problem(f"signals.{first}.time", what) for what in too_long(whole, motions))
+    yield from (Problem(f"signals.{first}.time", what) for what in implausible_duration(whole, motions))
 
 
-def spans_apart(record: Record) -> list[Problem]:
+def mismatched_durations(record: Record) -> list[Problem]:
     """(1) and the first of (3): signals that saw next to nothing of one another's motion."""
     return _apart(_spans(record))
 
@@ -115,7 +115,7 @@ def _motion(signal: Signal) -> Motion:
     return motion_of(signal.name, signal.time, signal.values[:, 0], signal.unit)
 
 
-def too_fast(record: Record, joints: Sequence[str]) -> Iterable[Problem]:
+def implausible_rates(record: Record, joints: Sequence[str]) -> Iterable[Problem]:
     """Angles that drive these joints at rates that no output of a joint has (3)."""
     for signal in (record.signals[name] for name in record.drive):
         motion = _motion(signal) if len(signal.time) >= LEAST_ROWS else None
@@ -137,7 +137,7 @@ def _apart(spans: Mapping[str, Span]) -> list[Problem]:
             what = f"lasts {its}, {name} {span}, {factor:g} times as long: are its stamps in s?"
             found.setdefault("in s", []).append((other, what))
         elif span.rate * factor <= USUAL:
-            what = f"lasts {span}, {factor:g} times as long as {other} ({its}); {in_unit(factor, span)}"
+            what = f"lasts {span}, {factor:g} times as long as {other} ({its}); {unit_hint(factor, span)}"
             found.setdefault(UNITS[factor], []).append((name, what))
     return [_one_of(alike) for alike in found.values()]
 
@@ -149,7 +149,7 @@ def _one_of(alike: list[tuple[str, str]]) -> Problem:
     return Problem(f"signals.{name}.time", what + (f"; the same holds for {others}" if others else ""))
 
 
-def too_long(span: Span, motions: Sequence[Motion], remedy: str = REMEDY) -> Iterable[str]:
+def implausible_duration(span: Span, motions: Sequence[Motion], remedy: str = REMEDY) -> Iterable[str]:
     """A sentence on a run of hours (2), with what its stamps may be.
 
     Parameters
@@ -167,12 +167,12 @@ def too_long(span: Span, motions: Sequence[Motion], remedy: str = REMEDY) -> Ite
     fastest = max(motions, key=lambda motion: motion.rate, default=None)
     factor = next((f for f in UNITS if span.seconds / f <= LONG), None)
     if factor and fastest and span.rate * factor <= USUAL and 0 < fastest.rate * factor <= LIVELY:
-        yield f"{long}, and {fastest}; {in_unit(factor, span, remedy)}"
+        yield f"{long}, and {fastest}; {unit_hint(factor, span, remedy)}"
     else:
         yield long
 
 
-def in_unit(factor: float, span: Span, remedy: str = REMEDY) -> str:
+def unit_hint(factor: float, span: Span, remedy: str = REMEDY) -> str:
     """What to do if stamps are in so many parts of a second, and how long they last then."""
     unit = UNITS[factor]
     return f"if its stamps are in {unit}, {remedy.format(unit=unit)}: {span / factor}"

@@ -25,7 +25,7 @@ _ALIKE = 0.05
 """Of the width of the gap: angles that differ by less are one. A flank is half a width away."""
 
 
-def refuse_gaps_without_side(
+def require_backlash_derivative(
     arm: Arm,
     wanted: Sequence[Parameter],
     beside: Sequence[_core.Varied],

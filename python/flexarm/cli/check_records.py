@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Faults = list[tuple[Path, Problem]]
 
 
-def check_beside(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
     """What the first step of a diagnosis finds, for programs, in lines for a person, and what is at fault.
 
     Raises

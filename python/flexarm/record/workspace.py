@@ -37,7 +37,7 @@ def span_by(record: Record, arm: Arm, drive: str, point: str) -> float:
     return float(np.max(np.ptp(_places(record, arm, point, rows), axis=0)))
 
 
-def places_seen(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
+def predicted_places(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
     """The same at the readings of a position, once for each way in which its clock may stand."""
     rows = np.flatnonzero(signal.valid)
     rows = rows[_looks(len(rows))]
@@ -105,12 +105,12 @@ def _late(record: Record, signal: Signal) -> list[float]:
     return [float(signal.time[0] - first), float(signal.time[-1] - last)]
 
 
-def farthest(record: Record, arm: Arm) -> float:
+def farthest_point(record: Record, arm: Arm) -> float:
     """How far from the base the points of the rigid arm come [m]; 0 if it has none."""
     places = (rigid_places(record, arm, point.name) for point in arm.points)
     return max((float(np.max(np.linalg.norm(place, axis=1))) for place in places), default=0.0)
 
 
-def reached(record: Record, arm: Arm) -> float:
+def workspace_radius(record: Record, arm: Arm) -> float:
     """How far from the base any point can be [m]; what slides, and solid parts, as the record has them."""
-    return max(reach(arm), farthest(record, arm))
+    return max(reach(arm), farthest_point(record, arm))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flexarm.record.table import DrawnLink
 
 
-def drawn_out(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
+def with_link_lengths(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
     """The arm with links of the lengths that a record states, eq. (1).
 
     Raises

@@ -18,13 +18,13 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
-from flexarm.opening_gaps import refuse_gaps_without_side
 from flexarm.sensitivity import Sensitivities, collected, varied
+from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
-    """One equilibrium of a `HeldArm`.
+class StaticSolution:
+    """One equilibrium of a `StaticsBatch`.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Turning:
+class DriveVariation:
     """A parameter that turns the drives, such as the offset of an encoder.
 
     Attributes
@@ -63,7 +63,7 @@ class Turning:
     down: float
 
 
-class HeldArm:
+class StaticsBatch:
     """An arm whose drives are held.
 
     Parameters
@@ -105,8 +105,8 @@ class HeldArm:
         self,
         joints: Mapping[str, float],
         forces: Mapping[str, ArrayLike] | None = None,
-        turning: Mapping[str, Turning] | None = None,
-    ) -> Held:
+        turning: Mapping[str, DriveVariation] | None = None,
+    ) -> StaticSolution:
         """Equilibrium under gravity and point forces, the drives at given angles.
 
         Parameters
@@ -115,7 +115,7 @@ class HeldArm:
             Angles [rad, m for a prismatic joint]; default 0.
         forces : dict of str to (3,), optional
             Forces at points, base axes [N].
-        turning : dict of str to Turning, optional
+        turning : dict of str to DriveVariation, optional
             By key those parameters that turn the drives.
 
         Raises
@@ -130,10 +130,10 @@ class HeldArm:
         equilibrium = _core.static_equilibrium(self.system, values, loads)
         arrays = _seen(self.arm, self.system, equilibrium.state, loads)
         if not self.parameters:
-            return Held(values, equilibrium, arrays, None)
+            return StaticSolution(values, equilibrium, arrays, None)
         slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})
         slopes["drive_angle"] = self._drive_slopes(turning or {})
-        return Held(values, equilibrium, arrays, Sensitivities(self.parameters, slopes))
+        return StaticSolution(values, equilibrium, arrays, Sensitivities(self.parameters, slopes))
 
     def _slopes(
         self,
@@ -141,14 +141,14 @@ class HeldArm:
         equilibrium: _core.Equilibrium,
         arrays: Mapping[str, Floats],
         loads: _core.Loads,
-        turning: Mapping[str, Turning],
+        turning: Mapping[str, DriveVariation],
     ) -> dict[str, Floats]:
         """Along the state's own derivative, in the models beside this one."""
         state, keys = equilibrium.state, [parameter.key for parameter in self.parameters]
         beside = [*self._beside, *(self._turned(each) for each in turning.values())]
         places = [*self._places, *(keys.index(key) for key in turning)]
         moving = _core.static_derivative(self.system, equilibrium, beside)
-        refuse_gaps_without_side(
+        require_backlash_derivative(
             self.arm,
             [self.parameters[place] for place in places],
             beside,
@@ -165,7 +165,7 @@ class HeldArm:
                 found[name][..., k] = (array - down[name]) / (pair.up - pair.down)
         return dict(collected(self.parameters, places, found).arrays)
 
-    def _turned(self, turning: Turning) -> _core.Varied:
+    def _turned(self, turning: DriveVariation) -> _core.Varied:
         """This model with its drives at other angles."""
         sides = [
             [_core.PiecewisePolynomial.constant(value) for value in joint_values(self.arm, joints)]
@@ -173,7 +173,7 @@ class HeldArm:
         ]
         return _core.Varied(self.system, self.system, turning.up, turning.down, *sides)
 
-    def _drive_slopes(self, turning: Mapping[str, Turning]) -> Floats:
+    def _drive_slopes(self, turning: Mapping[str, DriveVariation]) -> Floats:
         """Derivatives of the drives' angles, shape (joint, parameter)."""
         found = np.zeros((len(self.arm.joints), len(self.parameters)))
         for k, parameter in enumerate(self.parameters):

@@ -1,7 +1,7 @@
 """What a run carried, how far its booms were drawn out and where its joints stood, in units of no machine.
 
 Grams for kilograms, millimetres for metres, degrees for radians. The model with what the run carried is
-doubted as any model is (`flexarm.arm.warnings`), and a load of `MORE` times the whole nominal arm with its
+doubted as any model is (`flexarm.arm.plausibility`), and a load of `MORE` times the nominal arm with its
 own loads besides: one in grams is a thousand times too heavy, and no arm carries loads so unlike one another,
 but in orbit, where nothing weighs.
 """
@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.link import Beam
+from flexarm.arm.plausibility import validate as validate_arm
 from flexarm.arm.sizes import LONGEST, mass_of_links
-from flexarm.arm.warnings import doubts as doubts_of_model
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ DRAWN = 20.0
 """Length of a beam that was drawn out over the nominal one: telescopes have some five sections."""
 
 
-def carried_doubts(record: Record, arm: Arm) -> Iterable[Problem]:
+def payload_problems(record: Record, arm: Arm) -> Iterable[Problem]:
     """Loads, lengths and angles that a record states."""
     of_loads = list(_as_model(record, arm))
     yield from of_loads
@@ -44,8 +44,8 @@ def _as_model(record: Record, arm: Arm) -> Iterable[Problem]:
     if not record.payloads:
         return
     carried = record.replace(links={}, controllers={}).applied_to(arm)
-    own = {problem.where for problem in doubts_of_model(arm)}
-    for problem in doubts_of_model(carried):
+    own = {problem.where for problem in validate_arm(arm)}
+    for problem in validate_arm(carried):
         if problem.where.split(".")[0] == "payloads" and problem.where not in own:
             yield problem
 
