@@ -26,7 +26,7 @@ from flexarm import Arm, Record
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.output import output_directory
-from flexarm.residual_analysis.free_decay import RingDown, ring_downs
+from flexarm.residual_analysis.free_decay import FreeDecay, free_decays
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from data_script import diagnosed, exit_code, page_command_line
@@ -76,7 +76,7 @@ def left_out_table(found: Mapping[str, Diagnosis]) -> str:
     return "\n".join(lines)
 
 
-def ring_down_figure(found: Sequence[RingDown], path: Path) -> None:
+def ring_down_figure(found: Sequence[FreeDecay], path: Path) -> None:
     """Frequency and damping ratio against amplitude, a line for each record."""
     import matplotlib.pyplot as plt
 
@@ -112,7 +112,7 @@ def make_page(data: Path, out: Path, jobs: int | None, every: bool, force: bool)
         if swings:
             without(records / "ringdown.toml", swings, swings[-1], jobs, directory / "ringdown")
             arm = Arm.from_toml(records / "ringdown.toml")
-            rings = ring_downs({folder.name: simulate_record(arm, Record.load(folder)) for folder in swings})
+            rings = free_decays({folder.name: simulate_record(arm, Record.load(folder)) for folder in swings})
             ring_down_figure(rings, directory / "ringdown" / "ringdown.png")
             print("\n".join(map(str, rings)))
     print(f"\nwritten to {out}: open {out / 'static/report.html'}")

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from flexarm.configuration import config, show_config
     from flexarm.diagnosis.design.plan_result import Plan
     from flexarm.diagnosis.design.planning import plan
+    from flexarm.diagnosis.policy import SelectionPolicy
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
@@ -49,6 +50,7 @@ _EXPORTS = {
     "NotConverged": "flexarm.errors",
     "Plan": "flexarm.diagnosis.design.plan_result",
     "Record": "flexarm.record",
+    "SelectionPolicy": "flexarm.diagnosis.policy",
     "Sensitivities": "flexarm.sensitivity",
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
@@ -87,6 +89,7 @@ __all__ = [
     "NotConverged",
     "Plan",
     "Record",
+    "SelectionPolicy",
     "Sensitivities",
     "Signal",
     "Simulation",

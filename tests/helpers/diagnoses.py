@@ -19,7 +19,7 @@ from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.measurement import ClockError, Registration
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.record import Clock, Frame, Signal
-from flexarm.residual_analysis.localisation import Located, locate
+from flexarm.residual_analysis.localisation import Localisation, localise
 
 STIFFNESS, TRACKER = 1.4e5, 5e-5
 
@@ -78,11 +78,11 @@ def comparisons() -> tuple[dict[str, flexarm.Comparison], dict[str, flexarm.Comp
 
 
 @cache
-def located() -> tuple[Located, Located]:
+def located() -> tuple[Localisation, Localisation]:
     """Where the gap of training is, with the nominal and the updated model."""
     records = {"slow": record(1), "fast": record(2, 0.25)}
     return tuple(
-        locate({name: simulate_record(each, measured, step=0.01) for name, measured in records.items()})
+        localise({name: simulate_record(each, measured, step=0.01) for name, measured in records.items()})
         for each in (nominal(), with_spring())
     )
 
@@ -246,6 +246,6 @@ def of_poses() -> Diagnosis:
         after={"poses": flexarm.compare(updated, measured)},
         training=("poses",),
         main_signal="tip",
-        located=locate({"poses": simulate_record(model, measured)}),
-        located_after=locate({"poses": simulate_record(updated, measured)}),
+        located=localise({"poses": simulate_record(model, measured)}),
+        located_after=localise({"poses": simulate_record(updated, measured)}),
     )

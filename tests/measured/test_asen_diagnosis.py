@@ -13,6 +13,7 @@ from flexarm import Arm, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.motor_limits import stall_torque
 from flexarm.arm.parameter import with_value
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.cross_validation import missed
 from flexarm.diagnosis.estimator import Fitter
@@ -113,9 +114,10 @@ def test_the_search_takes_the_offset_and_then_friction_of_the_motor(bench):
     nearest = probe(fitter, [each for place, each in found.items() if place in NEAREST])
     assert len({each.candidate.place for each in nearest}) == len(NEAREST)
     null = fitter.fit(())
-    one, about = best_of(fitter, larger_fits(fitter, nearest, null, null), null, null)
+    criteria = Criteria(fitter.observed, null)
+    one, about = best_of(fitter, larger_fits(fitter, nearest, null, criteria), null, criteria)
     assert one.places == (("sensor_offset", "tip"),)
-    two, _ = best_of(about, larger_fits(about, nearest, one, null), one, null)
+    two, _ = best_of(about, larger_fits(about, nearest, one, criteria), one, criteria)
     assert set(two.places) == {("sensor_offset", "tip"), ("motor_friction", "hub")}
 
 

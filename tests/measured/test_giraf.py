@@ -13,7 +13,7 @@ from flexarm import Arm, InvalidFile, Record
 from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
 from flexarm.comparison.aligned_record import simulate_record
-from flexarm.residual_analysis.free_decay import describe_ring_downs, ring_downs
+from flexarm.residual_analysis.free_decay import describe_free_decays, free_decays
 
 FOLDER = EXAMPLES / "giraf_boom"
 HEADER = "Boom Extension (mm),Applied Force (N),Endpoint Height (mm),Deflection (mm)\n"
@@ -223,7 +223,7 @@ def test_ring_downs_are_slower_and_more_damped_the_larger_they_are(folders):
     """At every length, by far more than the errors of it; no linear law does that."""
     arm = Arm.from_toml(FOLDER / "ringdown.toml")
     pairs = {name: simulate_record(arm, Record.load(folders[name])) for name in ENDS}
-    found = ring_downs(pairs)
+    found = free_decays(pairs)
     assert [each.record for each in found] == list(ENDS)
     for each in found:
         for piece, (amplitude, frequency, damping) in zip(each.ends, ENDS[each.record], strict=True):
@@ -232,4 +232,4 @@ def test_ring_downs_are_slower_and_more_damped_the_larger_they_are(folders):
             assert piece.damping_ratio == pytest.approx(damping, abs=0.005)
         assert each.frequency_moves
         assert each.damping_moves
-    assert "frequency and damping move with the amplitude" in describe_ring_downs(found)
+    assert "frequency and damping move with the amplitude" in describe_free_decays(found)

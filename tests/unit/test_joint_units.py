@@ -19,7 +19,7 @@ from flexarm.effects import (
     TransmissionError,
     ViscousFriction,
 )
-from flexarm.residual_analysis.motion_states import States
+from flexarm.residual_analysis.motion_states import JointStates
 
 UNITS = [
     (JointCompliance, {"stiffness": 2e5, "damping": 10.0}, "stiffness", "N m/rad", "N/m"),
@@ -74,5 +74,7 @@ def test_so_have_an_encoder_and_a_key_of_the_model(lift):
 @pytest.mark.parametrize(("slides", "label"), [(True, "force of lift [N]"), (False, "torque of lift [N m]")])
 def test_axes_of_its_states_are_of_position_and_force(slides, label):
     none = np.zeros(2)
-    states = States("lift", none, none, none, none, none, none, np.zeros(2, dtype=np.intp), slides=slides)
+    states = JointStates(
+        "lift", none, none, none, none, none, none, np.zeros(2, dtype=np.intp), slides=slides
+    )
     assert states.label("torque") == label

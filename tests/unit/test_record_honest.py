@@ -11,7 +11,7 @@ import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.record import Clock, Frame, Signal
 from flexarm.record.table import CarriedPayload
-from flexarm.validation.record_remarks import doubted
+from flexarm.validation.record_remarks import plausibility_doubts
 from flexarm.validation.sensor_check import check
 
 RATIO = 120.0
@@ -272,5 +272,5 @@ def replace_load(arm: flexarm.Arm, mass: float) -> flexarm.Arm:
 def test_a_tip_in_milliseconds_keeps_sensors_from_being_judged():
     """Of 5 hours 20 s are compared, and these are its first sample."""
     angle = rising(T, 1.2)
-    [doubt] = doubted(slewing(), {"run": record(encoder(angle), seen(circle(angle), t=1e3 * T))})
+    [doubt] = plausibility_doubts(slewing(), {"run": record(encoder(angle), seen(circle(angle), t=1e3 * T))})
     assert doubt.startswith("run: signals.tip.time: lasts 5.55 h") and 'say time_unit = "ms"' in doubt

@@ -9,7 +9,7 @@ from flexarm import InvalidFile, InvalidParameter, Record, Signal
 from flexarm.comparison.poses import solve_poses
 from flexarm.comparison.simulated_record import Placement
 from flexarm.record import DrawnLink
-from flexarm.validation.initial_alignment import run
+from flexarm.validation.initial_alignment import simulate_records
 
 MODULUS, SECOND_MOMENT = 70e9, 1.5e-9
 
@@ -91,5 +91,5 @@ def test_a_check_draws_a_boom_out_once_along_a_motion():
     tip = Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), time=t, noise_std=1e-3,
                  values=1.5 * np.column_stack([np.cos(angle), np.sin(angle)]))  # fmt: skip
     measured = Record(signals=[drive, tip], drive=("pitch",), links={"boom": DrawnLink(length=1.5)})
-    subjects, _, _ = run(arm, {"run": measured}, 2e-3, -0.05)
+    subjects, _, _ = simulate_records(arm, {"run": measured}, 2e-3, -0.05)
     assert np.abs(subjects["run"].residual(tip, Placement())).max() < 1e-3

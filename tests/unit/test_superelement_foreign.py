@@ -24,7 +24,7 @@ from scipy.io import mmwrite
 from scipy.sparse import coo_array
 
 from flexarm import InvalidFile, InvalidParameter, SuperElement, accept_matrices
-from flexarm.superelement.checks import doubts
+from flexarm.superelement.checks import implausible_values
 from flexarm.superelement.foreign.matrix_market import read_matrix_market
 from flexarm.superelement.foreign.order import read_order
 
@@ -142,7 +142,7 @@ def test_points_at_one_place_are_doubted(tmp_path, part, market):
     """Of two of them no rigid motion tells which is which."""
     found = accept(tmp_path, part, *market[:2], order=ORDER)
     twins = found.replace(positions=np.repeat(found.positions[:1], 3, axis=0))
-    assert "order" in [doubt.where for doubt in doubts(twins)]
+    assert "order" in [problem.where for problem in implausible_values(twins)]
 
 
 @pytest.mark.parametrize("axes", [a for a in permutations("123") if a != ("1", "2", "3")])
@@ -495,16 +495,16 @@ def test_axes_of_curvilinear_systems_point_where_the_coordinates_grow(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("GRID,1,7,0.,0.,0.\n", "coordinate system 7: is not defined"),
+        ("GRID,1,7,0.,0.,0.\n", "line 1, GRID: is in coordinate system 7, which is not in the file"),
         (
             "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,1,0.,0.,0.\n",
-            "coordinate system 1: refers to itself",
+            "coordinate system 1 is defined by itself",
         ),
-        ("CORD2R,1,0,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,1,1,0.,0.,0.\n", "must not stand in a line"),
-        ("GRID,one,,0.,0.,0.\n", r"GRID \(line 1\): field 2 must be a whole number, got 'one'"),
-        ("GRID,1,,0.,x,0.\n", r"GRID \(line 1\): field 5 must be a real number, got 'x'"),
+        ("CORD2R,1,0,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\nGRID,1,1,0.,0.,0.\n", "its three points lie on one line"),
+        ("GRID,one,,0.,0.,0.\n", "line 1, GRID: field 2 must be a whole number, got 'one'"),
+        ("GRID,1,,0.,x,0.\n", "line 1, GRID: field 5 must be a number, got 'x'"),
         ("SPOINT,1\n", "holds no GRID entry"),
-        ("*NODE\n1, 2, x, 3\n", r"\*NODE \(line 2\): must be number, x, y, z"),
+        ("*NODE\n1, 2, x, 3\n", r"line 2, \*NODE: must be numbers, got 2, x, 3"),
         ("*NODE\n1, 2, 3, 3\n*TRANSFORM, NSET=A\n", "turned freedoms are not read"),
     ],
 )

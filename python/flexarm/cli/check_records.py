@@ -10,7 +10,7 @@ from flexarm.cli.records import blame_one_of, load_record, record_names
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
-    from flexarm.validation.finding import Checked, Fault
+    from flexarm.validation.finding import Fault, ValidationResult
 
 
 Faults = list[tuple[Path, Problem]]
@@ -36,7 +36,7 @@ def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[
     return _told(found), [found.summary(), *([next_step] if ready else [])], _faults(found, files)
 
 
-def _faults(found: Checked, files: dict[str, Path]) -> Faults:
+def _faults(found: ValidationResult, files: dict[str, Path]) -> Faults:
     """Each sensor at fault, with every record that shows it."""
     return [
         (files[name], Problem(f"signals.{fault.at}", f"{fault.name}: {fault.evidence}"))
@@ -45,7 +45,7 @@ def _faults(found: Checked, files: dict[str, Path]) -> Faults:
     ]
 
 
-def _told(found: Checked) -> dict[str, Any]:
+def _told(found: ValidationResult) -> dict[str, Any]:
     return {
         "kind": "records",
         "records": list(found.records),

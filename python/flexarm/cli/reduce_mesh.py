@@ -29,7 +29,7 @@ def solid_part(
     """Return the mesh with its materials, checked; a stated mass vouches for its size."""
     from flexarm.cli.materials import read_materials
     from flexarm.solids import read_mesh
-    from flexarm.solids.doubts import refuse_implausible
+    from flexarm.solids.plausibility import refuse_implausible
 
     materials, notes = read_materials(material or (), unit)
     warn(Path("command line"), notes)

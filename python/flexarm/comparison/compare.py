@@ -17,7 +17,7 @@ from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
-from flexarm.measurement.outliers import SMOOTH, told
+from flexarm.measurement.outliers import SMOOTH, listed
 from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
     if gap.gross:
         many = len(gap.gross) > 1
         return (
-            f"{len(gap.gross)} outlier{'s' * many} of {gap.name}, {told(gap.gross)}, "
+            f"{len(gap.gross)} outlier{'s' * many} of {gap.name}, {listed(gap.gross)}, "
             f"{'count' if many else 'counts'} neither in the alignment nor in these numbers (--raw: in all)"
         )
     return f"{int(rows.sum())} outliers of {gap.name} were not used to align, but count in these numbers"

@@ -34,7 +34,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.pose_columns import ANGLES, pose_columns
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.measurement.outliers import beyond_all
+from flexarm.measurement.outliers import beyond_range_of_others
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
@@ -121,7 +121,7 @@ def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement)
         beyond &= ~held
     rows[known], size[known] = np.any(beyond, axis=1), np.linalg.norm(off, axis=1)
     if rows.any() and signal.quantity not in DESCRIBED:
-        rows &= beyond_all(gap, rows)
+        rows &= beyond_range_of_others(gap, rows)
     return PoseOutliers(rows, size) if 0 < rows.sum() <= max(1.0, MOST * known.sum()) else None
 
 

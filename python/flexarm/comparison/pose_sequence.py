@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats, frozen
-from flexarm.measurement.states import States
+from flexarm.measurement.states import StateSnapshots
 from flexarm.sensitivity import Sensitivities
 from flexarm.statics.batch import StaticSolution
 
@@ -27,7 +27,7 @@ SEEN = ("position", "rotation", "joint_torque", "link_angle", "section_forces")
 
 
 @dataclass(frozen=True, eq=False)
-class PoseSequence(States):
+class PoseSequence(StateSnapshots):
     """Equilibria of an arm, one a pose: nothing moves, and torques are the drives', output side [N m].
 
     Attributes

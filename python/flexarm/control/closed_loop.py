@@ -27,12 +27,12 @@ from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
-from flexarm.simulation.endless import refuse_endless
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
 from flexarm.simulation.progress import Progress, reported
 from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import DIFFERENTIATED
+from flexarm.simulation.step_limit import check_step_count
 
 Schedule = Mapping[str, Callable[[float], Controller]]
 _LOOK = 64
@@ -103,7 +103,7 @@ def simulate_closed_loop(
     options = _core.TransientOptions()
     options.start, options.end = drive.start, drive.end if end is None else float(end)
     options.step, options.alpha = grid.step, float(alpha)
-    refuse_endless(options.start, options.end, options.step)
+    check_step_count(options.start, options.end, options.step)
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
     wanted = parameters(arm, sensitivities)
     if wanted and schedule:

@@ -11,8 +11,8 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arrays import Floats
+from flexarm.control.deflection_sensor import DeflectionSensor
 from flexarm.control.dual import Dual, Real, slopes_of, value_of
-from flexarm.control.gauge import DeflectionGauge
 
 
 class Plant:
@@ -42,13 +42,13 @@ class Plant:
         """Return their rates [rad/s or m/s]."""
         return float((self._run.joint_rates if output else self._run.drive_rates)[joint])
 
-    def deflection(self, gauge: DeflectionGauge) -> Real:
+    def deflection(self, sensor: DeflectionSensor) -> Real:
         """Return the reading of a deflection sensor without errors [m]."""
-        return gauge.read(*self.seen_by(gauge))
+        return sensor.read(*self.seen_by(sensor))
 
-    def seen_by(self, gauge: DeflectionGauge) -> tuple[Floats, Floats]:
+    def seen_by(self, sensor: DeflectionSensor) -> tuple[Floats, Floats]:
         """Return the position of a sensor's point [m], and the angles of all joints [rad or m]."""
-        return np.asarray(self._run.point_position(gauge.point)), np.asarray(self._run.joint_angles)
+        return np.asarray(self._run.point_position(sensor.point)), np.asarray(self._run.joint_angles)
 
     def advance(self, torques: Sequence[Real], n_steps: int) -> None:
         """Advance some steps with motor torques held, one a joint [N m]."""
@@ -83,12 +83,12 @@ class DifferentiatedPlant(Plant):
         slopes = run.joint_rate_slopes if output else run.drive_rate_slopes
         return Dual(value_of(super().rate(joint, output)), slopes[joint])
 
-    def deflection(self, gauge: DeflectionGauge) -> Real:
+    def deflection(self, sensor: DeflectionSensor) -> Real:
         """Return the reading of a deflection sensor without errors [m], with its derivatives."""
-        by_position, by_angle = gauge.slopes(*self.seen_by(gauge))
-        moving = self._differentiated.point_position_slopes(gauge.point)
+        by_position, by_angle = sensor.slopes(*self.seen_by(sensor))
+        moving = self._differentiated.point_position_slopes(sensor.point)
         turning = self._differentiated.joint_angle_slopes
-        return Dual(value_of(super().deflection(gauge)), by_position @ moving + by_angle @ turning)
+        return Dual(value_of(super().deflection(sensor)), by_position @ moving + by_angle @ turning)
 
     def advance(self, torques: Sequence[Real], n_steps: int) -> None:
         """Advance some steps with motor torques and their derivatives held."""

@@ -25,8 +25,8 @@ from flexarm.arm import Arm
 from flexarm.arm.controller import Controller
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
+from flexarm.control.deflection_sensor import DeflectionSensor
 from flexarm.control.dual import Dual, Real, value_of
-from flexarm.control.gauge import DeflectionGauge
 from flexarm.control.laws import Reading
 from flexarm.control.plant import Plant
 from flexarm.errors import InvalidParameter
@@ -54,7 +54,7 @@ class Sensing:
         self._angle = _sensor(arm, controller.joint, "joint_angle")
         self._rate = _sensor(arm, controller.joint, "joint_rate")
         self._deflection = _deflection(arm, controller)
-        self._gauge = DeflectionGauge(arm, self._deflection) if self._deflection is not None else None
+        self._geometry = DeflectionSensor(arm, self._deflection) if self._deflection is not None else None
         sensors = (self._angle, self._rate, self._deflection)
         self._effects = {sensor.name: effects_of(arm, sensor) for sensor in sensors if sensor is not None}
         self._steps = {sensor.name: sensor.step * sensor.si[1] for sensor in sensors if sensor is not None}
@@ -96,7 +96,7 @@ class Sensing:
 
     def _bent(self, plant: Plant) -> Real:
         """Return the deflection at this instant without errors [m]."""
-        return plant.deflection(self._gauge) if self._gauge is not None else 0.0
+        return plant.deflection(self._geometry) if self._geometry is not None else 0.0
 
 
 class DifferentiatedSensing(Sensing):
@@ -119,15 +119,15 @@ class DifferentiatedSensing(Sensing):
     ) -> None:
         super().__init__(arm, controller)
         self._changed: dict[str, list[tuple[int, float, SensorEffects, SensorEffects]]] = {}
-        self._moved: list[tuple[int, float, DeflectionGauge, DeflectionGauge]] = []
+        self._moved: list[tuple[int, float, DeflectionSensor, DeflectionSensor]] = []
         for k, ((above, below), spread) in enumerate(zip(beside, spreads, strict=True)):
             up, down = Sensing(above, controller), Sensing(below, controller)
             for name in self._effects:
                 if up._effects[name] != down._effects[name]:
                     change = (k, spread, up._effects[name], down._effects[name])
                     self._changed.setdefault(name, []).append(change)
-            if up._gauge is not None and down._gauge is not None and up._gauge != down._gauge:
-                self._moved.append((k, spread, up._gauge, down._gauge))
+            if up._geometry is not None and down._geometry is not None and up._geometry != down._geometry:
+                self._moved.append((k, spread, up._geometry, down._geometry))
 
     def _shown(self, sensor: Sensor | None, true: Real) -> Real:
         if not isinstance(true, Dual) or sensor is None or not self._errs(sensor):
@@ -143,8 +143,8 @@ class DifferentiatedSensing(Sensing):
 
     def _bent(self, plant: Plant) -> Real:
         true = super()._bent(plant)
-        if isinstance(true, Dual) and self._gauge is not None:
-            seen = plant.seen_by(self._gauge)
+        if isinstance(true, Dual) and self._geometry is not None:
+            seen = plant.seen_by(self._geometry)
             for k, spread, above, below in self._moved:
                 true.slopes[k] += (above.read(*seen) - below.read(*seen)) / spread
         return true

@@ -1,209 +1,194 @@
-"""What counts: when an effect is accepted, when nothing is left to explain, and when something is.
+"""Criteria of the search: when an effect is accepted, a model is adequate, and looking for more stops.
 
-With e what a model leaves after the unknowns, x the unknowns that it needs, and s_c what it leaves above the
-noise in channel c (eq. (3) of `diagnosis.evidence`; s_c0 of the model without effects), a larger
-model matters if in some channel the part that it explains
+With e the residual of a model after its nuisance parameters x were eliminated, and s_c its residual above the
+noise in channel c (eq. (3) of `diagnosis.evidence`; s_c0 of the model without effects), a larger model is
+practically significant if in some channel it explains
 
-    p_c = sqrt(mean over c of (e_old^2 - e_new^2)) > max(MATTERS, SHARE s_c0),                         (1)
+    p_c = sqrt(mean over c of (e_old^2 - e_new^2)) > max(significant_noise, significant_share s_c0),   (1)
 
-or if it spares clocks, frames and nominal values a strain, which is what they need beyond two sigmas,
+or if it resolves a prior-data conflict, the sum of pulls beyond two sigma,
 
-    S = sum_i max(|x_i|/sigma_i - FORBIDDEN, 0).                                                       (2)
+    S = sum_i max(|x_i|/sigma_i - pull, 0).                                                            (2)
 
-Nothing is left to explain if
+A model explains everything, and is adequate, or leaves a gap, respectively, if
 
-    s_c <= max(MATTERS, LEFT_SHARE s_c0/2) in every channel, and S < STRAINED;                         (3)
+    s_c <= max(significant_noise, adequate_share s_c0/2) in every channel, and S < conflict;           (3)
+    max_c s_c > max(adequate_noise, adequate_share max_c s_c0).                                        (4)
 
-something else must be there if
+An effect is accepted if its evidence is strong and it is significant, unless it is a clock or a frame within
+its stated uncertainty, where the smaller model has it too. If it leaves a gap, it must also reduce it,
 
-    max_c s_c > max(LEFT, LEFT_SHARE max_c s_c0).                                                      (4)
+    C_new < (1 - least_reduction) C_old, or S_new < S_old - conflict,                                  (5)
 
-Where two effects leave a gap and explain less than half of it, a third is not looked for: no three names of
-the list are likely to be all. Where they leave a strain alone they must explain half of that. Nor is a second
-one looked for beside one that explains less than `LITTLE` of the gap, and of the strain. The gap of n rows is
-there C - n: of many quiet rows noise would else be most of what nothing explains.
-
-An effect is accepted if the evidence for it is strong and it matters; none that is a clock or a frame within
-`FORBIDDEN` sigmas of what the records state, as the smaller model has it there too. If it leaves a gap all
-the same, it must also take a part of the whole one, C of `diagnosis.fit`, that is worth a name,
-
-    C_new < (1 - DENT) C_old, or S_new < S_old - STRAINED,                                            (5)
-
-and foretell data that are left out better than the smaller model does. What foretells them clearly better
-needs no other evidence, which rests on the size and correlation of a remainder that nobody knows. Nor does
-what foretells them about as well and is far more plausible: by priors with the tails of Student's t of all
-values that a model needs, z of effects and of unknowns in their sigmas,
+and predict data left out better than the smaller model does. A clearly better prediction needs no other
+evidence, which rests on size and correlation of an unknown residual. Nor does an equal prediction that is
+far more plausible, with Student's t as prior of all values z, in sigma, that a model needs:
 
     U = 2 sum ln(1 + z^2/3).                                                                           (6)
 
-Fits that need not be finished: those that stay far behind a model that is there already.
+Thresholds: `SelectionPolicy`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, log
+from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
 from flexarm.diagnosis.cross_validation import foretells_better, missed, odds_lost
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, worth
 from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 
-STRONG = 6.0
-"""Least gain of ln Z: odds of 400, for some forty effects at some places."""
-REACH = log(20.0)
-"""Bayes factor within which rivals are alternatives."""
-SPARING = log(5.0)
-"""The same as `STRONG` for an effect that spares a strain.
 
-Few names move what a strained clock, frame or value moves, and values three sigma off, of which one in 400
-is, are rarer than machines with something that moves them.
-"""
-MATTERS, SHARE = 0.5, 0.05
-"""Least part explained in some channel, eq. (1): of the noise, and of what the nominal model leaves there."""
-STRAINED, FORBIDDEN = 1.0, 2.0
-"""Sum of the sigmas by which unknowns are beyond `FORBIDDEN` sigmas, from which they count as strained."""
-DENT = 0.03
-"""Least part of a gap that an effect takes if it leaves one, eq. (5): less is chance or disguise."""
-HALF = 0.5
-"""Part of the gap, and of the strain, of which two effects must leave less for a third to be looked for."""
-LITTLE = 0.15
-"""Least part of either that one effect takes for a second to be looked for; in the blind test 0.31."""
-LEFT = 1.0
-"""What may be left above the noise of a model that explains a record, over the noise."""
-LEFT_SHARE = 0.07
-"""The same, of what the nominal model leaves."""
-NEARLY_ALL = 0.01
-"""The same of a size that machines do not have."""
+@dataclass(frozen=True)
+class Criteria:
+    """Criteria for models of one problem.
 
-
-def accepted(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
-    """Whether evidence for a larger model is strong and what it explains matters."""
-    spared = spares(new, old)
-    if as_stated(new, old) or not (matters(new, old, null, observed) or spared):
-        return False
-    enough = SPARING if spared else STRONG
-    strong = log_bayes_factor(new, old, observed, worth(new.rest, observed)) > enough
-    if not leaves_gap(new, null, observed):
-        return strong
-    if not worth_a_name(new, old):
-        return False
-    if strong:
-        return missed(new, observed) < missed(old, observed)
-    return foretells_better(new, old, observed) or far_more_plausible(new, old, observed)
-
-
-def far_more_plausible(new: Fit, old: Fit, observed: Observed) -> bool:
-    """Whether odds are strong by (6) alone, and still are with what is foretold of data left out."""
-    gained = implausibility(old) - implausibility(new)
-    lost, least = odds_lost([new, old], observed)
-    return gained > STRONG and gained + least - lost > STRONG
-
-
-def as_stated(new: Fit, old: Fit) -> bool:
-    """Whether what is added is a clock or a frame within `FORBIDDEN` sigmas of what is stated of it.
-
-    In the smaller model it is free to be there.
+    Attributes
+    ----------
+    observed : Observed
+        The records, and the policy.
+    null : Fit
+        The model without effects.
     """
-    stated = {u.key: u for u in old.unknowns.each}
-    pulls = [
-        abs(value - stated[key].centre) / stated[key].sigma
-        for member in new.members
-        if member.place not in old.places
-        for name, value, _ in member.effect.parameters()
-        if (key := f"effects.{member.name}.{member.at}.{name}") in stated
-    ]
-    return bool(pulls) and max(pulls) < FORBIDDEN
 
+    observed: Observed
+    null: Fit
 
-def matters(new: Fit, old: Fit, null: Fit, observed: Observed) -> bool:
-    """Whether a larger model explains a part of the gap that can be seen in some channel."""
-    first = above_noise(null.rest, observed, null.has_corners)
-    for each, where in observed.channels():
-        square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
-        part = np.sqrt(max(square, 0.0))
-        if part > max(MATTERS, SHARE * first[each.record, each.signal, each.channel]):  # eq. (1)
-            return True
-    return False
+    @property
+    def policy(self) -> SelectionPolicy:
+        """Thresholds."""
+        return self.observed.policy
 
+    def accepts(self, new: Fit, old: Fit) -> bool:
+        """Return True if the evidence for a larger model is strong and what it explains is significant."""
+        resolves = self.resolves_conflict(new, old)
+        if self.as_stated(new, old) or not (self.significant(new, old) or resolves):
+            return False
+        enough = self.policy.relief_evidence if resolves else self.policy.strong_evidence
+        strong = log_bayes_factor(new, old, self.observed, worth(new.rest, self.observed)) > enough
+        if not self.leaves_gap(new):
+            return strong
+        if not self.reduces(new, old):
+            return False
+        if strong:
+            return missed(new, self.observed) < missed(old, self.observed)
+        return foretells_better(new, old, self.observed) or self.far_more_plausible(new, old)
 
-def worth_a_name(new: Fit, old: Fit) -> bool:
-    """Whether a larger model that leaves a gap takes enough of it, or spares a strain."""
-    return spares(new, old) or new.cost < (1.0 - DENT) * old.cost  # eq. (5)
+    def far_more_plausible(self, new: Fit, old: Fit) -> bool:
+        """Return True if the odds of (6) are strong, alone and with those of cross-validation."""
+        gained = implausibility(old) - implausibility(new)
+        lost, least = odds_lost([new, old], self.observed)
+        strong = self.policy.strong_evidence
+        return gained > strong and gained + least - lost > strong
 
+    def as_stated(self, new: Fit, old: Fit) -> bool:
+        """Return True if the added effect is a clock or frame shift within its stated uncertainty."""
+        stated = {u.key: u for u in old.unknowns.each}
+        pulls = [
+            abs(value - stated[key].centre) / stated[key].sigma
+            for member in new.members
+            if member.place not in old.places
+            for name, value, _ in member.effect.parameters()
+            if (key := f"effects.{member.name}.{member.at}.{name}") in stated
+        ]
+        return bool(pulls) and max(pulls) < self.policy.pull
 
-def spares(new: Fit, old: Fit) -> bool:
-    """Whether a larger model spares clocks, frames and nominal values a strain."""
-    return strain(old) - strain(new) > STRAINED
-
-
-def far_off(fit: Fit, null: Fit, observed: Observed) -> bool:
-    """Whether a model leaves most of the gap that there is without effects, or of the strain if no gap."""
-    if not beyond_noise(fit) > HALF * beyond_noise(null):
+    def significant(self, new: Fit, old: Fit) -> bool:
+        """Return True if a larger model explains enough of the gap in some channel, eq. (1)."""
+        first, policy = self._above_noise(self.null), self.policy
+        for each, where in self.observed.channels():
+            square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
+            least = policy.significant_share * first[each.record, each.signal, each.channel]
+            if np.sqrt(max(square, 0.0)) > max(policy.significant_noise, least):  # eq. (1)
+                return True
         return False
-    return strain(fit) > HALF * strain(null) or leaves_gap(fit, null, observed)
+
+    def reduces(self, new: Fit, old: Fit) -> bool:
+        """Return True if a larger model that leaves a gap reduces it enough, or resolves a conflict."""
+        return self.resolves_conflict(new, old) or (
+            new.cost < (1.0 - self.policy.least_reduction) * old.cost  # eq. (5)
+        )
+
+    def conflict(self, fit: Fit) -> float:
+        """Return the prior-data conflict of a model [sigma], eq. (2)."""
+        return conflict(fit, self.policy)
+
+    def in_conflict(self, fit: Fit) -> bool:
+        """Return True if nuisance parameters of a model are in conflict with their priors."""
+        return self.conflict(fit) > self.policy.conflict
+
+    def resolves_conflict(self, new: Fit, old: Fit) -> bool:
+        """Return True if a larger model resolves a prior-data conflict."""
+        return self.conflict(old) - self.conflict(new) > self.policy.conflict
+
+    def leaves_most(self, fit: Fit) -> bool:
+        """Return True if a model leaves most of the gap without effects, or of the conflict if no gap."""
+        most = self.policy.most_of_gap
+        if not beyond_noise(fit) > most * beyond_noise(self.null):
+            return False
+        return self.conflict(fit) > most * self.conflict(self.null) or self.leaves_gap(fit)
+
+    def hardly_helps(self, fit: Fit) -> bool:
+        """Return True if a model explains little of the gap without effects, and of the conflict."""
+        left, before = 1.0 - self.policy.hardly_helps, self.conflict(self.null)
+        little = beyond_noise(fit) > left * beyond_noise(self.null)
+        return little and (self.conflict(fit) > left * before or before < self.policy.conflict)
+
+    def explains(self, fit: Fit) -> bool:
+        """Return True if nothing significant is left, and no conflict, eq. (3)."""
+        return self.adequate(fit) and self.conflict(fit) < self.policy.conflict
+
+    def adequate(self, fit: Fit) -> bool:
+        """Return True if nothing significant is left above the noise, whatever the conflict."""
+        first, left, policy = self._above_noise(self.null), self._above_noise(fit), self.policy
+        share = policy.adequate_share / 2
+        return all(left[c] <= max(policy.significant_noise, share * first[c]) for c in left)
+
+    def leaves_anything(self, fit: Fit) -> bool:
+        """Return True if a model leaves more than the noise, however small a part of the gap that is."""
+        return max(self._above_noise(fit).values()) > self.policy.adequate_noise
+
+    def leaves_gap(self, fit: Fit, share: float | None = None) -> bool:
+        """Return True if something else must be there, eq. (4); `share` replaces `adequate_share`."""
+        share = self.policy.adequate_share if share is None else share
+        first, left = (max(self._above_noise(each).values()) for each in (self.null, fit))
+        return left > max(self.policy.adequate_noise, share * first)  # eq. (4)
+
+    def all_leave_gaps(self, fits: Sequence[Fit]) -> bool:
+        """Return True if each of some models leaves a gap."""
+        return all(self.leaves_gap(fit) for fit in fits)
+
+    def early_stop(self, found: Sequence[Fit], without: Fit, part: float) -> float:
+        """Return C above which a fit is terminated early; infinite without any fit to compare with.
+
+        That is some `part` of the way from the best fit back to none, and `alike` above the best in any case.
+        """
+        least = min((f.cost for f in found), default=inf)
+        alike = (1 + self.policy.alike) * least
+        return least if least == inf else alike + part * max(without.cost - least, 0.0)
+
+    def _above_noise(self, fit: Fit) -> dict[tuple[str, str, int], float]:
+        return above_noise(fit.rest, self.observed, fit.has_corners)
 
 
-def hardly_helps(fit: Fit, null: Fit) -> bool:
-    """Whether a model explains little of the gap, and of the strain, that there is without effects."""
-    left = 1.0 - LITTLE
-    little = beyond_noise(fit) > left * beyond_noise(null)
-    return little and (strain(fit) > left * strain(null) or strain(null) < STRAINED)
+def conflict(fit: Fit, policy: SelectionPolicy) -> float:
+    """Return the prior-data conflict of a model [sigma], eq. (2)."""
+    z = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    return float(np.sum(np.maximum(z - policy.pull, 0.0)))  # eq. (2)
 
 
 def beyond_noise(fit: Fit) -> float:
-    """What a fit leaves of the squared gap, without what white noise of the stated size is of it."""
+    """Return C of a model less that of white noise of the stated size."""
     return max(fit.cost - len(fit.residual), 0.0)
 
 
 def implausibility(fit: Fit) -> float:
-    """U: ln of how much likelier values are where they are most so."""
+    """Return U, the log density of the values of a model below that of their modes, eq. (6)."""
     known = [float(z) for c, z in zip(fit.coordinates, fit.z, strict=True) if c.prior.scale != "uniform"]
     unknown = fit.projection.best(fit.residual) / fit.unknowns.sigma
     return float(2.0 * np.sum(np.log1p(np.square([*known, *unknown]) / 3.0)))  # eq. (6)
-
-
-def strain(fit: Fit) -> float:
-    """By how many sigmas unknowns are beyond `FORBIDDEN` of them, summed."""
-    z = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
-    return float(np.sum(np.maximum(z - FORBIDDEN, 0.0)))  # eq. (2)
-
-
-def explained(fit: Fit, null: Fit, observed: Observed) -> bool:
-    """Whether nothing that matters is left above the noise, and no unknown is strained."""
-    return quiet(fit, null, observed) and strain(fit) < STRAINED  # eq. (3)
-
-
-def quiet(fit: Fit, null: Fit, observed: Observed) -> bool:
-    """Whether nothing that matters is left above the noise, however strained unknowns are."""
-    first = above_noise(null.rest, observed, null.has_corners)
-    left = above_noise(fit.rest, observed, fit.has_corners)
-    return all(left[c] <= max(MATTERS, LEFT_SHARE * first[c] / 2) for c in left)
-
-
-def leaves_anything(fit: Fit, observed: Observed) -> bool:
-    """Whether a fit leaves more than the noise, however small a part of the gap that is."""
-    return max(above_noise(fit.rest, observed, fit.has_corners).values()) > LEFT
-
-
-def leaves_gap(fit: Fit, null: Fit, observed: Observed, share: float = LEFT_SHARE) -> bool:
-    """Whether a fit leaves so much, or another share of the gap, that something else must be there."""
-    first = max(above_noise(null.rest, observed, null.has_corners).values())
-    left = max(above_noise(fit.rest, observed, fit.has_corners).values())
-    return left > max(LEFT, share * first)  # eq. (4)
-
-
-NEARLY = 0.1
-"""Part of what the best model leaves by which another may always leave more."""
-
-
-def limit_beside(found: Sequence[Fit], without: Fit, part: float) -> float:
-    """C above which a fit is not finished: some `part` of the way from the best one back to none of them.
-
-    However little the best one explains, what leaves a tenth more than it is near. Without any fit there is
-    no limit.
-    """
-    least = min((f.cost for f in found), default=inf)
-    return least if least == inf else (1 + NEARLY) * least + part * max(without.cost - least, 0.0)

@@ -6,10 +6,10 @@ probability is
 
     P_j = exp(-ln B_j) / (exp(-ln B_n) + sum_i exp(-ln B_i)).                                          (1)
 
-Those within `REACH` of the chosen one are within reach of the data, and so is what fits as well and is only
-implausible: it may still be true. Beside a gap that the chosen model leaves open no name is certain, and
-rivals are judged by what they foretell of data left out: those that foretell clearly less are out of reach,
-and none is ahead that does not foretell clearly better.
+Those within `SelectionPolicy.reach` of the chosen one are within reach of the data, and so is what fits as
+well and is only implausible: it may still be true. Beside a gap that the chosen model leaves open no name is
+certain, and rivals are judged by what they foretell of data left out: those that foretell clearly less are
+out of reach, and none is ahead that does not foretell clearly better.
 """
 
 from __future__ import annotations
@@ -21,25 +21,19 @@ from math import exp
 import numpy as np
 
 from flexarm.arm.effect import effect_class
-from flexarm.diagnosis.acceptance import REACH, leaves_gap, limit_beside
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.cross_validation import foretells_better
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.fit import FAILED, Fit
 from flexarm.diagnosis.minimisers import foretold
-from flexarm.diagnosis.moves.proposals import FAINT, PAIRS, TRIED, one_variant
+from flexarm.diagnosis.moves.proposals import one_variant
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
-from flexarm.diagnosis.ranking import CLOSE
 from flexarm.diagnosis.refinement import ROUNDS, further
 from flexarm.diagnosis.screening import Probed, screen, sharpened
 
-WITHIN_SIGHT = 8.0
-"""How far behind in ln Z a rival is in sight of the chosen model, and taken further."""
-HELPED = 0.5
-"""Part of what the chosen effect explains that a spring must, for the machine's other ones to be tried."""
-NOT_NEAR = 0.3
-"""Part of what the chosen effect explains by which a rival that stays behind is not finished."""
 NEARER = 0.3
 """Least gain of ln Z in a step of a rival that comes nearer, made or foretold: a tenth of what decides."""
 
@@ -58,6 +52,8 @@ class Rival:
         The same of the fit alone, whatever is plausible.
     foretells : bool
         Whether it says as much of data that are left out, where a gap is left.
+    reach : float
+        ln B within which it is an alternative.
     """
 
     candidate: Candidate
@@ -65,18 +61,20 @@ class Rival:
     behind: float
     fits_behind: float
     foretells: bool = True
+    reach: float = SelectionPolicy.reach
 
     @property
     def within_reach(self) -> bool:
         """Whether the data cannot tell it from the chosen effect; what is implausible may still be true."""
-        close = self.behind < REACH or (self.fits_behind < REACH and self.behind < 2 * REACH)
+        reach = self.reach
+        close = self.behind < reach or (self.fits_behind < reach and self.behind < 2 * reach)
         return close and self.foretells
 
 
 def rivals_of(
     k: int,
     best: Fit,
-    null: Fit,
+    criteria: Criteria,
     fitter: Fitter,
     probed: Sequence[Probed],
     tried: Sequence[Fit],
@@ -88,8 +86,8 @@ def rivals_of(
     Beside a model that explains everything none is fitted that promises far less than the first. A spring
     that another effect stands on has none.
     """
-    observed = fitter.observed
-    open_gap = leaves_gap(best, null, observed)
+    observed, null, policy = fitter.observed, criteria.null, criteria.policy
+    open_gap = criteria.leaves_gap(best)
     chosen = best.members[k]
     others = tuple(m for i, m in enumerate(best.members) if i != k)
     if carries(others, chosen):
@@ -103,8 +101,8 @@ def rivals_of(
         wanted += _near(known, wanted, best, observed, value)
         wanted += _sticking(chosen, wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
-        wanted += _soft_elsewhere(known, wanted, best, before, probed)
-    limit = limit_beside([best], fewer, NOT_NEAR)
+        wanted += _soft_elsewhere(known, wanted, best, before, probed, policy.halfway)
+    limit = criteria.early_stop([best], fewer, policy.faint)
     peer = _peer(best, tried)
     found = []
     for candidate in wanted:
@@ -124,9 +122,10 @@ def _promising(
 ) -> list[Candidate]:
     """Effects that promise most of what the chosen one explains; beside a gap however little that is."""
     shares = [s for s in screen(fitter, probed, fewer) if s.members[0].place != chosen.place]
-    most = PAIRS if open_gap else TRIED
+    policy = fitter.observed.policy
+    most = policy.proposals // 2 if open_gap else policy.proposals
     sharp = sharpened(fitter, one_variant(shares, 2 * most), fewer)[:most]
-    return [s.members[0] for s in sharp if open_gap or s.share >= FAINT * sharp[0].share]
+    return [s.members[0] for s in sharp if open_gap or s.share >= policy.faint * sharp[0].share]
 
 
 def _rival(
@@ -143,7 +142,8 @@ def _rival(
     told = not open_gap or not foretells_better(best, fit, observed)
     if open_gap and not foretells_better(fit, best, observed):
         behind = max(behind, 0.0)
-    return Rival(member, fit, behind, log_likelihood_ratio(best, fit, observed, value), told)
+    fits_behind = log_likelihood_ratio(best, fit, observed, value)
+    return Rival(member, fit, behind, fits_behind, told, observed.policy.reach)
 
 
 def without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:
@@ -181,7 +181,7 @@ def _near(
     return [
         next(m for m in fit.members if m.place == place)
         for place, fit in known.items()
-        if place not in there and log_bayes_factor(best, fit, observed, value) < CLOSE
+        if place not in there and log_bayes_factor(best, fit, observed, value) < observed.policy.close
     ]
 
 
@@ -191,15 +191,17 @@ def _soft_elsewhere(
     best: Fit,
     before: float,
     probed: Sequence[Probed],
+    part: float,
 ) -> list[Candidate]:
-    """The machine's other springs, as soft as one that explained half of what the chosen effect does.
+    """The machine's other springs, as soft as one that explained a `part` of what the chosen effect does.
 
     What is soft has moved far from where it was screened: a joint took half of what a base did that gives
     way, beside a strained modulus, and a vibration all of it. `before` is what was left without them.
     """
-    half = before - HELPED * (before - best.cost)
-    springs = ((at, fit) for at, fit in known.items() if effect_class(at[0]).is_spring)
-    found = [(fit.cost, fit, at) for at, fit in springs if fit.cost < half]
+    half = before - part * (before - best.cost)
+    found = [
+        (fit.cost, fit, at) for at, fit in known.items() if effect_class(at[0]).is_spring and fit.cost < half
+    ]
     if not found or np.isinf(before):
         return []
     _, fit, at = min(found, key=lambda one: one[0])
@@ -224,22 +226,22 @@ def _caught_up(
 
     A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
     """
-    observed = fitter.observed
+    observed, policy = fitter.observed, fitter.observed.policy
     behind = log_bayes_factor(best, fit, observed, value)
-    if behind >= CLOSE and log_bayes_factor(peer, fit, observed, value) >= CLOSE:
+    if behind >= policy.close and log_bayes_factor(peer, fit, observed, value) >= policy.close:
         return fit, behind
     about = fitter.about(fit)
     fit = about.fit(fit.members, nearby=fit) if open_gap else about.evaluated(fit.members)
     behind = log_bayes_factor(best, fit, observed, value)
     for _ in range(0 if open_gap else ROUNDS):
-        if foretold(fit) / 2 < max(NEARER, behind - WITHIN_SIGHT):  # no step would bring it near
+        if foretold(fit) / 2 < max(NEARER, behind - policy.within_sight):  # no step would bring it near
             break
         try:
             fit, about = further(fit, about, anew=False)
         except FAILED:
             break
         before, behind = behind, log_bayes_factor(best, fit, observed, value)
-        if before - behind < max(NEARER, behind - WITHIN_SIGHT):  # nor another one like this
+        if before - behind < max(NEARER, behind - policy.within_sight):  # nor another one like this
             break
     return fit, behind
 

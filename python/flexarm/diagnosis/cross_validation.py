@@ -45,11 +45,6 @@ from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.generalised_least_squares import Normal, joint_slopes
 from flexarm.diagnosis.problem import Observed
 
-BLOCKS = 24
-"""Blocks a record."""
-CLEARLY, ODDS = 0.2, log(200.0)
-"""What is clearly better: part of what is missed, and least ln B of (2); for 24 blocks the same."""
-
 
 def left_out(fit: Fit, observed: Observed) -> Floats:
     """e of (1): of every row, over the noise, what is missed if its group is left out; shape (n,)."""
@@ -71,7 +66,8 @@ def foretells_better(one: Fit, other: Fit, observed: Observed) -> bool:
     """Whether a model foretells what is left out clearly better than another one."""
     ratio = missed(other, observed) / max(missed(one, observed), 1e-300)
     odds = len(groups(observed)) * log(max(ratio, 1e-300))  # eq. (2)
-    return ratio * (1.0 - CLEARLY) > 1.0 and odds > ODDS
+    policy = observed.policy
+    return ratio * (1.0 - policy.predictive_share) > 1.0 and odds > policy.predictive_evidence
 
 
 def odds_lost(fits: Sequence[Fit], observed: Observed) -> list[float]:
@@ -95,12 +91,13 @@ def groups(observed: Observed) -> list[NDArray[np.int_]]:
 
 def blocks(observed: Observed) -> list[NDArray[np.int_]]:
     """Rows of each block: a stretch of one record, all channels."""
+    count = observed.policy.blocks
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
     for each, where in observed.channels():
         index = np.arange(where.start, where.stop)
         record = [row.time for row in observed.rows if row.record == each.record]
         first, last = min(t[0] for t in record), max(t[-1] for t in record)
-        number = np.minimum((BLOCKS * (each.time - first) / max(last - first, 1e-12)).astype(int), BLOCKS - 1)
+        number = np.minimum((count * (each.time - first) / max(last - first, 1e-12)).astype(int), count - 1)
         for j in np.unique(number):
             found.setdefault((each.record, int(j)), []).append(index[number == j])
     return [np.concatenate(parts) for parts in found.values()]

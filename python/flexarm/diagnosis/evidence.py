@@ -27,12 +27,12 @@ worth [Moulton1986]
 .. math:: T_c = \max(1, \gamma_0 + (n_c - 1) \max(\gamma_w, 0))                                     (2a)
 
 and s^2 = (gamma_0 - 1 - d)/(1 + d) of the record alone, or none where noise alone makes so large a gamma_0 of
-so few poses by a chance of more than `CHANCE`. With nothing in common every pose counts, with all in common
-the record counts once.
+so few poses by a chance of more than `chance` of the policy. With nothing in common every pose counts, with
+all in common the record counts once.
 
-No simulation agrees with a machine to better than a part `DISCREPANCY` of the noise, and its error is not
-noise: it lasts. If two models differ by v over N samples, an error of that size along v adds to the variance
-1/W that noise and remainder have along v, so that
+No simulation agrees with a machine to better than a part delta of the noise, `discrepancy` of the policy, and
+its error is not noise: it lasts. If two models differ by v over N samples, an error of that size along v adds
+to the variance 1/W that noise and remainder have along v, so that
 
 .. math:: \ln B = \frac{\Delta\chi^2/2}{1 + \delta^2 N_v w} + \ldots, \quad
           N_v = \frac{(\sum v^2)^2}{\sum v^4}, \quad w = \frac{v^T W v}{v^T v}                        (4)
@@ -62,10 +62,6 @@ Channel = tuple[str, str, int]
 
 LAGS = 12
 """L of (3), in samples."""
-DISCREPANCY = 0.2
-"""delta of (4)."""
-CHANCE = 1e-3
-"""Of noise alone, within which a few poses of one channel are not above it."""
 WINDOW = 0.1
 """Width of Bartlett's window in (2), share of the record."""
 
@@ -130,7 +126,7 @@ def above_noise(rest: Floats, observed: Observed, corners: bool = False) -> dict
         square = gamma[0] - 1.0 - no_gap
         if _in_time(each, observed):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
-        elif len(values) * gamma[0] / (1 + no_gap) < chdtri(len(values), CHANCE):
+        elif len(values) * gamma[0] / (1 + no_gap) < chdtri(len(values), observed.policy.chance):
             square = 0.0
         found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + no_gap)))
     return found
@@ -159,7 +155,8 @@ def discrepancies(observed: Observed, corners: bool) -> Floats:
     """delta of (4) of each row, shape (n,): what simulations err by, of laws with corners or without them."""
     found = np.empty(len(observed))
     for each, where in observed.channels():
-        found[where] = max(DISCREPANCY, float(np.sqrt(each.unsteady)) if corners else 0.0)
+        error = float(np.sqrt(each.unsteady)) if corners else 0.0
+        found[where] = max(observed.policy.discrepancy, error)
     return found
 
 

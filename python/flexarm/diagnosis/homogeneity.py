@@ -21,11 +21,6 @@ from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.generalised_least_squares import Normal, joint_slopes
 from flexarm.diagnosis.problem import Observed
 
-UNLIKELY = 1e-3
-"""p of Q below which a parameter is said to move."""
-MOVES = 0.1
-"""Least part of itself by which it then moves."""
-
 
 def constancy(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> list[dict[str, Any]]:
     """Each effect's parameters by record; keys as `Diagnosis.constancy` says. Empty for one record."""
@@ -57,7 +52,7 @@ def constancy(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> l
         p = float(chi2.sf(q, len(known) - 1))
         size = abs(coordinate.value(z))
         member = fit.members[coordinate.candidate]
-        constant = p > UNLIKELY or spread < MOVES * size
+        constant = p > observed.policy.chance or spread < observed.policy.alike * size
         found.append(
             {
                 "effect": member.name,

@@ -4,7 +4,7 @@ While nobody knows what the model lacks, a reading is an outlier only if it stan
 (`validation.outliers`). Beside a model that explains the gap what is left is noise, and r_i is a stray if it
 is off the median m_i of its seven neighbours by
 
-    |r_i - m_i| > STRAY max(sigma, s),   s = 1.48 median |r - m|                                      (1)
+    |r_i - m_i| > outlier max(sigma, s),   s = 1.48 median |r - m|                                      (1)
 
 and by more than twice what most rows around it are. Of white noise one row in ten millions is. Torques,
 accelerations and strains jump by themselves where teeth strike: of those a stray is besides beyond twice the
@@ -22,14 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.acceptance import leaves_gap
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Observed
-from flexarm.measurement.outliers import SMOOTH, beyond_all, nearby, off_the_median
+from flexarm.measurement.outliers import SMOOTH, beyond_range_of_others, deviation_from_median, nearby
 from flexarm.record import Record
 
-STRAY, AROUND = 6.0, 2.0
-"""How far a stray is off, over the noise and over what most rows around it are."""
+AROUND = 2.0
+"""How far a stray is off, over what most rows around it are."""
 MOST = 0.15
 """Of the rows of a channel: where more are off, that is what the channel does."""
 
@@ -42,27 +42,29 @@ def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
         if record.kind == "static":
             continue
         values = rest[where][:, None]
-        rows, off, usual = off_the_median(values)
+        rows, off, usual = deviation_from_median(values)
         if not len(rows):
             continue
         size = np.abs(off)
-        far = ((size > STRAY * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (1)
+        least = observed.policy.outlier
+        far = ((size > least * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (1)
         if far.any() and record.signals[each.signal].quantity not in SMOOTH:
-            far &= beyond_all(values, far)
+            far &= beyond_range_of_others(values, far)
         if far.mean() < MOST:
             found[where.start + rows] = far
     return found
 
 
-def hidden_strays(best: Fit, null: Fit, observed: Observed) -> NDArray[np.bool_]:
+def hidden_strays(best: Fit, criteria: Criteria) -> NDArray[np.bool_]:
     """Strays without which a model leaves no gap; none where it leaves none anyhow, or one all the same."""
+    observed = criteria.observed
     nothing = np.zeros(len(observed), dtype=bool)
-    if not leaves_gap(best, null, observed):
+    if not criteria.leaves_gap(best):
         return nothing
     found = strays(best.rest, observed)
     rest = best.rest.copy()
     rest[np.flatnonzero(found)] = 0.0
-    return nothing if leaves_gap(replace(best, rest=rest), null, observed) else found
+    return nothing if criteria.leaves_gap(replace(best, rest=rest)) else found
 
 
 def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], observed: Observed) -> dict[str, Record]:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from flexarm.diagnosis.acceptance import FORBIDDEN, REACH, STRAINED, strain
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.cross_validation import missed
@@ -50,8 +50,8 @@ def evidence_sentence(
             f"; parts of the data that are left out of the fit are missed by {with_it} times the noise with "
             f"{they}, by {without} without"
         )
-    if strain(best) > STRAINED:
-        worst = "".join(_strained(best, FORBIDDEN))
+    if Criteria(observed, choice.null).in_conflict(best):
+        worst = "".join(_strained(best, observed.policy.pull))
         text += f"; even with it {worst}, so that something else may be missing"
     text += "".join(f"; {said}" for said in _unusual(best, k))
     for each in moving:
@@ -127,10 +127,6 @@ def _unusual(fit: Fit, k: int) -> Iterator[str]:
             )
 
 
-CAP = 0.98
-"""Greatest probability of a name: some mechanism may be in no vocabulary."""
-CONFIDENT = 0.5
-"""Greatest probability of a name whose parameter moves, or beside what nothing explains."""
 IN_ITS_PLACE = "less likely in the place of a named effect"
 ON_THE_WAY = "less likely as it was tried on the way"
 """Why a candidate was not taken."""
@@ -153,13 +149,14 @@ def named_effects(
 
     `coarse` says that an encoder counts in steps that matter.
     """
-    doubtful = open_gap or coarse or strain(choice.best) > STRAINED
+    policy = observed.policy
+    doubtful = open_gap or coarse or Criteria(observed, choice.null).in_conflict(choice.best)
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
-        odds = [min(p, CAP) for p in probabilities(near, choice.needed[k])]
+        odds = [min(p, policy.most_certain) for p in probabilities(near, choice.needed[k])]
         moving = [drift for drift in drifts if _moves(drift, member)]
-        first = min(odds[0], CONFIDENT) if moving or doubtful else odds[0]
+        first = min(odds[0], policy.doubtful) if moving or doubtful else odds[0]
         alternatives = tuple(
             Alternative(rival.candidate.name, rival.candidate.at, p)
             for rival, p in zip(near, odds[1:], strict=True)
@@ -191,6 +188,6 @@ def rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
         for place in fit.places:
             if place not in chosen and place not in found:
                 behind = log_bayes_factor(fit, choice.best, observed, choice.value)
-                if behind < -REACH:
+                if behind < -observed.policy.reach:
                     found[place] = Rejected(*place, behind, ON_THE_WAY)
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))

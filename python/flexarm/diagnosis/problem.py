@@ -30,6 +30,7 @@ from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.diagnosis.initial_conditions import Start, start_slopes, starts_of
 from flexarm.diagnosis.jacobian import differences, pose_slopes
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.residual_rows import Rows, evidence_rows, has_corners, put_over_noise, rows_left
 from flexarm.diagnosis.simulation_cache import Runs
 from flexarm.errors import InvalidParameter, NotConverged
@@ -58,6 +59,8 @@ class Observed:
         Of all simulations [s], [-].
     jobs : int
         Number of simulations at once.
+    policy : SelectionPolicy
+        Thresholds of a search for effects.
     placement : dict of str to Placement
         Clocks and frames by record.
     rows : tuple of Rows
@@ -75,6 +78,7 @@ class Observed:
     step: float = 2e-3
     alpha: float = -0.05
     jobs: int = 1
+    policy: SelectionPolicy = field(default_factory=SelectionPolicy)
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)

@@ -1,7 +1,7 @@
 """Encoders that count in steps their records do not tell of, and what those steps do to everything else.
 
-Readings of such an encoder lie on a lattice (`flexarm.measurement.lattice`), which is seen in the readings
-themselves. No fit can take the steps back: what the drive did between two
+Readings of such an encoder lie on a quantisation grid (`flexarm.measurement.quantisation_grid`), seen in them
+No fit can take the steps back: what the drive did between two
 counts is lost, and moves everything it drives. How much follows from rounding once more: with f the smoothed
 drive,
 
@@ -25,7 +25,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.problem import Observed
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.lattice import lattice_step
+from flexarm.measurement.quantisation_grid import quantisation_step
 from flexarm.measurement.smoothing import smooth
 from flexarm.named_effects import Estimate, NamedEffect
 from flexarm.record import Record
@@ -80,7 +80,7 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
         for name in record.drive if record.kind == "motion" else ():
             signal = record.signals[name]
             if signal.quantity == "joint_angle" and arm.effect(EncoderQuantisation.name, name) is None:
-                step = lattice_step(signal.values[:, 0])
+                step = quantisation_step(signal.values[:, 0])
                 told = step <= COARSE * (signal.noise_std or np.inf)
                 steps.setdefault(name, []).append(0.0 if told else step)
     return tuple(

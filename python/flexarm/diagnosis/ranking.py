@@ -16,72 +16,61 @@ from functools import cmp_to_key
 
 import numpy as np
 
-from flexarm.diagnosis.acceptance import (
-    REACH,
-    STRAINED,
-    implausibility,
-    leaves_gap,
-    limit_beside,
-    strain,
-    worth_a_name,
-)
+from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.cross_validation import missed, odds_lost
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.evidence import log_bayes_factor, worth
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.refinement import BETTER, about_itself, polished
 
-UNSETTLED, STEPS = 4, 3
-"""Most fits that are taken anew since they strain values, and how often."""
-BESIDE_GAPS = 0.25
-"""Part of what the first explains by which others may stay behind that are fitted anew beside a gap."""
-CLOSE = 30.0
-"""How far behind in ln Z a model is fitted with derivatives of its own."""
+STEPS = 3
+"""Most times that a fit in conflict with priors is taken anew."""
 
 
-def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, null: Fit) -> tuple[Fit, Fitter]:
+def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Fitter]:
     """The best fit, polished, with derivatives taken anew about those that come close or foretell best."""
-    observed = fitter.observed
-    first, *others = _ranked(fits, old, null, observed)
-    if leaves_gap(first, null, observed):
-        near = [f for f in others if f.cost < limit_beside([first], null, BESIDE_GAPS)]
+    observed = criteria.observed
+    first, *others = _ranked(fits, old, criteria)
+    if criteria.leaves_gap(first):
+        limit = criteria.early_stop([first], criteria.null, criteria.policy.halfway / 2)
+        near = [f for f in others if f.cost < limit]
         close = sorted(near, key=lambda f: missed(f, observed))[:2]
     else:
-        close = [f for f in others[:2] if _close(f, first, observed)]
+        close = [f for f in others[:2] if _close(f, first, criteria)]
     there = dict(about_itself(fit, fitter) for fit in (first, *close))
-    if not leaves_gap(first, null, observed):
-        there |= dict(_in_steps(fit, fitter) for fit in _unsettled(others, first, null))
-    best = _ranked(list(there), old, null, observed)[0]
+    if not criteria.leaves_gap(first):
+        there |= dict(_in_steps(fit, fitter) for fit in _unsettled(others, first, criteria))
+    best = _ranked(list(there), old, criteria)[0]
     return polished(best, there[best])
 
 
-def _ranked(fits: Sequence[Fit], old: Fit, null: Fit, observed: Observed) -> list[Fit]:
+def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
     """The best first, of those worth a name if there are any."""
-    fits = [f for f in fits if worth_a_name(f, old) or not leaves_gap(f, null, observed)] or fits
+    observed, reach = criteria.observed, criteria.policy.reach
+    fits = [f for f in fits if criteria.reduces(f, old) or not criteria.leaves_gap(f)] or fits
     value = worth(min(fits, key=lambda f: f.cost).rest, observed)
 
     def behind(one: Fit, other: Fit) -> int:
         return int(np.sign(log_bayes_factor(other, one, observed, value)))
 
-    if not all(leaves_gap(f, null, observed) for f in fits):
+    if not criteria.all_leave_gaps(fits):
         return sorted(fits, key=cmp_to_key(behind))
     odd = [implausibility(f) for f in fits]
     less = [lost + u - min(odd) for lost, u in zip(odds_lost(fits, observed), odd, strict=True)]
     lost = dict(zip(fits, (each - min(less) for each in less), strict=True))
-    near = [f for f in fits if lost[f] < REACH]
-    others = [f for f in fits if lost[f] >= REACH]
+    near = [f for f in fits if lost[f] < reach]
+    others = [f for f in fits if lost[f] >= reach]
     return sorted(near, key=cmp_to_key(behind)) + sorted(others, key=lambda f: lost[f])
 
 
-def _unsettled(others: Sequence[Fit], first: Fit, null: Fit) -> list[Fit]:
+def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fit]:
     """Fits that do half of what the first one does and strain values: derivatives about those are others.
 
     A load's inertia left a third more than an eccentricity where its mass was thought to be 40 sigmas off.
     """
-    half = (null.cost + first.cost) / 2
-    found = [f for f in others if f.cost < half and strain(f) > STRAINED]
-    return sorted(found, key=lambda f: f.cost)[:UNSETTLED]
+    half = (criteria.null.cost + first.cost) / 2
+    found = [f for f in others if f.cost < half and criteria.in_conflict(f)]
+    return sorted(found, key=lambda f: f.cost)[: criteria.policy.more_proposals]
 
 
 def _in_steps(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
@@ -93,7 +82,7 @@ def _in_steps(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     return fit, fitter
 
 
-def _close(fit: Fit, first: Fit, observed: Observed) -> bool:
+def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
     """Whether a fit may be as good as the first with derivatives of its own."""
-    value = worth(min((fit, first), key=lambda f: f.cost).rest, observed)
-    return log_bayes_factor(first, fit, observed, value) < CLOSE
+    value = worth(min((fit, first), key=lambda f: f.cost).rest, criteria.observed)
+    return log_bayes_factor(first, fit, criteria.observed, value) < criteria.policy.close

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from flexarm.diagnosis.acceptance import STRAINED, strain
+from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.fit import FAILED, Fit
@@ -79,8 +79,8 @@ def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
 
 def _quiet(fit: Fit, about: Fitter) -> bool:
     """Whether nothing is left that would be looked at, and no unknown is strained."""
-    left = above_noise(fit.rest, about.observed, fit.has_corners)
-    return max(left.values()) < QUIET and strain(fit) < STRAINED
+    left, policy = above_noise(fit.rest, about.observed, fit.has_corners), about.observed.policy
+    return max(left.values()) < QUIET and conflict(fit, policy) < policy.conflict
 
 
 def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:

@@ -27,11 +27,6 @@ from flexarm.named_effects import Estimate, Refined
 Rounding = Callable[[float, float], float]
 """Of a value, by its standard deviation."""
 
-WORTH_KEEPING = 0.5
-"""Least part of the gap in data left out that effects close, to be kept where they do not explain all."""
-CARRIED = 0.2
-"""The same of what the model as stated misses in each part of the training, were it left out of the fit."""
-
 
 def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
     """The nominal model with refined values and the effects of a fit."""
@@ -77,9 +72,9 @@ def worth_keeping(choice: Choice, observed: Observed) -> bool:
     best, null = choice.best, choice.null
     if _closes(best, null, observed):
         return True
-    return carried(best, null, choice.fitter.as_they_are(), observed) > CARRIED
+    return carried(best, null, choice.fitter.as_they_are(), observed) > observed.policy.predictive_share
 
 
 def _closes(best: Fit, null: Fit, observed: Observed) -> bool:
     """Whether a fit closes enough of the gap, also where it was not fitted, to be kept with one left."""
-    return missed(best, observed) < (1 - WORTH_KEEPING) * missed(null, observed)
+    return missed(best, observed) < (1 - observed.policy.most_of_gap) * missed(null, observed)

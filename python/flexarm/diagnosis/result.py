@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
-    from flexarm.residual_analysis.localisation import Located
+    from flexarm.residual_analysis.localisation import Localisation
 
 
 Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
@@ -47,7 +47,7 @@ class Diagnosis(SavedAsDirectory):
         "repetition", "interpolation" or "extrapolation" of the training, or "blocks".
     hold_out_why : str
         What of it lies beyond the training, in words.
-    located, located_after : Located or None
+    located, located_after : Localisation or None
         Where the gap is, all records of training together: of the nominal and of the updated model.
     main_signal : str
         The signal of the report's `gap`.
@@ -81,8 +81,8 @@ class Diagnosis(SavedAsDirectory):
     hold_out_kind: str = "blocks"
     hold_out_why: str = ""
     main_signal: str = ""
-    located: Located | None = None
-    located_after: Located | None = None
+    located: Localisation | None = None
+    located_after: Localisation | None = None
     stages: tuple[Stage, ...] = ()
     constancy: tuple[Mapping[str, Any], ...] = ()
     remainder: str = ""

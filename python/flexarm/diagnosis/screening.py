@@ -34,8 +34,6 @@ Ranked = tuple[float, tuple[int, ...]]
 RIDGE = 0.1
 LONGER = 2.0
 """Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
-AMONG = 16
-"""Places that are tried in sets of three."""
 HARDLY = 0.02
 """Part of the greatest move below which a component of a vector is not fitted."""
 KEPT = 100
@@ -166,8 +164,8 @@ def together(
 ) -> list[Share]:
     """Sets of two or three candidates that explain most together, of what is `seen`, the best first.
 
-    All pairs are looked at; of triples all among the `AMONG` places that explain most alone, half as many
-    more that do so in a pair: what explains nothing by itself may be needed beside another.
+    All pairs are looked at; of triples those among the `among` places of the policy that explain most alone,
+    and half as many that do so in a pair: what explains nothing by itself may be needed beside another.
     """
     linear = Linear(fitter, probed, fit, seen)
     two = linear.ranked(linear.sets(linear.free, 2))
@@ -175,7 +173,8 @@ def together(
         return linear.shares(two, KEPT)
     alone = linear.ranked((k,) for k in linear.free)
     few: dict[tuple[str, str], int] = {}
-    for ranked, most in ((alone, AMONG), (two, AMONG + AMONG // 2)):
+    among = fitter.observed.policy.among
+    for ranked, most in ((alone, among), (two, among + among // 2)):
         for k in (k for _, chosen in ranked for k in chosen):
             if len(few) < most:
                 few.setdefault(probed[k].candidate.place, k)

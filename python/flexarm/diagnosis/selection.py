@@ -17,15 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from flexarm.arm.effect import effect_class
-from flexarm.diagnosis.acceptance import (
-    accepted,
-    explained,
-    far_off,
-    hardly_helps,
-    leaves_gap,
-    quiet,
-    worth_a_name,
-)
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
@@ -33,23 +25,12 @@ from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, worth
 from flexarm.diagnosis.fit import FAILED, Fit
 from flexarm.diagnosis.moves.confounding import taken_over
-from flexarm.diagnosis.moves.proposals import TWIN, larger_fits, other_springs
+from flexarm.diagnosis.moves.proposals import larger_fits, other_springs
 from flexarm.diagnosis.moves.rescreening import awakened, nearby, new_springs
 from flexarm.diagnosis.noise_model import allow_for_drives, allow_for_steps
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
 from flexarm.diagnosis.screening import Probed
-
-MOST = 3
-"""Effects in one diagnosis."""
-TWO = 2
-"""Effects that must explain half of a gap for a third one to be looked for."""
-AGAIN = 2
-"""Times that the search goes forward and back."""
-NEAR = 4.0
-"""Mean square, over the noise, below which what noise of the drives and time steps do may be all of it."""
-OVERTAKEN = 3
-"""Times that a rival may take the place of what was chosen."""
 
 Note = Callable[[str, float], object]
 
@@ -94,7 +75,8 @@ def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -
     tell = note or (lambda what, done: None)
     search = _Search(fitter, probed)
     best, about = search.through(tell)
-    tell("weighing rivals", MOST / (MOST + 1))
+    most = search.policy.most_effects
+    tell("weighing rivals", most / (most + 1))
     choice = search.weighed(*settled(best, about))
     gains = [(f, log_bayes_factor(f, search.null, fitter.observed, choice.value)) for f in search.tried]
     return replace(choice, tried=gains)
@@ -111,6 +93,7 @@ class _Search:
         self.fitter, self.observed, self.probed = fitter, fitter.observed, probed
         self.start = fitter.fit(())
         self.null, self.about_null = without_effects(self.start, fitter)
+        self.criteria, self.policy = Criteria(self.observed, self.null), self.observed.policy
         arm, records = self.observed.arm, self.observed.records.values()
         self.places = cardan_joints(arm, driven_joints(arm, records))
         self.tried: list[Fit] = []
@@ -121,19 +104,21 @@ class _Search:
     def through(self, tell: Note) -> tuple[Fit, Fitter]:
         """Forward and backward; forward once more where what is left after that is not all."""
         best, about = self.null, self.fitter
-        for _ in range(AGAIN):
+        for _ in range(self.policy.rounds):
             larger, there = self.forward(best, about, tell)
-            best, about = _backward(there, larger, self.null)
-            if len(best.members) == len(larger.members) or self._explained(best):
+            best, about = _backward(there, larger, self.criteria)
+            if len(best.members) == len(larger.members) or self.criteria.explains(best):
                 break
         return best, about
 
     def forward(self, best: Fit, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
         """The largest model of which each effect is accepted, and about which."""
-        while (count := causes(best.members, self.places)) < self._most(best) and not self._explained(best):
-            tell(f"looking for effect {count + 1}", count / (MOST + 1))
+        while (count := causes(best.members, self.places)) < self._most(best) and not self.criteria.explains(
+            best
+        ):
+            tell(f"looking for effect {count + 1}", count / (self.policy.most_effects + 1))
             larger = self._larger(best, about)
-            if larger is None or not accepted(larger[0], best, self.null, self.observed):
+            if larger is None or not self.criteria.accepts(larger[0], best):
                 break
             best, about = larger
             if best is self.complete:
@@ -149,17 +134,17 @@ class _Search:
         if not found:
             return None
         better, there = self._best_of(about, found, best)
-        for size in (2, 3):
-            if best.members or self._explained(better):
+        for size, move in ((2, "pairs"), (3, "triples")):
+            if not self.policy.allows(move) or best.members or self.criteria.explains(better):
                 break
             sets = self._sets(about, size, better)
-            if len(better.members) == size - 1 < self._most(better) and worth_a_name(better, best):
+            if len(better.members) == size - 1 < self._most(better) and self.criteria.reduces(better, best):
                 sets += self._one_more(better, there)
                 self.complete = better
             if not sets:
                 continue
             more, where = self._best_of(about, sets, better)
-            if accepted(more, better, self.null, self.observed):
+            if self.criteria.accepts(more, better):
                 better, there = more, where
         return better, there
 
@@ -170,17 +155,20 @@ class _Search:
         """
         here, at = (best, about) if best.members else (self.null, self.about_null)
         probed = self._beside(best, about)
-        found = taken_over(at, self.probed, here)  # whose sizes count from stated values
-        if not (found and quiet(here, self.null, self.observed)):
+        found = []
+        if self.policy.allows("confounding"):
+            found = taken_over(at, self.probed, here)  # whose sizes count from stated values
+        if not (found and self.criteria.adequate(here)):
             here = best if best.members else self.start
-            found += larger_fits(about, probed, here, self.null, places=self.places, found=found)
-            found += self._beside_a_twin(best, about)
+            found += larger_fits(about, probed, here, self.criteria, places=self.places, found=found)
+            if self.policy.allows("twin_spring"):
+                found += self._beside_a_twin(best, about)
         self.tried += found
         return found
 
     def _beside(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
         """Candidates as they are beside the effects of a fit: where more is left to explain, about it."""
-        if not fit.members or quiet(fit, self.null, self.observed):
+        if not fit.members or self.criteria.adequate(fit) or not self.policy.allows("rescreening"):
             return self._awakened(fit, about)
         places = frozenset(fit.places)
         if places not in self._near:
@@ -199,49 +187,51 @@ class _Search:
 
         A base that gives way does what a soft shoulder does; friction there shows beside the latter.
         """
-        twins = [f for f in self.tried if f.cost < TWIN * best.cost and _one_spring_apart(f, best)]
-        if not twins or not leaves_gap(best, self.null, self.observed):
+        limit = (1 + self.policy.alike) * best.cost
+        twins = [f for f in self.tried if f.cost < limit and _one_spring_apart(f, best)]
+        if not twins or not self.criteria.leaves_gap(best):
             return []
         twin = min(twins, key=lambda f: f.cost)
         joints = new_springs(twin) - new_springs(best)
         laws = [p for p in self._awakened(twin, about) if p.candidate.at in joints]
         laws = [p for p in laws if p.candidate.effect.acts_through_spring()]
-        return larger_fits(about, laws, twin, self.null) if laws else []
+        return larger_fits(about, laws, twin, self.criteria) if laws else []
 
     def _sets(self, about: Fitter, size: int, beside: Fit) -> list[Fit]:
         """Models of two or three effects, unless what a smaller one leaves is a strained unknown alone."""
-        if quiet(beside, self.null, self.observed):
+        if self.criteria.adequate(beside):
             return []
-        found = larger_fits(about, self.probed, self.start, self.null, size, beside=beside)
+        found = larger_fits(about, self.probed, self.start, self.criteria, size, beside=beside)
         self.tried += found
         return found
 
     def _best_of(self, fitter: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
         """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
-        best, about = best_of(fitter, fits, old, self.null)
-        if leaves_gap(best, self.null, self.observed) and best.cost < NEAR * len(self.observed):
+        best, about = best_of(fitter, fits, old, self.criteria)
+        near = self.policy.allows("model_errors") and best.cost < self.policy.model_errors * len(
+            self.observed
+        )
+        if near and self.criteria.leaves_gap(best):
             arm = about.with_effects(best.members)
             allow_for_drives(self.observed, arm)
             allow_for_steps(self.observed, arm)
-        if not leaves_gap(best, self.null, self.observed):
+        if not self.criteria.leaves_gap(best) or not self.policy.allows("spring_swap"):
             return best, about
         found = other_springs(best, about, self.probed)
         self.tried += found
         nearer = [f for f in found if f.cost < best.cost]
         if not nearer:
             return best, about
-        better, there = best_of(about, nearer, old, self.null)
+        better, there = best_of(about, nearer, old, self.criteria)
         return (better, there) if better.cost < best.cost else (best, about)
 
     def _most(self, fit: Fit) -> int:
         """Effects in one diagnosis; no third one where two are far off, no second where one hardly helps."""
         count = causes(fit.members, self.places)
-        if count == 1 and hardly_helps(fit, self.null):
+        if count == 1 and self.criteria.hardly_helps(fit):
             return 1
-        return TWO if count == TWO and far_off(fit, self.null, self.observed) else MOST
-
-    def _explained(self, fit: Fit) -> bool:
-        return explained(fit, self.null, self.observed)
+        most = self.policy.most_effects
+        return min(2, most) if count == 2 and self.criteria.leaves_most(fit) else most
 
     def weighed(self, best: Fit, about: Fitter) -> Choice:
         """A model with the rivals of its effects, after those that are ahead have taken their places.
@@ -249,7 +239,7 @@ class _Search:
         None does so twice: of two that are equal each may be ahead of the other by a little.
         """
         choice, chosen = self._with_rivals(best, about), []
-        for _ in range(OVERTAKEN):
+        for _ in range(self.policy.most_effects if self.policy.allows("swap") else 0):
             ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
             if ahead is None or ahead.behind >= 0:
                 break
@@ -257,14 +247,14 @@ class _Search:
             if set(ahead.fit.places) in chosen:
                 break
             self.tried.append(choice.best)  # which is the other's rival now
-            fewer = _backward(about_or_here(ahead.fit, choice.fitter), ahead.fit, self.null)
+            fewer = _backward(about_or_here(ahead.fit, choice.fitter), ahead.fit, self.criteria)
             choice = self._with_rivals(*settled(*fewer))
         return choice
 
     def _with_rivals(self, best: Fit, about: Fitter) -> Choice:
         value = worth(best.rest, self.observed)
         rivals = [
-            rivals_of(k, best, self.null, about, self._beside(best, about), self.tried, value)
+            rivals_of(k, best, self.criteria, about, self._beside(best, about), self.tried, value)
             for k in range(len(best.members))
         ]
         needed = [self._needed(k, best, about, value) for k in range(len(best.members))]
@@ -284,10 +274,9 @@ def _one_spring_apart(one: Fit, other: Fit) -> bool:
     return len(mine) == len(theirs) == 1 and all(effect_class(name).is_spring for name, _ in mine | theirs)
 
 
-def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
+def _backward(fitter: Fitter, best: Fit, criteria: Criteria) -> tuple[Fit, Fitter]:
     """Drops what the others have made needless."""
-    observed = fitter.observed
-    k = 0
+    k = 0 if criteria.policy.allows("backward") else len(best.members)
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
         if carries(rest, best.members[k]):
@@ -298,7 +287,7 @@ def _backward(fitter: Fitter, best: Fit, null: Fit) -> tuple[Fit, Fitter]:
         except FAILED:
             k += 1
             continue
-        if accepted(best, fewer, null, observed):
+        if criteria.accepts(best, fewer):
             k += 1
         else:
             best, fitter, k = fewer, about_or_here(fewer, fitter), 0

@@ -19,10 +19,10 @@ from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
 from flexarm.named_effects import Stage
 from flexarm.record import Record
-from flexarm.residual_analysis.free_decay import describe_ring_downs, ring_downs
-from flexarm.residual_analysis.localisation import Located, locate
-from flexarm.residual_analysis.noise_floor import floor
-from flexarm.residual_analysis.unexplained import describe_remainder
+from flexarm.residual_analysis.free_decay import describe_free_decays, free_decays
+from flexarm.residual_analysis.localisation import Localisation, localise
+from flexarm.residual_analysis.noise_floor import noise_floor
+from flexarm.residual_analysis.unexplained import unexplained_residual
 from flexarm.threads import at_once
 
 Gaps = Mapping[str, Comparison]
@@ -150,7 +150,7 @@ class Verified:
         The signal of the report's gap.
     stages : tuple of Stage
         Its gap, an effect at a time.
-    located, located_after : Located or None
+    located, located_after : Localisation or None
         Where the gap of the training lies; None where motions and poses are mixed.
     remainder : str
         What is seen of a gap that stays open.
@@ -162,8 +162,8 @@ class Verified:
     after: Gaps
     main_signal: str
     stages: tuple[Stage, ...]
-    located: Located | None
-    located_after: Located | None
+    located: Localisation | None
+    located_after: Localisation | None
     remainder: str
     remarks: tuple[str, ...]
 
@@ -205,18 +205,18 @@ def verified(
         _remainder(pairs, located_after) if open_gap else "",
         (
             *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.overfitted),
-            *floor(pairs_after, step=bench.step, alpha=bench.alpha).notes,
+            *noise_floor(pairs_after, step=bench.step, alpha=bench.alpha).notes,
         ),
     )
 
 
-def _located(pairs: Mapping[str, AlignedRecord]) -> Located | None:
+def _located(pairs: Mapping[str, AlignedRecord]) -> Localisation | None:
     kinds = {pair.record.kind for pair in pairs.values()}
-    return locate(pairs) if len(kinds) == 1 else None
+    return localise(pairs) if len(kinds) == 1 else None
 
 
-def _remainder(before: Mapping[str, AlignedRecord], after: Located | None) -> str:
+def _remainder(before: Mapping[str, AlignedRecord], after: Localisation | None) -> str:
     """What is seen of a gap that stays open, in what is left and in how the machine rings down."""
-    left = describe_remainder(after) if after else None
-    swings = describe_ring_downs(ring_downs(before))
+    left = unexplained_residual(after) if after else None
+    swings = describe_free_decays(free_decays(before))
     return " ".join(said for said in (str(left or ""), swings) if said)

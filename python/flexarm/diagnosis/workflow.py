@@ -1,4 +1,4 @@
-"""The diagnosis: load -> check -> align -> simulate -> locate -> screen -> fit -> choose -> patch -> verify.
+"""The diagnosis: check -> align -> simulate -> localise -> screen -> fit -> choose -> patch -> verify.
 
 Each step is a function of its own module, with a result that one can look at alone; this page calls them in
 their order.
@@ -18,7 +18,7 @@ from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.configuration import version
-from flexarm.diagnosis.acceptance import LEFT_SHARE, NEARLY_ALL, leaves_anything, leaves_gap
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import next_experiment
 from flexarm.diagnosis.estimator import Fitter
@@ -36,6 +36,7 @@ from flexarm.diagnosis.noise_model import (
     with_noise_of,
 )
 from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
@@ -48,8 +49,8 @@ from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import NamedEffect
-from flexarm.validation.finding import Checked
-from flexarm.validation.sensor_check import check, cleaned, named_records
+from flexarm.validation.finding import ValidationResult
+from flexarm.validation.sensor_check import check, clean_records, named_records
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -70,6 +71,7 @@ def diagnose(
     seed: int = 0,
     step: float = 2e-3,
     alpha: float = -0.05,
+    policy: SelectionPolicy | None = None,
     progress: Progress = None,
 ) -> Diagnosis:
     """Names the physical effect that a model lacks, where it sits, and how sure that is.
@@ -89,6 +91,8 @@ def diagnose(
         Of the bootstrap; same seed, same answer.
     step, alpha : float
         Of all simulations [s], [-].
+    policy : SelectionPolicy, optional
+        Thresholds of the search; all have a default.
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -119,16 +123,21 @@ def diagnose(
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = with_noise_of(checked.records, held)
-    parted = _parted(arm, checked, cleaned(arm, held, step=step, alpha=alpha))
+    parted = _parted(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
     observed = Observed(
-        arm, parted.training, step=COARSE * step, alpha=alpha, jobs=jobs or os.cpu_count() or 1
+        arm,
+        parted.training,
+        step=COARSE * step,
+        alpha=alpha,
+        jobs=jobs or os.cpu_count() or 1,
+        policy=policy or SelectionPolicy(),
     )
     allow_for_drives(observed, observed.arm)
     shaken = shaken_signals(observed)
     observed, coarse = with_coarse_encoders(weighed_by_drives(observed), seed)
     choice = _chosen(observed, tell)
-    out = hidden_strays(choice.best, choice.null, observed)
+    out = hidden_strays(choice.best, Criteria(observed, choice.null))
     if out.any():
         remarks = (*remarks, *strays_told(out, observed))
         parted = replace(parted, training=left_out(parted.training, out, observed))
@@ -211,9 +220,10 @@ def _conclusion(
     """
     sizes = estimates(choice.best, observed, seed)
     drifts = tuple(constancy(choice.best, observed, choice.value))
-    wrong = any(not each["constant"] for each in drifts) and leaves_anything(choice.best, observed)
-    share = NEARLY_ALL if far_out(choice.best) else LEFT_SHARE
-    open_gap = wrong or leaves_gap(choice.best, choice.null, observed, share)
+    criteria = Criteria(observed, choice.null)
+    wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
+    share = criteria.policy.negligible_share if far_out(choice.best) else None
+    open_gap = wrong or criteria.leaves_gap(choice.best, share)
     ends = ends_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (
@@ -228,7 +238,7 @@ def _conclusion(
 
 def _unusable(
     arm: Arm,
-    checked: Checked,
+    checked: ValidationResult,
     training: tuple[str, ...],
     remarks: tuple[str, ...],
     provenance: dict[str, Any],
@@ -287,7 +297,7 @@ def _same_values(one: Record, other: Record) -> bool:
     )
 
 
-def _parted(arm: Arm, checked: Checked, held_out: Checked) -> _Parted:
+def _parted(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> _Parted:
     """Training and check: a record of its own, or else blocks of time of each."""
     named = checked.comparable()
     remarks = (*map(str, held_out.outliers), *held_out.remarks)

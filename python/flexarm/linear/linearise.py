@@ -11,7 +11,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.arrays import frozen
 from flexarm.errors import InvalidParameter
 from flexarm.linear.linear_model import LinearModel
-from flexarm.linear.near import Near
+from flexarm.linear.operating_point import OperatingPoint
 from flexarm.linear.ports import Asked, Port, channel_names, ports
 from flexarm.linear.ports import outputs as readable
 from flexarm.linear.response import Response
@@ -61,8 +61,8 @@ def linearise(
         raise InvalidParameter(f"must not be negative, got {modes}", where="modes")
     asked, locked = ports(arm, inputs)
     sensors = _sensors(arm, outputs)
-    near = Near.of(arm, joints or {}, asked, locked, sensors)
-    response, names, units = near.response(modes)
+    point = OperatingPoint.of(arm, joints or {}, asked, locked, sensors)
+    response, names, units = point.response(modes)
     chosen = _by_acceleration(response, asked, arm, sensors)
     response = response.by_acceleration(chosen)
     told = [
@@ -85,9 +85,9 @@ def linearise(
         state_names=names + tuple(f"{port.place}.{what}" for what in ("angle", "rate") for port in drives),
         state_units=units
         + tuple(("m" if port.slides else "rad") + per for per in ("", "/s") for port in drives),
-        input_at_rest=frozen(near.at_rest(told)),
-        output_at_rest=near.readings.at_rest,
-        joint_values=frozen(near.values),
+        input_at_rest=frozen(point.at_rest(told)),
+        output_at_rest=point.readings.at_rest,
+        joint_values=frozen(point.values),
     )
 
 

@@ -65,7 +65,7 @@ def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Float
 
 def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
     """Deflection (2) in the link's axes [m], shape (n, axes)."""
-    arm, point, base = gauged(simulation.arm, what)
+    arm, point, base = rigid_reference(simulation.arm, what)
     angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
     theta = sample(simulation.time, angle, instants, rate)
     values = {name: theta[:, j] for j, name in enumerate(simulation.joints)}
@@ -76,7 +76,7 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
     return offset[:, columns(what.axes)]
 
 
-def gauged(model: Any, what: Described) -> tuple[Any, Any, Any]:
+def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
     """The arm as it is, the point whose deflection is measured, and the rotation of the base.
 
     Raises

@@ -56,16 +56,16 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     ndarray of bool, shape (n,)
     """
     found = np.zeros(len(residual), dtype=bool)
-    rows, off, usual = off_the_median(residual)
+    rows, off, usual = deviation_from_median(residual)
     limit = np.maximum(NOISE * noise, SPREAD * usual)
     if not np.any(np.abs(off) > limit):  # what most signals are spared
         return found
-    size = np.minimum(np.abs(off), off_the_parabolas(residual[rows]))
+    size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
     found[rows] = np.any(size > np.maximum(limit, NEARBY * nearby(size)), axis=1)
     return found
 
 
-def beyond_all(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def beyond_range_of_others(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Rows that are further from the middle of the others than twice the range these have."""
     middle = np.nanmedian(residual, axis=0)
     usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)
@@ -83,10 +83,10 @@ SHOWN = 5
 """Rows that are told one by one."""
 
 
-def told(rows: Sequence[int | str], what: str = "row") -> str:
+def listed(rows: Sequence[int | str], what: str = "row") -> str:
     """Numbers of rows, or names of poses, for a person.
 
-    >>> told([4]), told([1, 2, 3, 4, 5, 6])
+    >>> listed([4]), listed([1, 2, 3, 4, 5, 6])
     ('row 4', 'rows 1, 2, 3, 4, 5, ...')
     """
     numbers = ", ".join(map(str, rows[:SHOWN])) + ", ..." * (len(rows) > SHOWN)
@@ -99,7 +99,7 @@ def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDAr
     Parameters and result as for `outliers`.
     """
     found = np.zeros(len(residual), dtype=bool)
-    rows, off, usual = off_the_median(residual)
+    rows, off, usual = deviation_from_median(residual)
     found[rows] = effect.told_apart(off, np.maximum(noise, usual))
     return found
 
@@ -127,14 +127,14 @@ def parabolas(samples: Floats) -> Floats:
     return np.stack([before, after, between])
 
 
-def off_the_parabolas(values: Floats) -> Floats:
+def deviation_from_parabolas(values: Floats) -> Floats:
     """Distance to the nearest of the three parabolas (1), shape (n, channels)."""
     off = np.stack([np.abs(y - parabolas(y)) for y in values.T], axis=-1)
     known = np.where(np.isfinite(off), off, np.inf).min(axis=0)
     return np.where(np.isfinite(known), known, 0.0)
 
 
-def off_the_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
+def deviation_from_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
     """Rows with a value in every channel, their differences from the median, and the usual size of these.
 
     No rows where there are too few for a median.

@@ -13,7 +13,7 @@ Windows of 2, 4, 8, ... intervals up to the whole record are tested from the nar
 one has explained being left out of the wider: a narrow window finds the sharp start of a move, a wide one a
 weak oscillation that lasts. Wherever E is above its limit for the false-alarm probability `ALARM`, breaks of
 step p are set; neighbouring intervals differ by about a factor of two. One last fit with all breaks gives f,
-which stands still where the samples do (`standing_breaks`).
+which stands still where the samples do (`knots_at_rest`).
 
 No property of the arm enters, and noise passes only while the motion itself is as quick as the arm's modes.
 Drives are held before their first sample: the fit starts at rest unless the samples contradict that.
@@ -31,8 +31,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm import _core
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.knots_at_rest import place_knots_at_rest
 from flexarm.measurement.least_squares_spline import fit_spline
-from flexarm.measurement.standing_breaks import with_stands
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -113,7 +113,7 @@ def _layout(
     if np.all(steps == 0):
         return None
     breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
-    breaks, equal = with_stands(t, y / noise_std, breaks)
+    breaks, equal = place_knots_at_rest(t, y / noise_std, breaks)
     return breaks, _starts_at_rest(t, y, breaks, equal, noise_std), equal
 
 

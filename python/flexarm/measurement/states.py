@@ -1,4 +1,4 @@
-"""States of an arm one by one, each an instant of its own, as sensors read them."""
+"""StateSnapshots of an arm one by one, each an instant of its own, as sensors read them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from flexarm.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class StateSnapshots:
     """What measurements take from a `Simulation`; the first axis is the state.
 
     Attributes

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.residual_analysis.localisation import Located
-    from flexarm.residual_analysis.motion_states import States
-    from flexarm.residual_analysis.residual_parts import GapRows
+    from flexarm.residual_analysis.localisation import Localisation
+    from flexarm.residual_analysis.motion_states import JointStates
+    from flexarm.residual_analysis.residual_parts import SignalResidual
 
 
 RECORDS = 4
@@ -28,8 +28,8 @@ Thing = TypeVar("Thing")
 
 
 def gap_figure(
-    before: Located,
-    after: Located | None = None,
+    before: Localisation,
+    after: Localisation | None = None,
     signal: str | None = None,
     direction: str | None = None,
     joint: str | None = None,
@@ -38,9 +38,9 @@ def gap_figure(
 
     Parameters
     ----------
-    before : Located
+    before : Localisation
         With the nominal model.
-    after : Located, optional
+    after : Localisation, optional
         With another one, of the same records, drawn over it.
     signal : str, optional
         Default: the one that holds most of the squared gap before, over the noise.
@@ -69,10 +69,10 @@ def gap_figure(
 class _Sheet:
     """What is drawn: the gap that sets scale and noise, and every gap with its colour and label."""
 
-    rows: GapRows
+    rows: SignalResidual
     direction: str
-    states: States
-    drawn: Sequence[tuple[GapRows, str, str]]
+    states: JointStates
+    drawn: Sequence[tuple[SignalResidual, str, str]]
 
     def figure(self) -> Figure:
         """One row against the states, one for each record against time."""
@@ -127,14 +127,14 @@ class _Sheet:
         ax.tick_params(labelsize="small")
 
 
-def _largest(located: Located) -> str:
+def _largest(located: Localisation) -> str:
     """The signal that holds most of the squared gap, over the noise."""
     if not located.gaps:
         raise InvalidParameter("holds no gap to draw", where="located")
     return max(located.gaps, key=lambda name: float(np.sum(located.gaps[name].whitened ** 2)))
 
 
-def _turned_most(located: Located, states: Mapping[str, object]) -> str:
+def _turned_most(located: Localisation, states: Mapping[str, object]) -> str:
     """The joint whose equivalent rotation holds most of the gap."""
     ranked = [each.joint for each in located.rotations.joints] if located.rotations else []
     return next((joint for joint in ranked if joint in states), next(iter(states)))

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.design.plan_result import FAR
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.report.diagnosis_page import effect_law
 from flexarm.report.sheets import margin_for, sheet
 from flexarm.report.template import filled
@@ -121,7 +121,7 @@ def _tie_rows(plan: Plan) -> Iterator[dict[str, Any]]:
         }
 
 
-HARDLY = 10 * REACH
+HARDLY = 10 * SelectionPolicy.reach
 """Expected ln Bayes factor below which two effects are hardly told apart."""
 TIED, PARTED, CLEAR, UNSEEN = "#d55e00", "#f0c08a", "#0072b2", "#dddddd"
 """Colours of a pair: not told apart, hardly (up to ten times ln 20), well; of an effect that is not seen."""
@@ -137,7 +137,7 @@ def near_effects(plan: Plan) -> list[int]:
     seen = np.array([each.seen for each in plan.effects], dtype=bool)
     factors = plan.log_bayes_factor
     hardly = (factors < HARDLY) & (factors < own[:, None] / 2) & seen
-    near = seen[:, None] & ((factors < REACH) | hardly)
+    near = seen[:, None] & ((factors < SelectionPolicy.reach) | hardly)
     np.fill_diagonal(near, False)
     found = np.flatnonzero(near.any(axis=0) | near.any(axis=1))
     return found.tolist() if len(found) else list(range(len(seen)))
@@ -155,7 +155,7 @@ def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
     values = np.where(seen[:, None], values, np.nan)
     np.fill_diagonal(values, np.nan)
     colours = ListedColormap([TIED, PARTED, CLEAR]).with_extremes(bad=UNSEEN)
-    norm = BoundaryNorm([0.0, REACH, HARDLY, 1e10], 3)
+    norm = BoundaryNorm([0.0, SelectionPolicy.reach, HARDLY, 1e10], 3)
     ax.imshow(values, cmap=colours, norm=norm, aspect="equal", interpolation="none")
     labels = [place_words(*each.place) for each in effects]
     ax.set_yticks(range(len(labels)), labels, fontsize=7)
@@ -183,7 +183,9 @@ def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
     if times:
         ax.set(xlim=(0.5 * min(times), 12 * max(times)), ylim=(-0.7, len(times) - 0.3))
     ax.tick_params(axis="y", labelsize=7)
-    ax.set_xlabel(f"smallest detectable size (ln B = {STRONG:g}) over the plausible one [-]")
+    ax.set_xlabel(
+        f"smallest detectable size (ln B = {SelectionPolicy.strong_evidence:g}) over the plausible one [-]"
+    )
     ax.invert_yaxis()
     ax.tick_params(axis="y", length=0)
     ax.grid(visible=False, axis="y")
@@ -209,7 +211,7 @@ def plan_dict(plan: Plan) -> dict[str, Any]:
         "model": plan.arm.name,
         "runs": list(plan.runs),
         "assumed": list(plan.assumed),
-        "thresholds": {"detected": STRONG, "parted": REACH},
+        "thresholds": {"detected": SelectionPolicy.strong_evidence, "parted": SelectionPolicy.reach},
         "effects": [
             {
                 "name": each.name,

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.residual_analysis.joint_rotations import JointRotation
-    from flexarm.residual_analysis.localisation import Located
-    from flexarm.residual_analysis.motion_states import States
-    from flexarm.residual_analysis.residual_parts import GapRows
+    from flexarm.residual_analysis.localisation import Localisation
+    from flexarm.residual_analysis.motion_states import JointStates
+    from flexarm.residual_analysis.residual_parts import SignalResidual
 
 KINDS = ("angle", "rate", "torque")
 MOST_JOINTS = 3
@@ -46,7 +46,7 @@ def against_states(d: Diagnosis) -> Figure | None:
     return figure
 
 
-def shown_joints(d: Diagnosis) -> list[States]:
+def shown_joints(d: Diagnosis) -> list[JointStates]:
     """Joints that are drawn, at most three: where an effect sits first, then whose rotation holds most."""
     rows = d.located.gaps.get(d.main_signal) if d.located is not None else None
     if d.located is None or rows is None or not rows.states:
@@ -58,7 +58,7 @@ def shown_joints(d: Diagnosis) -> list[States]:
     return [_of(rows.states, joint) for joint in list(order)[:MOST_JOINTS]]
 
 
-def states_drawn(joints: Sequence[States]) -> Sequence[str]:
+def states_drawn(joints: Sequence[JointStates]) -> Sequence[str]:
     """States that joints have: no rate in poses."""
     return KINDS if any(states.moves for states in joints) else ("angle", "torque")
 
@@ -85,7 +85,7 @@ def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str
     ax.set_xlabel("time [s]" if kind == "time" else states.label(kind))
 
 
-def located_sides(d: Diagnosis, signal: str) -> dict[str, GapRows]:
+def located_sides(d: Diagnosis, signal: str) -> dict[str, SignalResidual]:
     """The gap of a signal over all records of training, by model."""
     pairs = [("nominal model", d.located)]
     if d.updated != d.arm:
@@ -126,7 +126,9 @@ def rotations(d: Diagnosis) -> Figure | None:
     return figure
 
 
-def _draw_rotation(axes: Mapping[str, Axes], rotation: JointRotation, states: States, factor: float) -> None:
+def _draw_rotation(
+    axes: Mapping[str, Axes], rotation: JointRotation, states: JointStates, factor: float
+) -> None:
     """One joint's rotation against its own states."""
     for kind, ax in axes.items():
         ax.plot(
@@ -135,18 +137,18 @@ def _draw_rotation(axes: Mapping[str, Axes], rotation: JointRotation, states: St
         ax.set_xlabel(states.label(kind))
 
 
-def turned_most(located: Located, rows: GapRows) -> States:
+def turned_most(located: Localisation, rows: SignalResidual) -> JointStates:
     """States of the joint whose rotation holds most of the gap, else of the first that moves."""
     ranked = [each.joint for each in located.rotations.joints] if located.rotations is not None else []
     moving = [each.joint for each in rows.states]
     return _of(rows.states, next((joint for joint in ranked if joint in moving), moving[0]))
 
 
-def _of(states: Sequence[States], joint: str) -> States:
+def _of(states: Sequence[JointStates], joint: str) -> JointStates:
     return next(each for each in states if each.joint == joint)
 
 
-def _largest(rows: GapRows) -> str:
+def _largest(rows: SignalResidual) -> str:
     return max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
 
 

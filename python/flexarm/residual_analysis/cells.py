@@ -32,9 +32,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.residual_analysis.covariates import CONSTANT, Followed, followed
-from flexarm.residual_analysis.motion_states import conditions, tiers
-from flexarm.residual_analysis.residual_parts import GapRows, Part
+from flexarm.residual_analysis.covariates import CONSTANT, CovariateDependence, covariate_dependence
+from flexarm.residual_analysis.motion_states import conditions, covariate_groups
+from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidual
 
 Mask = NDArray[np.bool_]
 
@@ -83,7 +83,7 @@ class Cell:
     exceeds: bool
 
 
-def cells_of(gaps: Sequence[GapRows], first_mode: float | None) -> tuple[Cell, ...]:
+def cells_of(gaps: Sequence[SignalResidual], first_mode: float | None) -> tuple[Cell, ...]:
     """All cells that hold samples."""
     total = sum(float(np.sum(rows.whitened**2)) for rows in gaps)
     sorted_ = [
@@ -97,20 +97,27 @@ def cells_of(gaps: Sequence[GapRows], first_mode: float | None) -> tuple[Cell, .
     return tuple(_cell(*each, total, ALARM / len(sorted_)) for each in sorted_)
 
 
-def reversal_window(rows: GapRows, first_mode: float | None) -> float:
+def reversal_window(rows: SignalResidual, first_mode: float | None) -> float:
     """How long after a reversal counts as one [s]: a period of the first mode, or three samples."""
     steps = np.diff(rows.time)
     step = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
     return max(REVERSAL_PERIODS / first_mode if first_mode else 0.0, 3 * step)
 
 
-def _conditions(rows: GapRows, first_mode: float | None) -> Iterator[tuple[str, str, Mask]]:
+def _conditions(rows: SignalResidual, first_mode: float | None) -> Iterator[tuple[str, str, Mask]]:
     window = reversal_window(rows, first_mode)
     return conditions(rows.states, rows.time, rows.record, rows.labels, window)
 
 
 def _cell(
-    rows: GapRows, direction: str, part: Part, state: str, when: str, mask: Mask, total: float, alarm: float
+    rows: SignalResidual,
+    direction: str,
+    part: ResidualPart,
+    state: str,
+    when: str,
+    mask: Mask,
+    total: float,
+    alarm: float,
 ) -> Cell:
     """Measures (1) of one cell."""
     values, sigma, m = part.values[mask], rows.noise[direction][mask], int(mask.sum())
@@ -155,7 +162,7 @@ JUMPS = {"sign of torque": "torque", "sense of motion": "motion"}
 """States that jump, and what reverses then."""
 
 
-def telling(gaps: Sequence[GapRows], cells: Iterable[Cell]) -> tuple[Mapping[str, Any], ...]:
+def dominant_cells(gaps: Sequence[SignalResidual], cells: Iterable[Cell]) -> tuple[Mapping[str, Any], ...]:
     """The entries `where` of a report: signal, direction, when, band_hz, rms, noise_rms; largest first."""
     by_part: dict[tuple[str, str, str], list[Cell]] = {}
     for cell in cells:
@@ -182,12 +189,12 @@ def _listed(parts: Sequence[Cell]) -> list[Cell]:
     return sorted((cell for _, cell in kept), key=lambda cell: -cell.share)
 
 
-def _line(rows: GapRows, whole: Cell, cells: Sequence[Cell]) -> Mapping[str, Any]:
+def _line(rows: SignalResidual, whole: Cell, cells: Sequence[Cell]) -> Mapping[str, Any]:
     """One entry."""
     part = next(each for each in rows.parts[whole.direction] if each.band == whole.band)
-    groups, noise = tiers(rows.states, rows.time, rows.record), rows.noise[whole.direction]
-    jumps = followed(groups, (rows.directions[whole.direction] / noise)[:, None])
-    said, cell = _when(jumps, followed(groups, (part.values / noise)[:, None]), whole, cells)
+    groups, noise = covariate_groups(rows.states, rows.time, rows.record), rows.noise[whole.direction]
+    jumps = covariate_dependence(groups, (rows.directions[whole.direction] / noise)[:, None])
+    said, cell = _when(jumps, covariate_dependence(groups, (part.values / noise)[:, None]), whole, cells)
     return {
         "signal": cell.signal,
         "direction": cell.direction,
@@ -198,21 +205,23 @@ def _line(rows: GapRows, whole: Cell, cells: Sequence[Cell]) -> Mapping[str, Any
     }
 
 
-def _when(jumps: Followed, follows: Followed, whole: Cell, cells: Sequence[Cell]) -> tuple[str, Cell]:
+def _when(
+    jumps: CovariateDependence, follows: CovariateDependence, whole: Cell, cells: Sequence[Cell]
+) -> tuple[str, Cell]:
     """Wording, and the cell whose measures go with it."""
     for kind, state in JUMPS.items():
         for each in (jumps, follows):
             if each.best.startswith(kind) and each.beyond[each.best] >= FOLLOWS:
                 return f"{state} reversal{each.best.removeprefix(kind)}", whole
-    crowded = max(cells, key=lambda cell: crowding(cell, whole))
-    if crowding(crowded, whole) >= CROWDED and crowded.exceeds:
+    crowded = max(cells, key=lambda cell: concentration(cell, whole))
+    if concentration(crowded, whole) >= CROWDED and crowded.exceeds:
         return crowded.when, crowded
     if follows.best != CONSTANT and follows.beyond[follows.best] >= FOLLOWS:
         return f"{WHOLE}, follows {follows.best}", whole
     return f"{WHOLE}, constant" if follows.constant >= FOLLOWS else WHOLE, whole
 
 
-def crowding(cell: Cell, whole: Cell) -> float:
+def concentration(cell: Cell, whole: Cell) -> float:
     """Information (1) of a condition; 0 where the squares are fewer than the samples."""
     if cell.state == "all" or whole.share <= 0:
         return 0.0

@@ -39,7 +39,7 @@ CONSTANT = "a constant"
 
 def curve_share(state: Floats, values: Floats, bins: int = BINS) -> float:
     """Share (1) of the squares of values, shape (n, k), in their means over intervals of a state."""
-    return group_share(intervals(state, bins), values)
+    return correlation_ratio(intervals(state, bins), values)
 
 
 def intervals(state: Floats, bins: int) -> Groups:
@@ -48,7 +48,7 @@ def intervals(state: Floats, bins: int) -> Groups:
     return np.clip(np.digitize(state, edges) - 1, 0, bins - 1)
 
 
-def group_share(groups: Groups, values: Floats) -> float:
+def correlation_ratio(groups: Groups, values: Floats) -> float:
     """Share (1) of the squares of values, shape (n, k), in the means of groups of samples."""
     count = np.bincount(groups)
     sums = np.stack([np.bincount(groups, column) for column in values.T], axis=1)
@@ -57,7 +57,7 @@ def group_share(groups: Groups, values: Floats) -> float:
 
 
 @dataclass(frozen=True)
-class Followed:
+class CovariateDependence:
     """What a gap follows.
 
     Attributes
@@ -98,25 +98,27 @@ class Followed:
         return said + f"{self.best} {100 * self.beyond[self.best]:.0f} % ({rest})"
 
 
-def followed(tiers: Mapping[str, tuple[int, Groups]], values: Floats) -> Followed:
+def covariate_dependence(covariates: Mapping[str, tuple[int, Groups]], values: Floats) -> CovariateDependence:
     """What values follow best.
 
     Parameters
     ----------
-    tiers : dict of str to (int, ndarray of int, shape (n,))
+    covariates : dict of str to (int, ndarray of int, shape (n,))
         By name: how much it claims, and the samples' groups.
     values : ndarray, shape (n, k)
         Over their noise.
     """
     rest = values - values.mean(axis=0)
     constant = 1 - float(np.sum(rest**2) / max(np.sum(values**2), 1e-300))
-    beyond = {name: _adjusted(groups, rest) for name, (_, groups) in tiers.items()}
+    beyond = {name: _adjusted(groups, rest) for name, (_, groups) in covariates.items()}
     best, most = CONSTANT, 0.0
-    for claim in sorted({claim for claim, _ in tiers.values()}):
-        first = max((name for name in tiers if tiers[name][0] == claim), key=lambda name: beyond[name])
+    for claim in sorted({claim for claim, _ in covariates.values()}):
+        first = max(
+            (name for name in covariates if covariates[name][0] == claim), key=lambda name: beyond[name]
+        )
         if beyond[first] > most + GAIN:
             best, most = first, beyond[first]
-    return Followed(beyond, best if most * (1 - constant) > GAIN else CONSTANT, constant)
+    return CovariateDependence(beyond, best if most * (1 - constant) > GAIN else CONSTANT, constant)
 
 
 def _adjusted(groups: Groups, values: Floats) -> float:
@@ -124,4 +126,4 @@ def _adjusted(groups: Groups, values: Floats) -> float:
     n, k = len(groups), len(np.unique(groups))
     if n <= k:
         return 0.0
-    return max(0.0, 1.0 - (1.0 - group_share(groups, values)) * (n - 1) / (n - k))  # eq. (2)
+    return max(0.0, 1.0 - (1.0 - correlation_ratio(groups, values)) * (n - 1) / (n - k))  # eq. (2)

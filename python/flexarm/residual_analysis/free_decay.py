@@ -40,7 +40,7 @@ SURE, FREQUENCY, DAMPING = 3.0, 0.02, 0.2
 
 
 @dataclass(frozen=True)
-class Piece:
+class DecaySegment:
     """A few periods of a vibration.
 
     Attributes
@@ -64,21 +64,21 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class RingDown:
+class FreeDecay:
     """A free vibration of one channel, piece by piece.
 
     Attributes
     ----------
     record, signal, unit : str
         Where it was measured.
-    pieces : tuple of Piece
+    pieces : tuple of DecaySegment
         In order of time.
     """
 
     record: str
     signal: str
     unit: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[DecaySegment, ...]
 
     @property
     def frequency_moves(self) -> bool:
@@ -99,7 +99,7 @@ class RingDown:
         )
 
     @property
-    def ends(self) -> tuple[Piece, Piece]:
+    def ends(self) -> tuple[DecaySegment, DecaySegment]:
         """The piece of the greatest amplitude, and the mean of those below half of it or of the least."""
         ranked = sorted(self.pieces, key=lambda piece: -piece.amplitude)
         small = [piece for piece in ranked[1:] if piece.amplitude < ranked[0].amplitude / 2]
@@ -115,7 +115,7 @@ class RingDown:
         )
 
 
-def mean(pieces: Sequence[Piece]) -> Piece:
+def mean(pieces: Sequence[DecaySegment]) -> DecaySegment:
     """Of several pieces, by what each knows; time and amplitude by what it knows of the damping."""
     by_frequency = np.array([piece.frequency_std**-2 for piece in pieces])
     by_damping = np.array([piece.damping_std**-2 for piece in pieces])
@@ -123,10 +123,10 @@ def mean(pieces: Sequence[Piece]) -> Piece:
     time, amplitude, ratio = (float(x) for x in by_damping @ damping / by_damping.sum())
     frequency = by_frequency @ [piece.frequency_hz for piece in pieces] / by_frequency.sum()
     errors = (float(weights.sum() ** -0.5) for weights in (by_frequency, by_damping))
-    return Piece(time, amplitude, float(frequency), ratio, *errors)
+    return DecaySegment(time, amplitude, float(frequency), ratio, *errors)
 
 
-def ring_downs(pairs: Mapping[str, AlignedRecord]) -> list[RingDown]:
+def free_decays(pairs: Mapping[str, AlignedRecord]) -> list[FreeDecay]:
     """Of every record that goes on while its drive stands, the channel of each signal that swings most."""
     found = []
     for name, pair in pairs.items():
@@ -141,11 +141,11 @@ def ring_downs(pairs: Mapping[str, AlignedRecord]) -> list[RingDown]:
             strongest = values[:, int(np.argmax(np.var(values, axis=0)))]
             pieces = tuple(decay(signal.time[rows], strongest))
             if len(pieces) >= LEAST:
-                found.append(RingDown(name, signal.name, signal.unit, pieces))
+                found.append(FreeDecay(name, signal.name, signal.unit, pieces))
     return found
 
 
-def describe_ring_downs(found: Sequence[RingDown]) -> str:
+def describe_free_decays(found: Sequence[FreeDecay]) -> str:
     """A sentence if frequency or damping move with the amplitude somewhere; else nothing."""
     moving = [each for each in found if each.frequency_moves or each.damping_moves]
     if not moving:
@@ -159,7 +159,7 @@ def describe_ring_downs(found: Sequence[RingDown]) -> str:
     return f"While the drive stands, {what} with the amplitude, as of no linear law: {cases}."
 
 
-def decay(time: Floats, values: Floats) -> Iterator[Piece]:
+def decay(time: Floats, values: Floats) -> Iterator[DecaySegment]:
     """Pieces of a vibration that dies, until noise hides it."""
     frequency = _dominant(time, values)
     if frequency is None:
@@ -176,7 +176,7 @@ def decay(time: Floats, values: Floats) -> Iterator[Piece]:
         start, guess = start + PERIODS / guess, piece.frequency_hz
 
 
-def fitted_piece(time: Floats, values: Floats, frequency: float) -> tuple[Piece | None, float]:
+def fitted_piece(time: Floats, values: Floats, frequency: float) -> tuple[DecaySegment | None, float]:
     """Eq. (1) from a guess of the frequency, and 1 sigma of the amplitude; None without an optimum nearby."""
     from scipy.optimize import least_squares
 
@@ -204,7 +204,7 @@ def fitted_piece(time: Floats, values: Floats, frequency: float) -> tuple[Piece 
     std = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
     amplitude = float(np.hypot(cosine, sine))
     errors = max(float(std[0]), 1e-12 * w), max(float(std[1]), 1e-12 * w)  # data may be exact
-    piece = Piece(middle, amplitude, w / (2 * np.pi), rate / w, errors[0] / (2 * np.pi), errors[1] / w)
+    piece = DecaySegment(middle, amplitude, w / (2 * np.pi), rate / w, errors[0] / (2 * np.pi), errors[1] / w)
     return piece, float(np.sqrt(2 * variance / len(t)))
 
 

@@ -28,8 +28,8 @@ from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.gap import drive_angles
 from flexarm.measurement.kinematics import point_jacobian
-from flexarm.residual_analysis.covariates import Followed, followed
-from flexarm.residual_analysis.motion_states import States, joined, states_of, tiers
+from flexarm.residual_analysis.covariates import CovariateDependence, covariate_dependence
+from flexarm.residual_analysis.motion_states import JointStates, covariate_groups, joined_states, joint_states
 from flexarm.wording import with_unit
 
 ITERATIONS = 60
@@ -66,7 +66,7 @@ class JointRotation:
         Share of the squared gap that this joint's rotation explains if no other joint turns.
     share : float
         What it holds of the squared gap beside the others, sum of (J_j d_j)^T y.
-    follows : Followed
+    follows : CovariateDependence
         What it follows: of its own torque, rate, angle, acceleration, and time.
     """
 
@@ -76,7 +76,7 @@ class JointRotation:
     std: Floats
     alone: float
     share: float
-    follows: Followed
+    follows: CovariateDependence
 
     @property
     def rms(self) -> float:
@@ -101,14 +101,14 @@ class JointRotations:
         Share of the squared gap that all rotations explain together.
     time : ndarray, shape (n,)
         Instants [s].
-    states : tuple of States
+    states : tuple of JointStates
         Of every joint, in the same order.
     """
 
     joints: tuple[JointRotation, ...]
     explained: float
     time: Floats
-    states: tuple[States, ...]
+    states: tuple[JointStates, ...]
 
     def summary(self) -> str:
         """A table that a person reads."""
@@ -133,7 +133,7 @@ class _Rows:
     noise: float
     time: Floats
     record: NDArray[np.intp]
-    states: tuple[States, ...]
+    states: tuple[JointStates, ...]
 
 
 def joint_rotations(pairs: Mapping[str, AlignedRecord]) -> JointRotations | None:
@@ -156,7 +156,7 @@ def joint_rotations(pairs: Mapping[str, AlignedRecord]) -> JointRotations | None
             np.sqrt(variance[:, j]),
             _alone(rows, j) / total,
             float(seen[:, j] @ rows.gap) / total,
-            followed(tiers([rows.states[j]], rows.time, rows.record), angle[:, [j]]),
+            covariate_dependence(covariate_groups([rows.states[j]], rows.time, rows.record), angle[:, [j]]),
         )
         for j, joint in enumerate(joints)
     ]
@@ -197,7 +197,7 @@ def _rows(pair: AlignedRecord, joints: Sequence[str]) -> _Rows | None:
         float(np.sqrt(np.mean(np.concatenate(noise) ** 2))),
         time,
         np.zeros(len(time), dtype=np.intp),
-        tuple(states_of(pair, joint, time) for joint in joints),
+        tuple(joint_states(pair, joint, time) for joint in joints),
     )
 
 
@@ -211,7 +211,7 @@ def _stacked(pieces: Sequence[_Rows]) -> _Rows:
         float(np.sqrt(np.mean([each.noise**2 for each in pieces]))),
         np.concatenate([each.time for each in pieces]),
         np.repeat(np.arange(len(pieces)), [len(each.time) for each in pieces]),
-        tuple(joined([each.states[j] for each in pieces]) for j in range(len(pieces[0].states))),
+        tuple(joined_states([each.states[j] for each in pieces]) for j in range(len(pieces[0].states))),
     )
 
 

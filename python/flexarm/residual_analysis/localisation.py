@@ -14,13 +14,13 @@ import numpy as np
 
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.errors import InvalidParameter
-from flexarm.residual_analysis.cells import WHOLE, Cell, cells_of, telling
-from flexarm.residual_analysis.covariates import Followed, followed
+from flexarm.residual_analysis.cells import WHOLE, Cell, cells_of, dominant_cells
+from flexarm.residual_analysis.covariates import CovariateDependence, covariate_dependence
 from flexarm.residual_analysis.joint_rotations import JointRotations, joint_rotations
-from flexarm.residual_analysis.motion_states import moved_joints, tiers
-from flexarm.residual_analysis.motor_orders import MotorWaves
+from flexarm.residual_analysis.motion_states import covariate_groups, moved_joints
 from flexarm.residual_analysis.noise import estimated_noise
-from flexarm.residual_analysis.residual_parts import GapRows, gap_rows
+from flexarm.residual_analysis.order_tracking import MotorHarmonics
+from flexarm.residual_analysis.residual_parts import SignalResidual, signal_residual
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Located:
+class Localisation:
     """Where the gap is.
 
     Attributes
@@ -37,11 +37,11 @@ class Located:
         Every cell that holds samples: signal x direction x band x condition of a state.
     where : tuple of dict
         The few that say most, largest share first: signal, direction, when, band_hz, rms, noise_rms.
-    follows : dict of str to Followed
+    follows : dict of str to CovariateDependence
         By signal: which state the gap follows.
     rotations : JointRotations or None
         The gap of positions as small rotations of the joints.
-    gaps : dict of str to GapRows
+    gaps : dict of str to SignalResidual
         By signal: the gap itself, with the states at its samples.
     notes : tuple of str
         What a reader should know: aliasing, noise that was estimated.
@@ -49,9 +49,9 @@ class Located:
 
     cells: tuple[Cell, ...]
     where: tuple[Mapping[str, Any], ...]
-    follows: Mapping[str, Followed]
+    follows: Mapping[str, CovariateDependence]
     rotations: JointRotations | None
-    gaps: Mapping[str, GapRows]
+    gaps: Mapping[str, SignalResidual]
     notes: tuple[str, ...] = ()
 
     def cell(self, signal: str, direction: str, band: str, when: str = WHOLE) -> Cell:
@@ -118,7 +118,7 @@ class Located:
         return self.summary()
 
 
-def locate(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Located:
+def localise(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Localisation:
     """Where the gap is, over all records together.
 
     Parameters
@@ -129,7 +129,7 @@ def locate(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Located:
 
     Returns
     -------
-    Located
+    Localisation
 
     Raises
     ------
@@ -138,7 +138,7 @@ def locate(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Located:
 
     Examples
     --------
-    >>> print(locate({"train_a": simulate_record(arm, record)}))  # doctest: +SKIP
+    >>> print(localise({"train_a": simulate_record(arm, record)}))  # doctest: +SKIP
     """
     beside = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
     if not beside:
@@ -149,17 +149,17 @@ def locate(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Located:
     joint = shown.pop() if len(shown) == 1 else None
     names = list(dict.fromkeys(name for pair in beside.values() for name in pair.simulated.evidence))
     noise, notes = _noise(beside, names)
-    waves = {name: MotorWaves(pair) for name, pair in beside.items()}
-    found = {name: gap_rows(beside, waves, name, joints, joint, noise[name]) for name in names}
+    waves = {name: MotorHarmonics(pair) for name, pair in beside.items()}
+    found = {name: signal_residual(beside, waves, name, joints, joint, noise[name]) for name in names}
     gaps = {name: rows for name, rows in found.items() if rows is not None}
     modes_hz = [pair.modes_hz[0] for pair in beside.values() if pair.modes_hz]
     cells = cells_of(list(gaps.values()), min(modes_hz, default=None))
     notes += dict.fromkeys(note for rows in gaps.values() for note in rows.notes)
-    return Located(
+    return Localisation(
         cells,
-        telling(list(gaps.values()), cells),
+        dominant_cells(list(gaps.values()), cells),
         {
-            name: followed(tiers(rows.states, rows.time, rows.record), rows.whitened)
+            name: covariate_dependence(covariate_groups(rows.states, rows.time, rows.record), rows.whitened)
             for name, rows in gaps.items()
         },
         joint_rotations(beside),

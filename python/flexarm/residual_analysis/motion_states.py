@@ -24,7 +24,7 @@ STILL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class JointStates:
     """States of one joint at the samples, each of shape (n,).
 
     Attributes
@@ -81,10 +81,10 @@ class States:
 _ARRAYS = ("angle", "rate", "acceleration", "torque", "since_motion", "since_torque", "sense")
 
 
-def joined(parts: Sequence[States]) -> States:
+def joined_states(parts: Sequence[JointStates]) -> JointStates:
     """The samples of several records, one after the other."""
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
-    return States(parts[0].joint, **arrays, slides=parts[0].slides)
+    return JointStates(parts[0].joint, **arrays, slides=parts[0].slides)
 
 
 def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
@@ -98,7 +98,7 @@ def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
     return [name for name in uncertain_clock_and_frame if name in found] or uncertain_clock_and_frame
 
 
-def states_of(pair: AlignedRecord, joint: str, instants: Floats) -> States:
+def joint_states(pair: AlignedRecord, joint: str, instants: Floats) -> JointStates:
     """States of a joint at instants of the simulation."""
     run = pair.simulated.simulation
     time, j = np.asarray(run.time), run.joints.index(joint)
@@ -110,7 +110,7 @@ def states_of(pair: AlignedRecord, joint: str, instants: Floats) -> States:
         return np.interp(instants, time, values)
 
     never = np.full(len(instants), np.inf)
-    return States(
+    return JointStates(
         joint,
         at(np.asarray(run.drive_angle)[:, j]),
         at(rate),
@@ -150,13 +150,13 @@ ZONES = 5
 
 
 def conditions(
-    states: Sequence[States], time: Floats, record: Groups, labels: Sequence[str], window: float
+    states: Sequence[JointStates], time: Floats, record: Groups, labels: Sequence[str], window: float
 ) -> Iterator[tuple[str, str, Mask]]:
     """State, wording and samples of every condition; those of one state share out all samples.
 
     Parameters
     ----------
-    states : sequence of States
+    states : sequence of JointStates
         Of the joints that move.
     time : ndarray, shape (n,)
         Instants [s].
@@ -176,7 +176,7 @@ def conditions(
         yield from ((("record", name, record == i)) for i, name in enumerate(labels))
 
 
-def _of_joint(states: States, of: str, window: float) -> Iterator[tuple[str, str, Mask]]:
+def _of_joint(states: JointStates, of: str, window: float) -> Iterator[tuple[str, str, Mask]]:
     """Conditions of one joint."""
     zone, unit = intervals(states.angle, ZONES), states.units["angle"]
     width = np.ptp(states.angle) / ZONES
@@ -215,7 +215,9 @@ def _of_time(time: Floats, record: Groups, labels: Sequence[str]) -> Iterator[tu
             yield "time", f"{edges[i]:.3g} to {edges[i + 1]:.3g} s{of}", inside & (zone == i)
 
 
-def tiers(states: Sequence[States], time: Floats, record: Groups) -> Mapping[str, tuple[int, Groups]]:
+def covariate_groups(
+    states: Sequence[JointStates], time: Floats, record: Groups
+) -> Mapping[str, tuple[int, Groups]]:
     """What a gap may follow: by name how much it claims, and the groups of the samples."""
     n = len(time)
     found: dict[str, tuple[int, Groups]] = {}
@@ -240,7 +242,7 @@ def tiers(states: Sequence[States], time: Floats, record: Groups) -> Mapping[str
     return found
 
 
-def _slow_time(states: Sequence[States], time: Floats, record: Groups, bins: int) -> Groups:
+def _slow_time(states: Sequence[JointStates], time: Floats, record: Groups, bins: int) -> Groups:
     """Intervals of time in which every joint's angle comes and goes at least once, by record."""
     groups, first = np.zeros(len(time), dtype=np.intp), 0
     for k in np.unique(record):

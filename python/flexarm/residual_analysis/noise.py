@@ -43,10 +43,10 @@ def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> fl
     if pair.record.kind == "static":
         return repeated_noise(np.asarray(signal.pose)[keep], residual[keep])
     keep &= ~outliers(residual, pair.simulated.noise(signal))
-    return quiet_noise(pair.simulated.instants(signal, pair.aligned.placement)[keep], residual[keep])
+    return quiet_band_noise(pair.simulated.instants(signal, pair.aligned.placement)[keep], residual[keep])
 
 
-def quiet_noise(time: Floats, values: Floats) -> float | None:
+def quiet_band_noise(time: Floats, values: Floats) -> float | None:
     """1 sigma of a channel by (1), values of shape (n, channels)."""
     n, channels = values.shape
     if n < LEAST:

@@ -100,7 +100,7 @@ class SignalFloor:
 
 
 @dataclass(frozen=True, repr=False)
-class Floor:
+class NoiseFloor:
     """The floor of every signal.
 
     Attributes
@@ -190,13 +190,13 @@ def _ratio(error: float | None, noise: float | None) -> str:
     return "-" if error is None or not noise else f"{error / noise:.3f}"
 
 
-def floor(
+def noise_floor(
     pairs: Mapping[str, AlignedRecord] | AlignedRecord,
     *,
     thorough: bool = False,
     step: float = 2e-3,
     alpha: float = -0.05,
-) -> Floor:
+) -> NoiseFloor:
     """How small a gap could be: noise of every record, and error of the simulation.
 
     Takes a simulation of twice the work for each motion, and two more of the liveliest; of poses one.
@@ -204,7 +204,7 @@ def floor(
     Parameters
     ----------
     pairs : dict of str to AlignedRecord, or AlignedRecord
-        Records by name, each beside its simulation, as for `locate`.
+        Records by name, each beside its simulation, as for `localise`.
     thorough : bool
         Find (2) and (3) of every record, not only of the one with the liveliest drive.
     step, alpha : float
@@ -223,7 +223,7 @@ def floor(
     for name, pair in found.items():
         whole = thorough or name == liveliest
         signals += _of_record(name, pair, _variants(pair, step, alpha, whole))
-    return Floor(tuple(signals), step)
+    return NoiseFloor(tuple(signals), step)
 
 
 def refined(arm: Arm) -> Arm:

@@ -3,7 +3,7 @@
     gap = harmonics of the motors + parts by band,   orthogonal to each other in every record         (1)
 
 so squares of parts add up to those of the gap. Harmonics come first: told in the motor's angle they are few
-columns, whatever their frequencies (`residual_analysis.motor_orders`, `residual_analysis.spectrum`).
+columns, whatever their frequencies (`residual_analysis.order_tracking`, `residual_analysis.spectrum`).
 A part with k of n freedoms has the share k/n of white noise.
 
 The gap of one signal, over all records: its parts by direction and band, beside what the arm did.
@@ -24,8 +24,8 @@ from flexarm.comparison.bands import band_parts
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
 from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.torque import gear_ratio
-from flexarm.residual_analysis.motion_states import States, joined, states_of
-from flexarm.residual_analysis.motor_orders import MotorWaves, harmonic_parts, harmonics_of
+from flexarm.residual_analysis.motion_states import JointStates, joined_states, joint_states
+from flexarm.residual_analysis.order_tracking import MotorHarmonics, detected_harmonics, harmonic_parts
 from flexarm.residual_analysis.spectrum import named_bands
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ POSES = "all poses"
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ResidualPart:
     """What of a gap lies in one band, along one direction.
 
     Attributes
@@ -69,45 +69,47 @@ class Split:
     ----------
     time : ndarray, shape (n,)
         Instants [s].
-    states : sequence of States
+    states : sequence of JointStates
         Of the joints that move.
     ratios : sequence of float
         Their gear ratios.
     bands : sequence of (float, float, str)
         Named bands; none for poses.
-    waves : MotorWaves
+    waves : MotorHarmonics
         Of the record.
     """
 
     time: Floats
-    states: Sequence[States]
+    states: Sequence[JointStates]
     ratios: Sequence[float]
     bands: Sequence[tuple[float, float, str]]
-    waves: MotorWaves
+    waves: MotorHarmonics
 
-    def __call__(self, values: Floats, sigma: float, shares: Sequence[Floats | float]) -> tuple[Part, ...]:
+    def __call__(
+        self, values: Floats, sigma: float, shares: Sequence[Floats | float]
+    ) -> tuple[ResidualPart, ...]:
         """Parts of one direction."""
         n = len(values)
         if not self.bands:
-            return (Part(POSES, (0.0, 0.0), values, np.full(n, sigma), float(n)),)
-        harmonics = harmonics_of(values, sigma, self.time, self.waves, self.states, self.ratios, shares)
+            return (ResidualPart(POSES, (0.0, 0.0), values, np.full(n, sigma), float(n)),)
+        harmonics = detected_harmonics(values, sigma, self.time, self.waves, self.states, self.ratios, shares)
         waves, rest = harmonic_parts(values, harmonics)
         found = []
         for each, wave in zip(harmonics, waves, strict=True):
             of = f" of {each.joint}" if len(self.states) > 1 else ""
             name, k = f"{each.multiple} {PER_TURN}{of}", float(each.columns.shape[1])
-            found.append(Part(name, each.band_hz, wave, np.full(n, sigma * np.sqrt(k / n)), k))
+            found.append(ResidualPart(name, each.band_hz, wave, np.full(n, sigma * np.sqrt(k / n)), k))
         edges = [0.0, *(high for _, high, _ in self.bands)]
         split, freedoms = band_parts(self.time, rest[:, None], edges)
         freedoms = freedoms * (1 - sum(part.freedoms for part in found) / n)
         for (low, high, name), part, k in zip(self.bands, split, freedoms.tolist(), strict=True):
-            found.append(Part(name, (low, high), part[:, 0], np.full(n, sigma * np.sqrt(k / n)), k))
+            found.append(ResidualPart(name, (low, high), part[:, 0], np.full(n, sigma * np.sqrt(k / n)), k))
         return _merged(found)
 
 
-def _merged(parts: Sequence[Part]) -> tuple[Part, ...]:
+def _merged(parts: Sequence[ResidualPart]) -> tuple[ResidualPart, ...]:
     """Parts of one name as one: a folded mode may lie in the midst of a band."""
-    found: dict[str, Part] = {}
+    found: dict[str, ResidualPart] = {}
     for part in parts:
         if part.band in found:
             part = _sum(found[part.band], part)
@@ -115,14 +117,16 @@ def _merged(parts: Sequence[Part]) -> tuple[Part, ...]:
     return tuple(found.values())
 
 
-def _sum(one: Part, other: Part) -> Part:
+def _sum(one: ResidualPart, other: ResidualPart) -> ResidualPart:
     """Two orthogonal parts of the same samples."""
     hull = (min(one.band_hz[0], other.band_hz[0]), max(one.band_hz[1], other.band_hz[1]))
     noise = np.hypot(one.noise, other.noise)
-    return Part(one.band, hull, one.values + other.values, noise, one.freedoms + other.freedoms)
+    return ResidualPart(one.band, hull, one.values + other.values, noise, one.freedoms + other.freedoms)
 
 
-def joined_parts(pieces: Sequence[tuple[Part, ...]], lengths: Sequence[int]) -> tuple[Part, ...]:
+def joined_parts(
+    pieces: Sequence[tuple[ResidualPart, ...]], lengths: Sequence[int]
+) -> tuple[ResidualPart, ...]:
     """Parts over the samples of all records; a band that a record has not is zero there."""
     found = []
     for band in dict.fromkeys(part.band for parts in pieces for part in parts):
@@ -130,7 +134,7 @@ def joined_parts(pieces: Sequence[tuple[Part, ...]], lengths: Sequence[int]) -> 
         there = [part for part in own if part is not None]
         pairs = list(zip(own, lengths, strict=True))
         found.append(
-            Part(
+            ResidualPart(
                 band,
                 (min(p.band_hz[0] for p in there), max(p.band_hz[1] for p in there)),
                 np.concatenate([p.values if p else np.zeros(n) for p, n in pairs]),
@@ -142,7 +146,7 @@ def joined_parts(pieces: Sequence[tuple[Part, ...]], lengths: Sequence[int]) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class GapRows:
+class SignalResidual:
     """The gap of one signal at the samples of all records, one record after the other.
 
     Attributes
@@ -159,9 +163,9 @@ class GapRows:
         The gap along each direction.
     noise : dict of str to ndarray, shape (n,)
         Its noise, 1 sigma.
-    parts : dict of str to tuple of Part
+    parts : dict of str to tuple of ResidualPart
         By direction: what it is the sum of.
-    states : tuple of States
+    states : tuple of JointStates
         Of the joints that move.
     notes : tuple of str
         What a reader should know of aliasing.
@@ -174,8 +178,8 @@ class GapRows:
     time: Floats
     directions: Mapping[str, Floats]
     noise: Mapping[str, Floats]
-    parts: Mapping[str, tuple[Part, ...]]
-    states: tuple[States, ...]
+    parts: Mapping[str, tuple[ResidualPart, ...]]
+    states: tuple[JointStates, ...]
     notes: tuple[str, ...] = ()
 
     @property
@@ -184,21 +188,21 @@ class GapRows:
         return np.stack([self.directions[name] / self.noise[name] for name in self.directions], axis=1)
 
 
-def gap_rows(
+def signal_residual(
     pairs: Mapping[str, AlignedRecord],
-    waves: Mapping[str, MotorWaves],
+    waves: Mapping[str, MotorHarmonics],
     signal: str,
     joints: Sequence[str],
     joint: str | None,
     noise: float,
-) -> GapRows | None:
+) -> SignalResidual | None:
     """The gap of a signal in every record that holds it; None if no row of it can be compared.
 
     Parameters
     ----------
     pairs : dict of str to AlignedRecord
         Records by name.
-    waves : dict of str to MotorWaves
+    waves : dict of str to MotorHarmonics
         Of the same records.
     signal : str
         The signal.
@@ -221,7 +225,7 @@ def gap_rows(
     lengths = [len(each.time) for each in pieces]
     notes = [note for each in pieces for note in each.notes]
     notes += [f"{signal} of {name} has other directions and is left out" for name in other]
-    return GapRows(
+    return SignalResidual(
         signal,
         pieces[0].unit,
         labels,
@@ -230,21 +234,26 @@ def gap_rows(
         {name: np.concatenate([each.directions[name] for each in pieces]) for name in directions},
         {name: np.concatenate([each.noise[name] for each in pieces]) for name in directions},
         {name: joined_parts([each.parts[name] for each in pieces], lengths) for name in directions},
-        tuple(joined([each.states[j] for each in pieces]) for j in range(len(joints))),
+        tuple(joined_states([each.states[j] for each in pieces]) for j in range(len(joints))),
         tuple(dict.fromkeys(notes)),
     )
 
 
 def _of_record(
-    pair: AlignedRecord, waves: MotorWaves, name: str, joints: Sequence[str], joint: str | None, noise: float
-) -> GapRows:
+    pair: AlignedRecord,
+    waves: MotorHarmonics,
+    name: str,
+    joints: Sequence[str],
+    joint: str | None,
+    noise: float,
+) -> SignalResidual:
     """The gap of a signal in one record."""
     subject, signal = pair.simulated, pair.simulated.signals[name]
     gap = signal_gap(subject, signal, pair.aligned.placement, joint, ())
     directions = _directions(pair, signal, gap)
     n = len(gap.time)
     sigma = gap.noise_rms / np.sqrt(len(directions)) if gap.noise_rms else noise
-    states = tuple(states_of(pair, each, gap.time) for each in joints)
+    states = tuple(joint_states(pair, each, gap.time) for each in joints)
     bands, notes = _bands(pair, gap.time)
     split = Split(gap.time, states, [gear_ratio(subject.arm, each) for each in joints], bands, waves)
     parts = {
@@ -253,7 +262,9 @@ def _of_record(
     }
     stated = {direction: np.full(n, sigma) for direction in directions}
     record = np.zeros(n, dtype=np.intp)
-    return GapRows(name, gap.unit, ("",), record, gap.time, directions, stated, parts, states, tuple(notes))
+    return SignalResidual(
+        name, gap.unit, ("",), record, gap.time, directions, stated, parts, states, tuple(notes)
+    )
 
 
 def _directions(pair: AlignedRecord, signal: Signal, gap: SignalGap) -> dict[str, Floats]:

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.comparison.bands import band_split
 from flexarm.residual_analysis.covariates import CONSTANT
-from flexarm.residual_analysis.localisation import Located
-from flexarm.residual_analysis.residual_parts import PER_TURN, GapRows, Part
+from flexarm.residual_analysis.localisation import Localisation
+from flexarm.residual_analysis.residual_parts import PER_TURN, ResidualPart, SignalResidual
 from flexarm.residual_analysis.spectrum import SLOW, periodogram
 from flexarm.wording import instant, number, with_unit
 
@@ -38,7 +38,7 @@ OVERSAMPLING = 4
 
 
 @dataclass(frozen=True)
-class Remainder:
+class UnexplainedResidual:
     """What is left of a gap.
 
     Attributes
@@ -59,7 +59,7 @@ class Remainder:
         Other frequencies that the same samples would fit, eq. (1); none where it is quasi-static.
     follows : str
         The state that it follows best.
-    follows_share : float
+    covariate_share : float
         How much a curve over that state explains of what is not constant, or the constant of all.
     record : str
         Where it is greatest.
@@ -83,7 +83,7 @@ class Remainder:
     band: str
     aliases_hz: tuple[float, ...]
     follows: str
-    follows_share: float
+    covariate_share: float
     record: str
     time: float
     burst: tuple[float, float] | None = None
@@ -116,20 +116,20 @@ class Remainder:
         return f"{said}in the band {self.band!r} (or folded from {folded} Hz)"
 
     def _state(self) -> str:
-        share = f"{100 * self.follows_share:.0f} %"
+        share = f"{100 * self.covariate_share:.0f} %"
         if self.follows == CONSTANT:
-            return f"; {share} of it is constant" if self.follows_share >= DOMINANT else ""
-        if self.follows_share < DOMINANT:
+            return f"; {share} of it is constant" if self.covariate_share >= DOMINANT else ""
+        if self.covariate_share < DOMINANT:
             return f"; no state of the joints explains more than {share} of what is not constant"
         return f"; of what is not constant, {share} follow {self.follows}"
 
 
-def describe_remainder(located: Located) -> Remainder | None:
+def unexplained_residual(located: Localisation) -> UnexplainedResidual | None:
     """The signal that stands furthest out of its noise, described; None if nothing was measured.
 
     Parameters
     ----------
-    located : Located
+    located : Localisation
         With the best model.
     """
     if not located.gaps:
@@ -143,7 +143,7 @@ def describe_remainder(located: Located) -> Remainder | None:
     moves = any(each.moves for each in rows.states)
     frequency, share, aliases = _dominant(rows, rows.directions[direction]) if moves else (None, 0.0, ())
     band = _band(rows.parts[direction], frequency) if frequency is not None else ""
-    return Remainder(
+    return UnexplainedResidual(
         rows.signal,
         direction,
         rows.unit,
@@ -164,7 +164,7 @@ def describe_remainder(located: Located) -> Remainder | None:
     )
 
 
-def _dominant(rows: GapRows, values: Floats) -> tuple[float | None, float, tuple[float, ...]]:
+def _dominant(rows: SignalResidual, values: Floats) -> tuple[float | None, float, tuple[float, ...]]:
     """Frequency, share of its band, and aliases, of the record in which a band holds most."""
     found: tuple[float | None, float, tuple[float, ...]] = (None, 0.0, ())
     most = 0.0
@@ -208,13 +208,13 @@ def _burst(time: Floats, record: NDArray[np.intp], squares: Floats, k: int) -> t
     return float(at[best]), float(at[ends[best] - 1])
 
 
-def _band(parts: Sequence[Part], frequency: float) -> str:
+def _band(parts: Sequence[ResidualPart], frequency: float) -> str:
     """The band of a frequency; harmonics of motors are none."""
     inside = [part.band for part in parts if part.band_hz[0] <= frequency <= part.band_hz[1]]
     return next((name for name in inside if PER_TURN not in name), "")
 
 
-def _slow_edge(rows: GapRows) -> float:
+def _slow_edge(rows: SignalResidual) -> float:
     """Upper edge of the quasi-static band [Hz]."""
     parts = next(iter(rows.parts.values()))
     return max((part.band_hz[1] for part in parts if part.band.startswith(SLOW)), default=0.0)

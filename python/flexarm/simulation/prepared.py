@@ -9,7 +9,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
-from flexarm.simulation.endless import refuse_endless
+from flexarm.simulation.step_limit import check_step_count
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def prepared(
     led = ceil(drive.lead / step) if drive.lead > 0 else 0
     options.start = drive.start - led * step if led else drive.start
     options.end = drive.end if end is None else float(end)
-    refuse_endless(options.start, options.end, options.step)
+    check_step_count(options.start, options.end, options.step)
     options.record_forces, options.record_rotations = forces, rotations
     return PreparedRun(arm, drive, options)
 

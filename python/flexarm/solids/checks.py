@@ -17,7 +17,7 @@ from flexarm.errors import Problem
 from flexarm.solids.assigned import material_problems
 from flexarm.solids.cell_types import ALLOWED
 from flexarm.solids.core import smallest_jacobians
-from flexarm.solids.shape import coincident, components, shortest_edge
+from flexarm.solids.shape import coincident, components, shortest_edge, used_points
 from flexarm.tables.ranges import range_of
 
 if TYPE_CHECKING:
@@ -105,19 +105,19 @@ def _duplicates(mesh: SolidMesh) -> Iterator[Problem]:
     if len(pairs):
         numbers = mesh.point_numbers
         assert numbers is not None  # __post_init__ sets it
+        power = 10.0 ** np.floor(np.log10(tolerance))
+        above = np.ceil(tolerance / power) * power  # of one digit
         shown = ", ".join(f"{numbers[a]} and {numbers[b]}" for a, b in pairs[:_SHOWN])
         yield Problem(
             "points",
             f"{len(pairs)} pairs of nodes lie in one place ({shown}{_more(len(pairs))}): the part has "
-            f"cracks; make them one: merge = {_above(tolerance):g} [m] when reading, or in the mesher",
+            f"cracks; make them one: merge = {above:g} [m] when reading, or in the mesher",
         )
 
 
 def _loose(mesh: SolidMesh) -> Iterator[Problem]:
     _, labels = components(mesh)
-    used = np.zeros(mesh.n_points, dtype=bool)
-    for nodes in mesh.cells.values():
-        used[nodes.ravel()] = True
+    used = used_points(mesh.cells.values(), mesh.n_points)
     labels = np.where(used, labels, -1)
     pieces, sizes = np.unique(labels[used], return_counts=True)
     if len(pieces) < 2:
@@ -136,10 +136,7 @@ def _loose(mesh: SolidMesh) -> Iterator[Problem]:
 
 
 def _unused(mesh: SolidMesh) -> Iterator[Problem]:
-    used = np.zeros(mesh.n_points, dtype=bool)
-    for nodes in mesh.cells.values():
-        used[nodes.ravel()] = True
-    left = np.flatnonzero(~used)
+    left = np.flatnonzero(~used_points(mesh.cells.values(), mesh.n_points))
     if len(left):
         yield Problem("points", f"{len(left)} nodes belong to no cell: {_points(mesh, left)}")
 
@@ -161,9 +158,3 @@ def _points(mesh: SolidMesh, which: Ints) -> str:
 
 def _more(count: int) -> str:
     return f" and {count - _SHOWN} more" if count > _SHOWN else ""
-
-
-def _above(value: float) -> float:
-    """Round up to one significant digit."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(np.ceil(value / power) * power)

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidParameter, Problem
-from flexarm.solids.shape import coincident
+from flexarm.solids.shape import coincident, connected
 
 if TYPE_CHECKING:
     from flexarm.solids.mesh import CellGroup, SolidMesh
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
 def merge_points(mesh: SolidMesh, tolerance: float) -> SolidMesh:
     """Merge points at most `tolerance` [m] apart into the first of them."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     if not tolerance > 0:
         raise InvalidParameter(f"must be positive, got {tolerance:g} m", where="merge")
     if not np.isfinite(mesh.points).all():
@@ -29,8 +26,7 @@ def merge_points(mesh: SolidMesh, tolerance: float) -> SolidMesh:
     if not len(pairs):
         return mesh
     n = mesh.n_points
-    links = coo_matrix((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    _, label = connected_components(links, directed=False)
+    _, label = connected(pairs[:, 0], pairs[:, 1], n)
     _, first = np.unique(label, return_index=True)
     keep = np.sort(first)
     new = np.empty(n, dtype=np.int32)

@@ -138,9 +138,9 @@ class SolidMesh:
     @property
     def warnings(self) -> tuple[Problem, ...]:
         """Notes of the reader, and values that are allowed and yet look wrong."""
-        from flexarm.solids.doubts import doubts
+        from flexarm.solids.plausibility import validate
 
-        return (*self.notes, *doubts(self))
+        return (*self.notes, *validate(self))
 
     def point_set(self, name: str) -> Ints:
         """Return the indices of the points of a set.
@@ -238,10 +238,21 @@ class SolidMesh:
         return join(self, other, tolerance)
 
     def describe(self) -> str:
-        """Return the size, cells, groups with their materials, sets: one thing a line."""
-        from flexarm.solids.description import describe
-
-        return describe(self)
+        """Return size, cells, groups with their materials, sets: one thing a line."""
+        counts = ", ".join(f"{len(nodes)} {kind}" for kind, nodes in self.cells.items()) or "no cells"
+        size = " x ".join(f"{x:.4g}" for x in self.box[1] - self.box[0]) if self.n_points else "empty"
+        lines = [
+            f"{self.file or 'mesh'}: {self.n_points} points, {self.n_dof} degrees of freedom, {counts}",
+            f"  size  {size} m",
+        ]
+        for name, group in self.cell_groups.items():
+            lines.append(f"  group {name}: {sum(len(indices) for indices in group.values())} cells")
+            if m := self.materials.get(name):
+                lines[-1] += (
+                    f", E = {m.youngs_modulus:.4g} Pa, nu = {m.poisson_ratio:g}, rho = {m.density:g} kg/m3"
+                )
+        lines += [f"  set   {name}: {len(points)} points" for name, points in self.point_sets.items()]
+        return "\n".join(lines)
 
     @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, *, force: bool = False) -> Path:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm.arrays import Floats, Ints
 from flexarm.solids.cell_types import CELL_TYPES, CellType
+from flexarm.solids.shape import outer_faces
 
 if TYPE_CHECKING:
     from flexarm.solids.mesh import SolidMesh
@@ -60,9 +61,7 @@ def _outer_faces(mesh: SolidMesh, inside: NDArray[np.bool_]) -> Iterator[Ints]:
             nodes = near[:, _face_nodes(kind, face)]
             faces.setdefault(nodes.shape[1], []).append(nodes[inside[nodes].all(axis=1)])
     for parts in faces.values():
-        nodes = np.concatenate(parts)
-        _, first, count = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_counts=True)
-        yield nodes[first[count == 1]]
+        yield outer_faces(np.concatenate(parts))
 
 
 def _face_nodes(kind: CellType, face: int) -> list[int]:

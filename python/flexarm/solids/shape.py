@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.arrays import Floats, Ints
 from flexarm.solids.cell_types import CELL_TYPES
@@ -13,16 +15,29 @@ if TYPE_CHECKING:
     from flexarm.solids.mesh import SolidMesh
 
 
-def components(mesh: SolidMesh) -> tuple[int, Ints]:
-    """Return the number of pieces that share no point, and the piece of each point."""
+def used_points(cells: Iterable[Ints], n_points: int) -> NDArray[np.bool_]:
+    """Return True for every point that a cell uses."""
+    used = np.zeros(n_points, dtype=bool)
+    for nodes in cells:
+        used[nodes.ravel()] = True
+    return used
+
+
+def connected(first: Ints, other: Ints, n_points: int) -> tuple[int, Ints]:
+    """Return the number of sets of points that pairs connect, and the set of each point."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    first = np.concatenate([np.repeat(nodes[:, 0], nodes.shape[1]) for nodes in mesh.cells.values()])
-    other = np.concatenate([nodes.ravel() for nodes in mesh.cells.values()])
-    links = coo_matrix((np.ones(len(first), np.int8), (first, other)), shape=(mesh.n_points,) * 2)
+    links = coo_matrix((np.ones(len(first), np.int8), (first, other)), shape=(n_points, n_points))
     count, labels = connected_components(links, directed=False)
     return int(count), labels
+
+
+def components(mesh: SolidMesh) -> tuple[int, Ints]:
+    """Return the number of pieces that share no point, and the piece of each point."""
+    first = np.concatenate([np.repeat(nodes[:, 0], nodes.shape[1]) for nodes in mesh.cells.values()])
+    other = np.concatenate([nodes.ravel() for nodes in mesh.cells.values()])
+    return connected(first, other, mesh.n_points)
 
 
 def shortest_edge(mesh: SolidMesh) -> float:
@@ -52,11 +67,12 @@ def surface(mesh: SolidMesh) -> list[tuple[int, ...]]:
     found: list[tuple[int, ...]] = []
     for parts in faces.values():
         if parts:
-            found += map(tuple, _once(np.concatenate(parts)).tolist())
+            found += map(tuple, outer_faces(np.concatenate(parts)).tolist())
     return found
 
 
-def _once(faces: Ints) -> Ints:
+def outer_faces(faces: Ints) -> Ints:
+    """Return the faces (n, nodes) that occur once, whatever the order of their nodes."""
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     kept: Ints = faces[np.sort(first[count == 1])]
     return kept

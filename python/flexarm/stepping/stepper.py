@@ -23,7 +23,7 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
 from flexarm.errors import InvalidParameter
-from flexarm.measurement.instants import Instants
+from flexarm.measurement.state_snapshots import SystemSnapshots
 from flexarm.stepping.inputs import Input, Inputs
 from flexarm.stepping.readings import JointReading, PointReading
 from flexarm.stepping.state import State
@@ -179,7 +179,7 @@ class Stepper:
         """
         if name not in self._sensors:
             raise InvalidParameter(_unknown(name, "sensor", self._sensors))
-        instant = Instants.of(self._arm, self._system, [self._moment(state).state])
+        instant = SystemSnapshots.of(self._arm, self._system, [self._moment(state).state])
         values: Floats = instant.readings(self._sensors[name])[0]
         return values
 

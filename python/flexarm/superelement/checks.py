@@ -32,7 +32,7 @@ STATED_ORDER = "stated"
 """What a foreign part's provenance says of the order of its freedoms if the file did not hold it."""
 
 
-def refusals(element: SuperElement, mass: float | None, tolerance: float) -> list[Problem]:
+def violations(element: SuperElement, mass: float | None, tolerance: float) -> list[Problem]:
     """Return everything that no elastic part could have; empty if there is nothing."""
     return [
         *strained_by_rigid_motion(element, tolerance),
@@ -43,7 +43,7 @@ def refusals(element: SuperElement, mass: float | None, tolerance: float) -> lis
     ]
 
 
-def doubts(element: SuperElement) -> list[Problem]:
+def implausible_values(element: SuperElement) -> list[Problem]:
     """Return what is allowed and yet looks wrong."""
     return [
         *outside(element),

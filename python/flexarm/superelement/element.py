@@ -16,21 +16,10 @@ from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.reading import reading
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
-from flexarm.superelement.shape import problems_of_shape
+from flexarm.superelement.shape import VARIABLES, problems_of_shape
 
 if TYPE_CHECKING:
     from flexarm.solids import SolidMesh
-
-_ARRAYS = (
-    "positions",
-    "rotations",
-    "stiffness",
-    "mass",
-    "damping",
-    "frequency_hz",
-    "inertia_load",
-    "recovery",
-)
 
 
 @holds(
@@ -106,11 +95,11 @@ class SuperElement:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "interfaces", tuple(str(name) for name in self.interfaces))
-        for name in _ARRAYS:
+        for name in (*VARIABLES, "recovery"):
             given = getattr(self, name)
-            if name == "inertia_load" and given is None:
+            if given is None and name == "inertia_load":
                 given = inertia_load(self.mass, len(self.interfaces))
-            if name != "recovery" or given is not None:
+            if given is not None:
                 object.__setattr__(self, name, frozen(given))
         self._refuse(problems_of_shape(self))
 
@@ -185,11 +174,11 @@ class SuperElement:
         InvalidParameter
             With everything that no elastic part could have.
         """
-        from flexarm.superelement.checks import TOLERANCE, doubts, refusals
+        from flexarm.superelement.checks import TOLERANCE, implausible_values, violations
 
         limit = TOLERANCE if tolerance is None else tolerance
-        self._refuse(refusals(self, mass, limit))
-        return doubts(self)
+        self._refuse(violations(self, mass, limit))
+        return implausible_values(self)
 
     def _refuse(self, problems: list[Problem]) -> None:
         """Raise an error with all problems, if there are any."""

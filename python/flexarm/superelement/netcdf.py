@@ -21,33 +21,13 @@ from flexarm.errors import InvalidFile, Problem
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
 from flexarm.output import refuse_existing
-from flexarm.superelement.rigid_motion import inertia_load
+from flexarm.superelement.shape import VARIABLES
 from flexarm.superelement.variables import Variables, read_variables, texts
 
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
 
 FORMAT = "flexarm-superelement/1"
-
-DIMENSIONS = {
-    "interface_position": ("interface", "axis"),
-    "interface_rotation": ("interface", "axis", "interface_axis"),
-    "stiffness": ("dof", "dof"),
-    "mass": ("dof", "dof"),
-    "damping": ("dof", "dof"),
-    "frequency_hz": ("mode",),
-    "inertia_load": ("dof", "axis"),
-}
-
-UNITS = {
-    "interface_position": "m",
-    "interface_rotation": "1",
-    "stiffness": "N/m, N, N m",
-    "mass": "kg, kg m, kg m2",
-    "damping": "N s/m, N s, N m s",
-    "frequency_hz": "Hz",
-    "inertia_load": "kg, kg m",
-}
 
 
 def save(element: SuperElement, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
@@ -64,48 +44,33 @@ def save(element: SuperElement, path: str | Path, force: bool = False, inputs: I
 
 def contents(element: SuperElement) -> Contents:
     """Return the content of a super-element's file."""
-    values: dict[str, Any] = {
-        "interface_position": element.positions,
-        "interface_rotation": element.rotations,
-        "stiffness": element.stiffness,
-        "mass": element.mass,
-        "damping": element.damping,
-        "frequency_hz": element.frequency_hz,
-        "inertia_load": element.inertia_load,
-    }
     variables: dict[str, Any] = {"interface_name": (("interface",), list(element.interfaces), {})}
-    for name, array in values.items():
-        variables[name] = (DIMENSIONS[name], array, {"units": UNITS[name]})
+    for field, (name, dimensions, unit) in VARIABLES.items():
+        variables[name] = (dimensions, getattr(element, field), {"units": unit})
     if element.recovery is not None:
         variables["recovery"] = (("point_dof", "dof"), element.recovery, {"units": "1, m, 1/sqrt(kg)"})
+    versions = config()
     attributes = {
         "format": FORMAT,
         "name": element.name,
         "units": "SI: m, kg, s, N, Pa, rad; the part's frame",
-        "quality": json.dumps(_plain(element.quality)),
-        **_provenance(),
+        "quality": json.dumps(plain(element.quality)),
+        "flexarm_version": versions["flexarm"],
+        "git": versions["git"],
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
         **element.provenance,
     }
     return Contents(variables, attributes=attributes)
 
 
-def _provenance() -> dict[str, str]:
-    versions = config()
-    return {
-        "flexarm_version": versions["flexarm"],
-        "git": versions["git"],
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
-
-
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Convert arrays to lists and infinity to null, so that JSON takes them."""
     if isinstance(value, dict) or hasattr(value, "items"):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -127,28 +92,21 @@ def stored(path: str | Path) -> dict[str, Any]:
 def _attributes(data: Variables, path: str | Path) -> dict[str, Any]:
     """Return the attributes; a variable that is missing or holds no numbers is reported with its name."""
     n = (*_shape(data, "interface_name"), 0)[0]
-    left_out = ["inertia_load"] + ["frequency_hz"] * (_shape(data, "stiffness") == (6 * n, 6 * n))
-    needed = [name for name in ("interface_name", *DIMENSIONS) if name not in left_out]
-    missing = [name for name in needed if name not in data.arrays]
+    optional = ["inertia_load"] + ["frequency_hz"] * (_shape(data, "stiffness") == (6 * n, 6 * n))
+    known = ["interface_name", *(name for name, _, _ in VARIABLES.values())]
+    missing = [name for name in known if name not in optional and name not in data.arrays]
     if missing:
-        what = f"is missing; a super-element file holds interface_name, {', '.join(DIMENSIONS)}"
+        what = f"is missing; a super-element file holds {', '.join(known)}"
         raise InvalidFile(path, missing[0], what, problems=tuple(Problem(name, what) for name in missing))
-    mass = _numbers(data, "mass", path)
-    there = [name for name in ("frequency_hz", "inertia_load", "recovery") if name in data.arrays]
-    optional = {name: _numbers(data, name, path) for name in there}
+    fields = {field: name for field, (name, _, _) in VARIABLES.items()} | {"recovery": "recovery"}
+    arrays = {field: _numbers(data, name, path) for field, name in fields.items() if name in data.arrays}
+    arrays.setdefault("frequency_hz", np.zeros(0))
     return dict(
         name=str(data.attributes.get("name") or Path(path).stem),
         interfaces=_interface_names(data, path),
-        positions=_numbers(data, "interface_position", path),
-        rotations=_numbers(data, "interface_rotation", path),
-        stiffness=_numbers(data, "stiffness", path),
-        mass=mass,
-        damping=_numbers(data, "damping", path),
-        frequency_hz=optional["frequency_hz"] if "frequency_hz" in optional else np.zeros(0),
-        inertia_load=optional["inertia_load"] if "inertia_load" in optional else inertia_load(mass, n),
-        recovery=optional.get("recovery"),
         quality=_quality(data),
         provenance={str(k): str(v) for k, v in data.attributes.items() if k not in _OWN_ATTRIBUTES},
+        **arrays,
     )
 
 

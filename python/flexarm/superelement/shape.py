@@ -5,7 +5,7 @@ What mechanics demands of the numbers is in `checks`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,17 +29,15 @@ HUGE = 1e30
 of a matrix is not as small as its inverse, but in a matrix of zeros."""
 
 VARIABLES = {
-    "interfaces": "interface_name",
-    "positions": "interface_position",
-    "rotations": "interface_rotation",
-    "stiffness": "stiffness",
-    "mass": "mass",
-    "damping": "damping",
-    "frequency_hz": "frequency_hz",
-    "inertia_load": "inertia_load",
-    "recovery": "recovery",
+    "positions": ("interface_position", ("interface", "axis"), "m"),
+    "rotations": ("interface_rotation", ("interface", "axis", "interface_axis"), "1"),
+    "stiffness": ("stiffness", ("dof", "dof"), "N/m, N, N m"),
+    "mass": ("mass", ("dof", "dof"), "kg, kg m, kg m2"),
+    "damping": ("damping", ("dof", "dof"), "N s/m, N s, N m s"),
+    "frequency_hz": ("frequency_hz", ("mode",), "Hz"),
+    "inertia_load": ("inertia_load", ("dof", "axis"), "kg, kg m"),
 }
-"""Field of the data class and name of the variable in a file; problems name the latter."""
+"""Field of the data class -> variable in a file, which problems name, its dimensions and unit."""
 
 
 def problems_of_shape(element: SuperElement) -> list[Problem]:
@@ -73,28 +71,20 @@ def _sizes(element: SuperElement) -> Iterator[Problem]:
     n, modes = len(element.interfaces), element.frequency_hz.size
     dof = PER_INTERFACE * n + modes
     because = f"{n} interfaces with 6 freedoms and {modes} modes"
-    wanted: Mapping[str, tuple[int, ...]] = {
-        "positions": (n, 3),
-        "rotations": (n, 3, 3),
-        "stiffness": (dof, dof),
-        "mass": (dof, dof),
-        "damping": (dof, dof),
-        "frequency_hz": (modes,),
-        "inertia_load": (dof, 3),
-    }
-    for field, shape in wanted.items():
-        found = getattr(element, field).shape
+    size = {"interface": n, "axis": 3, "interface_axis": 3, "dof": dof, "mode": modes}
+    for field, (variable, dimensions, _) in VARIABLES.items():
+        shape, found = tuple(size[d] for d in dimensions), getattr(element, field).shape
         if found != shape:
-            yield Problem(VARIABLES[field], f"must have the shape {shape} for {because}, got {found}")
+            yield Problem(variable, f"must have the shape {shape} for {because}, got {found}")
     recovery = element.recovery
     if recovery is not None and (recovery.ndim != 2 or recovery.shape[1] != dof or recovery.shape[0] % 3):
         yield Problem("recovery", f"must have the shape (3 n_points, {dof}), got {recovery.shape}")
 
 
 def _not_finite(element: SuperElement) -> Iterator[Problem]:
-    for field, variable in VARIABLES.items():
+    for field, variable in [*((field, row[0]) for field, row in VARIABLES.items()), ("recovery", "recovery")]:
         values: Any = getattr(element, field)
-        if field == "interfaces" or values is None:
+        if values is None:
             continue
         bad = np.argwhere(~(np.abs(values) < HUGE))
         if len(bad):
@@ -121,15 +111,23 @@ def _frames(element: SuperElement) -> Iterator[Problem]:
 def _asymmetry(element: SuperElement) -> Iterator[Problem]:
     for field in ("stiffness", "mass", "damping"):
         matrix: Floats = getattr(element, field)
-        scale = np.sqrt(np.abs(np.diag(matrix)))
-        rounding = 1e-4 * np.abs(matrix).max()  # where a row is nothing else
-        allowed = SYMMETRY * np.maximum(np.outer(scale, scale), rounding)
-        off = np.abs(matrix - matrix.T) - allowed
-        if off.size and off.max() > 0:
-            i, j = (int(k) for k in np.unravel_index(off.argmax(), off.shape))
+        place = asymmetric_entry(matrix)
+        if place:
+            i, j = place
             places = f"[{i}, {j}] ({freedom(i, element.interfaces)}; {freedom(j, element.interfaces)})"
             what = f"must be symmetric, got {matrix[i, j]:.8g} at {places} and {matrix[j, i]:.8g} across"
             yield Problem(field, what)
+
+
+def asymmetric_entry(matrix: Floats) -> tuple[int, int] | None:
+    """Return the place where a matrix is most asymmetric, or None if it is symmetric to rounding."""
+    scale = np.sqrt(np.abs(np.diag(matrix)))
+    rounding = 1e-4 * np.abs(matrix).max(initial=0)  # where a row is nothing else
+    off = np.abs(matrix - matrix.T) - SYMMETRY * np.maximum(np.outer(scale, scale), rounding)
+    if not (off > 0).any():
+        return None
+    i, j = np.unravel_index(off.argmax(), off.shape)
+    return int(i), int(j)
 
 
 def _frequencies(frequency_hz: Floats) -> Iterator[Problem]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.superelement.netcdf import plain
 from flexarm.superelement.stiffness_checks import rigid_body_error
 
 if TYPE_CHECKING:
@@ -62,15 +63,9 @@ def to_json_dict(element: SuperElement) -> dict[str, Any]:
         "rigid_body_error": float(rigid_body_error(element).max()),
         "damped": bool(element.damping.any()),
         "recovery": element.recovery is not None,
-        "quality": {key: _plain(value) for key, value in element.quality.items()},
+        "quality": plain(element.quality),
         "provenance": dict(element.provenance),
     }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def _body(element: SuperElement) -> Iterator[str]:

@@ -1,6 +1,7 @@
-"""One channel of one record beside the nominal model: readings, prediction, and what a model misses of it.
+"""One channel of a record and its prediction by the nominal model.
 
-A part of the motion is missed by any nominal model: `floor`. What is no fault is in `validation.regression`.
+A nominal model misses a part of any motion, the model error. Offsets, turns and delays that are no fault are
+the nuisance regressors of `validation.regression`.
 """
 
 from __future__ import annotations
@@ -15,22 +16,22 @@ from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.quantities import channel_names
-from flexarm.validation.regression import Fit, columns_of, fit_at, slope_of, values_at
+from flexarm.validation.policy import POLICY
+from flexarm.validation.regression import GainFit, fit_at_gain, fit_gain, nuisance_regressors, predicted_at
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
 
-MISSED = {"motor_torque": 0.1, "motor_voltage": 0.1, "strain": 0.1, "acceleration": 0.1, "angular_rate": 0.1}
-"""Share of the motion that a nominal model misses, by quantity; else `MISSED_ELSE`."""
-MISSED_ELSE = 0.03
-AMISS = {"position": 1e-3, "deflection": 1e-3, "joint_angle": 1e-3, "inclination": 1e-3, "orientation": 1e-3}
-"""What it misses whatever the motion: a share of the reach of the arm, or an angle [rad]."""
+QUASI_STATIC = ("position", "deflection", "joint_angle", "inclination", "orientation")
+"""Quantities that do not ring by as much as they move."""
+RINGING = ("motor_torque", "motor_voltage", "strain", "acceleration", "angular_rate")
+"""Quantities of which a nominal model misses more."""
 
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """Readings of a channel, rows without a value left out.
+    """Hold the readings of a channel and their prediction, without rows that lack a value.
 
     Attributes
     ----------
@@ -45,15 +46,15 @@ class Channel:
     time : ndarray, shape (n,)
         Instants in the simulation's time [s], or numbers of poses.
     measured, predicted : ndarray, shape (n,)
-        Readings and what the nominal model says.
-    columns, sizes : ndarray, shapes (n, k) and (k,)
+        Readings and the nominal prediction.
+    regressors, prior_std : ndarray, shapes (n, k) and (k,)
         c and S.
-    noise, floor : float
-        1 sigma of the readings, as stated, if they scatter by as much; what the nominal model misses [SI].
-    size : float
+    noise, model_error : float
+        1 sigma of the readings, as stated or as they scatter, if that is less; model error [SI].
+    length_scale : float
         The reach of the arm for lengths [m], else 1.
     driven : ndarray of bool, shape (n,)
-        Whether a drive moves; where none does, an arm may be at rest, and a model without damping rings on.
+        True where a drive moves. Elsewhere the arm may rest, while a model without damping rings on.
     """
 
     record: str
@@ -63,41 +64,43 @@ class Channel:
     time: Floats
     measured: Floats
     predicted: Floats
-    columns: Floats
-    sizes: Floats
+    regressors: Floats
+    prior_std: Floats
     noise: float
-    floor: float
-    size: float
+    model_error: float
+    length_scale: float
     driven: NDArray[np.bool_]
 
     @property
     def name(self) -> str:
-        """As effects name channels: an axis, or "" of a scalar."""
+        """Return the name by which effects know the channel: an axis, or "" of a scalar."""
         return channel_names(self.signal.quantity, self.signal.axes)[self.index]
 
     @property
     def label(self) -> str:
-        """For a person: the signal, and which channel of several."""
+        """Return the signal and the channel as text."""
         return f"{self.signal.name} {self.name}".rstrip()
 
-    def fit(self) -> Fit:
-        """How the readings follow the prediction."""
-        return slope_of(self.measured, self.predicted, self.columns, self.sizes, self.noise, self.floor)
+    def fit(self) -> GainFit:
+        """Return the regression of the readings on the prediction."""
+        return fit_gain(
+            self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error
+        )
 
-    def fit_at(self, slope: float) -> Fit:
-        """The same by a slope that is given."""
-        args = (self.measured, self.predicted, self.columns, self.sizes, self.noise, self.floor)
-        return fit_at(slope, *args)
+    def fit_at_gain(self, gain: float) -> GainFit:
+        """Return the same at a given gain."""
+        args = (self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error)
+        return fit_at_gain(gain, *args)
 
     @property
-    def least(self) -> float:
-        """What any hypothesis leaves: noise, and the share of what its signal shows that models miss [SI]."""
+    def least_scatter(self) -> float:
+        """Return the least scatter of any hypothesis: noise, and what models miss of the shown motion."""
         shown = float(np.max(np.nanstd(self.signal.values, axis=0)))
-        return float(np.hypot(self.noise, missed(self.signal) * shown))
+        return float(np.hypot(self.noise, missed_share(self.signal) * shown))
 
-    def left(self) -> Floats:
-        """Residual of the best slope and columns without priors; a tenth of the rows does not count."""
-        A = np.column_stack([self.predicted, self.columns])
+    def robust_residual(self) -> Floats:
+        """Return the residual of the regression without priors and without the worst tenth of the rows."""
+        A = np.column_stack([self.predicted, self.regressors])
         A = A / np.maximum(np.linalg.norm(A, axis=0), 1e-300)
         keep = np.ones(len(A), dtype=bool)
         for _ in range(3):
@@ -105,46 +108,41 @@ class Channel:
             keep = np.abs(found) <= np.quantile(np.abs(found), 0.9)
         return np.asarray(found)
 
-    def part(self, keep: NDArray[np.bool_]) -> Channel:
-        """Some of its rows."""
+    def select(self, keep: NDArray[np.bool_]) -> Channel:
+        """Return the channel with some of its rows."""
         arrays = {
             key: getattr(self, key)[keep]
-            for key in ("rows", "time", "measured", "predicted", "columns", "driven")
+            for key in ("rows", "time", "measured", "predicted", "regressors", "driven")
         }
         return replace(self, **arrays)
 
 
-LEAST_ROWS = 6
-STANDS = 0.05
-"""Part of a drive's greatest rate below which it stands."""
-
-
-def missed(signal: Signal) -> float:
-    """Share of a motion that a nominal model misses of a signal [-]."""
-    return MISSED.get(signal.quantity, MISSED_ELSE)
+def missed_share(signal: Signal) -> float:
+    """Return the share of a motion that a nominal model misses of a signal [-]."""
+    return POLICY.missed_ringing if signal.quantity in RINGING else POLICY.missed_share
 
 
 def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> list[Channel]:
-    """All channels of a record that the simulation predicts and that hold enough values."""
+    """Return all channels of a record that the simulation predicts and that hold enough values."""
     return [
         channel
         for signal in simulated.evidence.values()
         for channel in _of_signal(name, simulated, placement, signal)
-        if len(channel.rows) >= LEAST_ROWS
+        if len(channel.rows) >= POLICY.min_rows
     ]
 
 
 def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, signal: Signal) -> list[Channel]:
-    predicted = values_at(simulated, signal, placement)
-    measured = _nearer_sign(signal, predicted)
+    predicted = predicted_at(simulated, signal, placement)
+    measured = _matching_quaternions(signal, predicted)
     instants = simulated.instants(signal, placement)
     found = []
     for k in range(measured.shape[1]):
         keep = np.isfinite(measured[:, k]) & np.isfinite(predicted[:, k])
-        columns, sizes = columns_of(simulated, signal, placement, predicted, k)
+        regressors, prior_std = nuisance_regressors(simulated, signal, placement, predicted, k)
         moving = float(np.std(predicted[keep, k])) if keep.any() else 0.0
         stated = float(simulated.effects(signal).noise(signal.noise_std or 0.0)[k])
-        noise = min(stated, _step_to_step(measured[keep, k]))
+        noise = min(stated, _successive_scatter(measured[keep, k]))
         found.append(
             Channel(
                 name,
@@ -154,10 +152,10 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
                 instants[keep],
                 measured[keep, k],
                 predicted[keep, k],
-                columns[keep],
-                sizes,
+                regressors[keep],
+                prior_std,
                 noise or 1e-6 * moving,
-                _floor(simulated, signal, moving),
+                _model_error(simulated, signal, moving),
                 reach(simulated.arm) if signal.unit == "m" else 1.0,
                 _driven(simulated, instants[keep]),
             )
@@ -166,32 +164,30 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
 
 
 def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
-    """Where some drive moves by more than a part `STANDS` of its greatest rate; everywhere in poses."""
+    """Return True where a drive exceeds `moving_rate` of its greatest rate; everywhere in poses."""
     if simulated.record.kind == "static":
         return np.ones(len(instants), dtype=bool)
     run = simulated.simulation
     rate = np.abs(np.asarray(run.drive_rate))
-    moving = np.any(rate > STANDS * np.max(rate, axis=0), axis=1)
+    moving = np.any(rate > POLICY.moving_rate * np.max(rate, axis=0), axis=1)
     found: NDArray[np.bool_] = np.interp(instants, run.time, moving.astype(float)) > 0
     return found
 
 
-def _step_to_step(y: Floats) -> float:
-    """Scatter from one reading to the next: no sensor has more noise, whatever is stated."""
+def _successive_scatter(y: Floats) -> float:
+    """Return the scatter from one reading to the next, an upper bound of the noise."""
     return float(np.std(np.diff(y)) / np.sqrt(2)) if len(y) > 2 else 0.0
 
 
-def _nearer_sign(signal: Signal, predicted: Floats) -> Floats:
-    """Readings; of the two quaternions of one orientation the one nearer to the prediction."""
+def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
+    """Return the readings; of the two quaternions of one orientation the one nearer to the prediction."""
     if signal.quantity != "orientation":
         return signal.values
     sign = np.sign(np.sum(signal.values * predicted, axis=1))
     return signal.values * np.where(sign == 0, 1.0, sign)[:, None]
 
 
-def _floor(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
-    """What a nominal model misses of a channel [SI]."""
-    absolute = AMISS.get(signal.quantity, 0.0)
-    if signal.unit == "m":
-        absolute = AMISS["position"] * reach(simulated.arm)
-    return float(np.hypot(absolute, missed(signal) * moving))
+def _model_error(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
+    """Return the error of the nominal model of a channel [SI]."""
+    size = reach(simulated.arm) if signal.unit == "m" else float(signal.quantity in QUASI_STATIC)
+    return float(np.hypot(POLICY.missed_at_rest * size, missed_share(signal) * moving))

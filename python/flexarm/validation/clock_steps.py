@@ -1,23 +1,19 @@
-"""Clocks that jump: a delay that changes within a record.
+"""Remarks on time stamps: clock steps, pauses, drop-outs, noise unlike the stated one, non-stationary starts.
 
-    y = s p + sum a c - d H(t - T) dp/dt + e                                                           (1)
+The delay of a clock that steps by d at the time T adds a term to the model of `validation.regression`, with
+Heaviside's step H,
 
-d is the step of the delay at the time T, H Heaviside's step, the rest as in
-`validation.regression`. A step is said if it takes away `EXPLAINED` of the squares of e for one
-of the channels of that clock; a missing effect acts before T as after it.
+    y = s p + sum a c - d H(t - T) dp/dt + e.                                                          (1)
 
-What a person should know of samples: pauses, drop-outs, and noise unlike the stated one.
+A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock. A
+missing effect acts before T as after it.
 
-A pause is an interval of more than `PAUSE` usual ones; drop-outs are said from `LOST` of the rows on. The
-noise of angles, which are smooth from sample to sample, shows in their third differences,
+A pause is an interval above `pause_ratio` usual ones. Drop-outs are reported from `lost_share` of the rows
+on. Angles are smooth from sample to sample, so that their noise follows from third differences,
 
-    std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise                                        (1)
+    std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise.                                       (2)
 
-and is said where it is `UNLIKE` times the stated one, or as many times less.
-
-Records that say they begin at rest, and a drive that moves in their first sample.
-
-The run would start with a jump of the rate and ring with it, which the arm did not: it was moving before.
+A simulation that begins at rest with a moving drive rings, which the arm did not. Such a start is reported.
 """
 
 from __future__ import annotations
@@ -27,51 +23,44 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.validation.channel import Channel, channels
-from flexarm.validation.initial_alignment import placing
-from flexarm.validation.saturation import SLOW
+from flexarm.validation.channel import QUASI_STATIC, Channel, channels
+from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.policy import POLICY
 
 if TYPE_CHECKING:
     from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record, Signal
 
 
-EXPLAINED = 0.8
-SHORTEST = 3e-3
-"""Steps of the delay that are said [s]."""
-TIMES = 60
-"""Instants T that are tried."""
-
-
 def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
-    """Steps of the delay of every clock in every record."""
+    """Report steps of the delay of every clock in every record."""
     found = []
     for name, simulated in simulations.items():
         if simulated.record.kind == "static":
             continue
         best: dict[str, tuple[float, float, float, str]] = {}
-        for channel in channels(name, simulated, placing(simulated)):
+        for channel in channels(name, simulated, initial_alignment(simulated)):
             clock = channel.signal.clock
-            if channel.signal.quantity in SLOW and len(channel.rows) > 30:
+            if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
                 best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
         found += [
             f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
             for clock, (share, step, at, label) in best.items()
-            if share > EXPLAINED and abs(step) > SHORTEST
+            if share > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
         ]
     return found
 
 
 def _step(channel: Channel) -> tuple[float, float, float, str]:
-    """Share of the squares that a step of the delay explains, the step [s], its time, the channel."""
-    rate = channel.columns[:, -1]  # of a place or angle the last column is -dp/dt
-    A = np.column_stack([channel.predicted, channel.columns])
+    """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
+    rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
+    A = np.column_stack([channel.predicted, channel.regressors])
     A = A[:, np.any(A != 0, axis=0)]
     Q = np.linalg.qr(A)[0]
     e = channel.measured - Q @ (Q.T @ channel.measured)
     whole = float(e @ e) or 1.0
     best = (0.0, 0.0, 0.0, channel.label)
-    for at in np.linspace(channel.time[0], channel.time[-1], TIMES + 2)[2:-2]:
+    for at in np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]:
         late = np.where(channel.time > at, rate, 0.0)
         late = late - Q @ (Q.T @ late)
         size = float(late @ late)
@@ -81,13 +70,8 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
     return best
 
 
-PAUSE, LOST, UNLIKE = 20.0, 0.1, 3.0
-SMOOTH_RATE = 50.0
-"""Rate from which on (1) holds [Hz]."""
-
-
 def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
-    """Pauses and drop-outs of all signals."""
+    """Report pauses, drop-outs and unexpected noise of all signals."""
     return [
         f"{name}: {remark}"
         for name, record in records.items()
@@ -99,37 +83,33 @@ def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
 def _remarks(signal: Signal) -> list[str]:
     found = []
     lost = 1.0 - float(np.mean(signal.valid)) if len(signal) else 1.0
-    if LOST < lost < 1:  # that a signal holds nothing is why it is not compared, which is said
+    if POLICY.lost_share < lost < 1:  # that a signal holds nothing is why it is not compared, which is said
         found.append(f"{signal.name} holds no value in {lost:.0%} of its {len(signal)} rows")
     if len(signal.time) > 2:
         steps = np.diff(signal.time)
         worst = int(np.argmax(steps))
-        if steps[worst] > PAUSE * np.median(steps):
+        if steps[worst] > POLICY.pause_ratio * np.median(steps):
             found.append(
                 f"{signal.name} pauses for {steps[worst]:.3g} s after t = {signal.time[worst]:.6g} s; "
                 f"its samples are usually {np.median(steps):.3g} s apart"
             )
-    if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= SMOOTH_RATE:
+    if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= POLICY.smooth_rate_hz:
         found += _noise(signal, signal.noise_std)
     return found
 
 
 def _noise(signal: Signal, stated: float) -> list[str]:
-    """Noise by (1), robustly, if it is unlike the stated one."""
+    """Report the noise by (2), robustly, if it is unlike the stated one."""
     third = np.diff(signal.values[:, 0], 3)
     third = np.abs(third[np.isfinite(third)])
-    noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (1)
-    if noise == 0 or stated / UNLIKE < noise < stated * UNLIKE:
+    noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (2)
+    if noise == 0 or stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
         return []
     return [f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"]
 
 
-SUDDEN = 0.05
-"""Rate with which a drive begins, over its greatest one, above which it was moving before."""
-
-
 def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """A sentence for every record of which a drive says otherwise than the record."""
+    """Report records that state a start at rest while a drive moves in its first sample."""
     for name, simulated in simulations.items():
         record = simulated.record
         if record.kind == "static" or record.initial == "moving":
@@ -139,7 +119,7 @@ def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[st
             if signal.quantity != "joint_angle":
                 continue
             rate = np.abs(run.drive_rate[:, run.joints.index(signal.joint)])
-            if len(rate) > 1 and rate[1] > SUDDEN * rate.max():
+            if len(rate) > 1 and rate[1] > POLICY.moving_rate * rate.max():
                 share = f"{100 * rate[1] / rate.max():.0f} % of its greatest rate"
                 yield (
                     f"{name}: {signal.name} moves in the first sample, at {share}, and the record says that "

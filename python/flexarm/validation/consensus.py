@@ -1,4 +1,4 @@
-"""What all records say of one sensor, as faults."""
+"""Faults of sensors, merged from the findings of all records."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ import numpy as np
 
 from flexarm.named_effects import Alternative, Estimate
 from flexarm.quantities import channel_names
-from flexarm.validation.drive_faults import DriveFinding
-from flexarm.validation.finding import Fault, Finding
+from flexarm.validation.drive_faults import DriveFault
+from flexarm.validation.finding import ChannelFinding, Fault
 from flexarm.wording import listed
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
-    """What was found in one record.
+class RecordFindings:
+    """Hold the findings of one record.
 
     Attributes
     ----------
     record : str
         Its name.
-    channels : sequence of Finding
+    channels : sequence of ChannelFinding
         Its channels.
-    drive : DriveFinding or None
+    drive : DriveFault or None
         A drive at fault.
-    tied : bool
-        Whether the drive explains no more than the channels do: then either is at fault.
+    ambiguous : bool
+        True if the drive explains no more than the channels do: either may be at fault.
     """
 
     record: str
-    channels: Sequence[Finding] = ()
-    drive: DriveFinding | None = None
-    tied: bool = False
+    channels: Sequence[ChannelFinding] = ()
+    drive: DriveFault | None = None
+    ambiguous: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class _Item:
-    """One finding, of a channel or drive, on the way to a fault."""
+class _FaultEvidence:
+    """Hold one finding of a channel or drive as evidence for a fault."""
 
     record: str
     name: str
@@ -49,30 +49,32 @@ class _Item:
     log_odds: float
     values: dict[str, tuple[float, float, str]]
     sentence: str
-    rival: DriveFinding | None = None
+    rival: DriveFault | None = None
 
 
-def merged(verdicts: Sequence[Verdict]) -> tuple[Fault, ...]:
-    """Faults by sensor, most probable first."""
-    verdicts = _agreed(verdicts)
-    items = _one_name([item for verdict in verdicts for item in _items(verdict)])
+def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
+    """Return faults by sensor, most probable first."""
+    all_findings = _resolve_ambiguous(all_findings)
+    items = _one_fault_per_channel([item for findings in all_findings for item in _items(findings)])
     keys = dict.fromkeys((item.name, item.at) for item in items)
     faults = [_fault([item for item in items if (item.name, item.at) == key]) for key in keys]
     return tuple(sorted(faults, key=lambda fault: -fault.probability))
 
 
-def _agreed(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    """Where a record leaves open whether its drive is at fault, another one that does not decides."""
-    sure = {v.drive.key for v in verdicts if v.drive and not v.tied}
+def _resolve_ambiguous(all_findings: Sequence[RecordFindings]) -> list[RecordFindings]:
+    """Resolve an ambiguous record by one that clearly shows the same fault of the drive."""
+    sure = {v.drive.key for v in all_findings if v.drive and not v.ambiguous}
     return [
-        replace(v, tied=False, channels=v.drive.rest) if v.drive and v.tied and v.drive.key in sure else v
-        for v in verdicts
+        replace(v, ambiguous=False, channels=v.drive.channels)
+        if v.drive and v.ambiguous and v.drive.key in sure
+        else v
+        for v in all_findings
     ]
 
 
-def _one_name(items: list[_Item]) -> list[_Item]:
-    """A channel has one fault, that of the record that shows it best: a small motion shows little."""
-    best: dict[tuple[str, str], _Item] = {}
+def _one_fault_per_channel(items: list[_FaultEvidence]) -> list[_FaultEvidence]:
+    """Keep one fault for each channel, that of the record with the highest odds."""
+    best: dict[tuple[str, str], _FaultEvidence] = {}
     for item in items:
         key = item.at, item.channel
         if key not in best or item.log_odds > best[key].log_odds:
@@ -80,18 +82,18 @@ def _one_name(items: list[_Item]) -> list[_Item]:
     return [item for item in items if item.name == best[item.at, item.channel].name]
 
 
-def _items(verdict: Verdict) -> list[_Item]:
-    """Of one record."""
-    drive = verdict.drive
+def _items(findings: RecordFindings) -> list[_FaultEvidence]:
+    """Return the evidence of one record."""
+    drive = findings.drive
     found = []
-    for each in verdict.channels:
+    for each in findings.channels:
         if each.name:
             signal = each.channel.signal
-            rival = drive if verdict.tied else None
+            rival = drive if findings.ambiguous else None
             known = channel_names(signal.quantity, signal.axes)
             found.append(
-                _Item(
-                    verdict.record,
+                _FaultEvidence(
+                    findings.record,
                     each.name,
                     signal.name,
                     each.channel.name,
@@ -102,15 +104,15 @@ def _items(verdict: Verdict) -> list[_Item]:
                     rival,
                 )
             )
-    if drive is not None and (not verdict.tied or not found):
+    if drive is not None and (not findings.ambiguous or not found):
         for at, values in drive.values.items():
-            item = verdict.record, drive.name, at, "", ("",), drive.log_bayes, dict(values), drive.sentence
-            found.append(_Item(*item))
+            item = findings.record, drive.name, at, "", ("",), drive.log_bayes, dict(values), drive.sentence
+            found.append(_FaultEvidence(*item))
     return found
 
 
-def _fault(items: list[_Item]) -> Fault:
-    """All findings of one name at one signal."""
+def _fault(items: list[_FaultEvidence]) -> Fault:
+    """Merge all findings of one name at one signal."""
     first = max(items, key=lambda item: item.log_odds)
     seen = {item.channel for item in items}
     whole = seen == set(first.known)
@@ -134,8 +136,8 @@ def _fault(items: list[_Item]) -> Fault:
     )
 
 
-def _estimates(items: list[_Item]) -> tuple[Estimate, ...]:
-    """Means of all records, weighted by their variances, with 90 % intervals."""
+def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
+    """Return means of all records, weighted by inverse variances, with 90 % intervals."""
     found = []
     for name, (_, _, unit) in items[0].values.items():
         pairs = np.array([item.values[name][:2] for item in items if name in item.values])
@@ -148,8 +150,8 @@ def _estimates(items: list[_Item]) -> tuple[Estimate, ...]:
     return tuple(found)
 
 
-def _sentence(items: list[_Item], first: _Item) -> str:
-    """The clearest one, and which others say the same."""
+def _sentence(items: list[_FaultEvidence], first: _FaultEvidence) -> str:
+    """Return the most probable sentence, and the places of which the same holds."""
     others = [item for item in items if item is not first]
     more = dict.fromkeys(
         f"{item.at} {item.channel}".rstrip() + (f" in {item.record!r}" if item.record != first.record else "")

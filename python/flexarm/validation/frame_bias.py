@@ -1,21 +1,16 @@
-"""Places that are off by the same along the axes of the base, however the arm turns: that is a frame's doing.
+"""Frame bias: positions with a constant offset, frames that moved between records, poses that do not repeat.
 
-What belongs to an arm turns with it, so that its gap g = measured - predicted, seen in the base, changes as
-the prediction p does. A frame that was never stated is taken as the base's own, exact, and then
+With the gap g = measured - predicted and the prediction p in base axes, an error of the arm turns with the
+arm. An offset that does not is that of a frame which is not stated:
 
-    |mean g| > ALIKE std g std(p)^-1 |p|                                                             (1)
+    |mean g| std(p) > unusual_ratio std(g) |p|                                                         (1)
 
-says that the readings count from elsewhere. Without a frame a diagnosis has no registration to find.
+Records share the frames of one name. If a frame moved between two records, the step
 
-Records that contradict each other: a tracker that was moved between them, poses that do not repeat.
+    D = mean g in one record - mean g in another                                                       (2)
 
-Records share the frames of one name. With the gap g = measured - predicted averaged over a record,
-
-    D = mean g in one record - mean g in another                                                       (1)
-
-is about the same for all signals of a frame if the frame moved, and not for what bends an arm. It is said
-beyond `MOVED` sigma of the stated registration where two or more signals agree on it to `ALIKE`. Rows of one
-pose are readings of one place: they are said to disagree where they scatter by more than `SCATTERED` times
+is the same for all its signals. It is reported beyond `min_sigmas` of the stated registration where two or
+more signals agree on it to `shift_agreement`. Rows of one pose disagree if they scatter by `min_noises` times
 the noise.
 """
 
@@ -28,7 +23,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.sizes import reach
-from flexarm.validation.initial_alignment import placing
+from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
@@ -36,18 +32,8 @@ if TYPE_CHECKING:
     from flexarm.record import Record, Signal
 
 
-ALIKE_SHIFTS = 3.0
-"""How much steadier than the direction of the place the gap must be."""
-TURNED = 0.1
-"""Least scatter of the prediction over its distance from the base: hardly moved, all gaps are alike."""
-OFF, NOISE = 5e-3, 10.0
-"""Shift that is told: part of the reach, and noises."""
-TOLD = 0.05
-"""Part of the shift that an axis must have to be told."""
-
-
-def remarks_on_shifts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """A sentence for each position without a frame for which (1) holds."""
+def remarks_on_unstated_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
+    """Report positions without a frame for which (1) holds."""
     for name, simulated in simulations.items():
         for signal in simulated.evidence.values():
             if signal.quantity == "position" and signal.frame == "base":
@@ -55,7 +41,7 @@ def remarks_on_shifts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[st
 
 
 def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
-    placement = placing(simulated)
+    placement = initial_alignment(simulated)
     gap = simulated.residual(signal, placement, hold=True)
     known = np.isfinite(gap).all(axis=1)
     if known.sum() < 3:
@@ -63,12 +49,14 @@ def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
     gap, place = gap[known], simulated.predicted(signal, placement, hold=True)[known]
     off, far = np.mean(gap, axis=0), float(np.sqrt(np.mean(np.sum(place**2, axis=1))))
     size, left, turned = float(np.linalg.norm(off)), _scatter(gap), _scatter(place) / (far or 1.0)
-    least = max(OFF * reach(simulated.arm), NOISE * float(np.max(simulated.noise(signal))))
-    if turned > TURNED and size > least and size * turned > ALIKE_SHIFTS * left:  # eq. (1)
+    least = max(
+        POLICY.min_shift * reach(simulated.arm), POLICY.min_noises * float(np.max(simulated.noise(signal)))
+    )
+    if turned > POLICY.min_motion and size > least and size * turned > POLICY.unusual_ratio * left:  # eq. (1)
         along = ", ".join(
             f"{with_unit(float(value), 'm')} along {axis}"
             for axis, value in zip(signal.axes, off, strict=True)
-            if abs(value) > TOLD * size
+            if abs(value) > POLICY.min_shift_part * size
         )
         yield (
             f"{signal.name} is off by {along}, wherever the arm stands, to within {with_unit(left, 'm', 2)}, "
@@ -78,15 +66,12 @@ def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
 
 
 def _scatter(values: np.ndarray) -> float:
-    """Root mean square distance from the mean."""
+    """Return the root mean square distance from the mean."""
     return float(np.sqrt(np.mean(np.sum((values - np.mean(values, axis=0)) ** 2, axis=1))))
 
 
-MOVED, ALIKE, SCATTERED = 5.0, 0.2, 10.0
-
-
 def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
-    """Frames that stood elsewhere in one record than in the one before."""
+    """Report frames that moved between one record and the next, by (2)."""
     gaps = {name: _mean_gaps(simulated) for name, simulated in simulations.items()}
     return [
         remark
@@ -98,8 +83,8 @@ def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
 
 
 def _mean_gaps(simulated: SimulatedRecord) -> dict[tuple[str, str, str], float]:
-    """Mean gap of every position, by frame, signal and axis."""
-    placement = placing(simulated)
+    """Return the mean gap of every position, by frame, signal and axis."""
+    placement = initial_alignment(simulated)
     found = {}
     for signal in simulated.evidence.values():
         if signal.quantity == "position" and not simulated.record.frame_of(signal).unknown:
@@ -117,14 +102,16 @@ def _moved(
     other: str,
     gaps: Mapping[str, Mapping[tuple[str, str, str], float]],
 ) -> list[str]:
-    """A sentence if (1) is large and alike for all signals of the frame."""
+    """Report a step (2) that is large and alike for all signals of the frame."""
     keys = [key for key in gaps[one] if key[0] == frame and key[2] == axis and key in gaps[other]]
     if len(keys) < 2 or frame not in record.frames:
         return []
-    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (1)
+    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (2)
     middle = float(np.median(steps))
     sigma = float(np.max(record.frames[frame].translation))
-    if abs(middle) <= MOVED * max(sigma, 1e-6) or np.ptp(steps) > ALIKE * abs(middle):
+    if abs(middle) <= POLICY.min_sigmas * max(sigma, 1e-6) or np.ptp(steps) > POLICY.shift_agreement * abs(
+        middle
+    ):
         return []
     return [
         f"{one} and {other} contradict each other: {', '.join(key[1] for key in keys)} lie {middle:.3g} m "
@@ -133,7 +120,7 @@ def _moved(
 
 
 def remarks_on_poses(records: Mapping[str, Record]) -> list[str]:
-    """Poses whose rows do not repeat."""
+    """Report poses whose rows do not repeat."""
     return [
         f"{name}: {remark}"
         for name, record in records.items()
@@ -147,7 +134,10 @@ def _scattered(signal: Signal, noise: float) -> list[str]:
     found = []
     for pose in dict.fromkeys(map(str, signal.pose if signal.pose is not None else [])):
         rows = signal.values[(signal.pose == pose) & signal.valid]
-        if len(rows) > 1 and (scatter := float(np.max(np.std(rows, axis=0, ddof=1)))) > SCATTERED * noise:
+        if (
+            len(rows) > 1
+            and (scatter := float(np.max(np.std(rows, axis=0, ddof=1)))) > POLICY.min_noises * noise
+        ):
             found.append(
                 f"{len(rows)} rows of {signal.name} in the pose {pose!r} scatter by {scatter:.2g} "
                 f"{signal.unit}, the stated noise is {noise:.2g}"

@@ -1,10 +1,8 @@
-"""Clocks and frames to look at channels with: as stated, or where unknown as most signals have it.
+"""Initial alignment of clocks and frames, and the simulations of all records by the nominal model.
 
-The first guess of an unknown frame (`flexarm.comparison.initial_guess`) turns with a channel that is at
-fault. Here the signals of a frame vote: of the guesses of each alone and of all together the one counts for
-which the median signal has the smallest scatter over its motion.
-
-Records beside the runs of the nominal model: one simulation a record.
+The first guess of an unknown frame (`flexarm.comparison.initial_guess`) turns with a faulty channel. The
+candidates are therefore the guess of all signals of the frame and that of each signal alone. The one is
+chosen for which the median signal has the least scatter relative to its motion.
 """
 
 from __future__ import annotations
@@ -29,8 +27,8 @@ if TYPE_CHECKING:
     from flexarm.simulation import Progress
 
 
-def placing(simulated: SimulatedRecord) -> Placement:
-    """Clocks and frames of a record."""
+def initial_alignment(simulated: SimulatedRecord) -> Placement:
+    """Return clocks and frames as stated, unknown ones as most signals have them."""
     start = stated_placement(simulated.record)
     found = initial_guess(simulated, start)
     for name, frame in simulated.record.frames.items():
@@ -41,12 +39,12 @@ def placing(simulated: SimulatedRecord) -> Placement:
         for signal in seen:
             alone = initial_guess(replace(simulated, signals={signal.name: signal}), start)
             guesses.append(Placement(found.clocks, {**found.frames, name: alone.frames[name]}))
-        found = min(guesses, key=lambda placement: _misfit(simulated, placement, name))
+        found = min(guesses, key=lambda placement: _relative_scatter(simulated, placement, name))
     return found
 
 
-def _misfit(simulated: SimulatedRecord, placement: Placement, frame: str) -> float:
-    """Of the median signal of a frame: scatter over motion, offsets aside."""
+def _relative_scatter(simulated: SimulatedRecord, placement: Placement, frame: str) -> float:
+    """Return scatter over motion of the median signal of a frame, offsets aside."""
     shares = []
     for signal in simulated.evidence.values():
         if signal.frame == frame and signal.quantity == "position":
@@ -56,18 +54,14 @@ def _misfit(simulated: SimulatedRecord, placement: Placement, frame: str) -> flo
     return float(np.median(shares))
 
 
-def run(
+def simulate_records(
     arm: Arm,
     records: Mapping[str, Record],
     step: float,
     alpha: float,
     progress: Progress = None,
 ) -> tuple[dict[str, SimulatedRecord], dict[str, str], dict[str, str]]:
-    """Simulations by record, and why there is none of those that cannot be simulated, and of the empty ones.
-
-    A drive whose numbers are wrong may ask for a motion that no arm makes; an empty record holds nothing that
-    a simulation predicts.
-    """
+    """Return simulated records by name, and reasons for those that fail and those with nothing to compare."""
     try:
         runs = _simulations(arm, records, step, alpha, progress)
     except (InvalidParameter, NotConverged):
@@ -91,7 +85,7 @@ def run(
 def _simulations(
     arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress
 ) -> dict[str, Any]:
-    """Of motions side by side, of poses one after the other."""
+    """Simulate motions in parallel and poses one after the other."""
     moving = {name: record for name, record in records.items() if record.kind == "motion"}
     seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
     runs = simulate_all(

@@ -1,14 +1,8 @@
-"""Records of so few poses that an outlier among them would not be found, which a person should know.
+"""Remarks on records: too few poses for outliers, signals not compared, missing channels, implausible values.
 
-Signals that a simulation does not predict: nothing is learnt from them, which a person should know.
-
-Values that no sensor of this arm shows: in another unit, far beyond its reach, or of an arm of kilometres.
-
-A channel that keeps an absurd distance from its prediction may follow its motion all the same, and so be in
-order as far as slopes tell; of signals whose stamps are in other units hardly a reading is compared. Beside
-such values a check has nothing to say for a sensor.
-
-Channels that hold no value at all, such as an axis that is not wired: the others count without them.
+The gain does not show a channel that keeps an absurd distance from its prediction but follows its motion.
+Signals with stamps in another unit have hardly a reading to compare. No sensor can be judged with such
+values.
 """
 
 from __future__ import annotations
@@ -33,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def remarks_on_few_poses(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """A sentence for each signal of a static record that holds values in too few poses."""
+    """Report signals of static records with values in too few poses."""
     for name, simulated in simulations.items():
         for signal in simulated.evidence.values():
             if signal.pose is None:
@@ -45,7 +39,7 @@ def remarks_on_few_poses(simulations: Mapping[str, SimulatedRecord]) -> Iterator
 
 
 def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """A sentence for each signal that is not compared, with the records and the reason."""
+    """Report signals that are not compared, with the records and the reason."""
     found: dict[tuple[str, str], list[str]] = {}
     for name, simulated in simulations.items():
         record = simulated.record
@@ -57,10 +51,10 @@ def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[s
         yield f"{listed(names)}: {signal} is not compared: {reason}"
 
 
-def doubted(
+def plausibility_doubts(
     arm: Arm, records: Mapping[str, Record], borne_out: Mapping[str, Collection[str]] | None = None
 ) -> tuple[str, ...]:
-    """A sentence for each, of the model and by record.
+    """Report implausible values of the model and of each record.
 
     Parameters
     ----------
@@ -69,7 +63,7 @@ def doubted(
     records : dict of str to Record
         What was measured.
     borne_out : dict of str to collection of str, optional
-        By record the drives whose angles places bear out, however far they turn.
+        By record the drives whose angles places confirm, however far they turn.
     """
     found = [f"model: {problem}" for problem in implausible_sizes(arm)]
     for name, record in records.items():
@@ -80,8 +74,8 @@ def doubted(
     return tuple(found)
 
 
-def without_lost_channels(name: str, record: Record) -> tuple[Record, list[str]]:
-    """The record without the empty axes of vectors that are evidence, and a remark on each such signal."""
+def drop_missing_channels(name: str, record: Record) -> tuple[Record, list[str]]:
+    """Return the record without empty axes of vectors that are evidence, and a remark on each."""
     kept, notes = dict(record.signals), []
     for signal in record.signals.values():
         there = [bool(np.isfinite(column).any()) for column in signal.values.T]
@@ -94,7 +88,7 @@ def without_lost_channels(name: str, record: Record) -> tuple[Record, list[str]]
 
 
 def _part(signal: Signal, wanted: list[bool]) -> Signal:
-    """Some axes of a signal."""
+    """Return a signal with some of its axes."""
 
     def of(names: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(name for name, keep in zip(names, wanted, strict=False) if keep)

@@ -1,22 +1,20 @@
-"""Channels that stop: at the end of their range (saturation), or frozen for a stretch.
+"""Saturated and frozen channels, from their plateaus.
 
 A plateau is a run of rows that agree to within the noise while the prediction moves on:
 
     max y - min y <= 6 noise (or 0),   max p - min p >= max(10 noise, 0.2 std p)                       (1)
 
-A sensor at the end of its range shows p cut off at a level, so that
+A saturated channel shows p cut off at a level:
 
-    the plateaus lie at one level, the greatest (or least) reading, and p is beyond it there          (2)
+    its plateaus lie at the greatest (or least) reading, and p is beyond it there                      (2)
 
-With noise, they also outnumber the readings just below, and p goes on by a good part of its motion and by
-more than models miss: an arm that friction holds at the end of a move, or that rests beside where it stands
-upright, looks alike, but the model leaves it by little.
+With noise the readings at the level must also outnumber those just below it, and p must go on by a good part
+of its motion and by more than models miss. An arm that friction holds at the end of a move looks alike, but
+the model leaves it by little.
 
-A frozen one shows the last value. Readings of an arm that rests, or turns round, have a prediction that rests
-or turns round too; where the drives stand, a model without damping may ring on, so that p counts in (1) only
-while one moves. Stiction holds a joint, but not its noise, and a model may ring where the arm does not: a
-noisy plateau counts as frozen only for places and angles, and only where the prediction leaves it by `FAR` of
-its motion.
+A frozen channel repeats a value. p counts in (1) only while a drive moves, as a model without damping may
+ring on at rest. Stiction holds a joint but not its noise. A noisy plateau is frozen only for places and
+angles, and only where p moves by `noisy_plateau_motion`.
 """
 
 from __future__ import annotations
@@ -27,45 +25,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.validation.channel import Channel
-from flexarm.validation.finding import PRIOR, Finding, cost, log_bayes
-from flexarm.validation.regression import fit_at
+from flexarm.validation.channel import QUASI_STATIC, Channel
+from flexarm.validation.finding import ChannelFinding, cost, log_bayes
+from flexarm.validation.policy import POLICY
+from flexarm.validation.regression import fit_at_gain
 
 Rows = NDArray[np.bool_]
-
-FEWEST = 5
-"""Rows of a plateau at least."""
-CROWDED = 0.02
-"""Share of all rows that a plateau with noise must hold: a few rows near the top are no end of a range."""
-MOVES = 0.2
-"""Of (1), in standard deviations of the prediction."""
-FAR = 1.0
-"""The same for a noisy plateau that is not at the end of the range."""
-SLOW = ("position", "deflection", "joint_angle", "inclination", "orientation")
-"""Quantities that do not ring by as much as they move."""
-LOST = 0.1
-"""Share of the rows from which on a frozen channel is dead."""
 
 
 @dataclass(frozen=True)
 class Plateau:
-    """Rows first to last (exclusive) of a channel that agree."""
+    """Hold rows first to last (exclusive) of a channel that agree."""
 
     first: int
     last: int
 
 
 def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Plateau]:
-    """All runs (1), exact repeats and noisy ones; a prediction that moves by less than `least` stands."""
-    moves = max(10 * noise, MOVES * float(np.std(p)), least)
+    """Return all runs (1), exact and noisy; a prediction that moves by less than `least` stands."""
+    moves = max(10 * noise, POLICY.plateau_motion * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
-    if noise > 0 and stays(y, 6 * noise, fewest).any():
+    if noise > 0 and stays_within(y, 6 * noise, fewest).any():
         taken = np.zeros(len(y) + 1, dtype=int)
         for run in exact:
             taken[run.first + 1 : run.last + 1] = 1
         taken = np.cumsum(taken)
-        noisy = runs(y, 6 * noise)
+        noisy = constant_runs(y, 6 * noise)
         found = [*exact, *(run for run in noisy if taken[run.last] == taken[run.first])]
     return [run for run in found if run.last - run.first >= fewest and moved(p, driven, run) >= moves]
 
@@ -73,18 +59,18 @@ def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> 
 def rows_to_move(p: Floats, moves: float) -> int:
     """Return the rows below which no run of a prediction moves by `moves`, from its greatest step."""
     step = float(np.max(np.abs(np.diff(p)), initial=0.0))
-    if moves <= FEWEST * step:
-        return FEWEST
+    if moves <= POLICY.min_plateau_rows * step:
+        return POLICY.min_plateau_rows
     return len(p) + 1 if step * len(p) < moves else int(moves / step)
 
 
 def moved(p: Floats, driven: Rows, run: Plateau) -> float:
-    """By how much a prediction moves in a plateau while a drive does."""
+    """Return the range of a prediction in a plateau while a drive moves."""
     part = slice(run.first, run.last)
     return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
 
-def stays(y: Floats, width: float, rows: int) -> Rows:
+def stays_within(y: Floats, width: float, rows: int) -> Rows:
     """Return True at each row from which on `rows` rows stay within `width`; shape (n - rows + 1,)."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
@@ -96,18 +82,18 @@ def stays(y: Floats, width: float, rows: int) -> Rows:
 
 
 def repeats(y: Floats) -> list[Plateau]:
-    """Longest runs of rows of one value."""
+    """Return the longest runs of rows of one value."""
     ends = np.flatnonzero(np.diff(y) != 0) + 1
     firsts, lasts = np.append(0, ends), np.append(ends, len(y))
-    long = lasts - firsts >= FEWEST
+    long = lasts - firsts >= POLICY.min_plateau_rows
     return [Plateau(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
 
 
-def runs(y: Floats, width: float) -> list[Plateau]:
-    """Longest runs of rows that stay within `width`, from the left."""
+def constant_runs(y: Floats, width: float) -> list[Plateau]:
+    """Return the longest runs of rows that stay within `width`, from the left."""
     if width == 0:
         return repeats(y)
-    begins = np.flatnonzero(stays(y, width, FEWEST))
+    begins = np.flatnonzero(stays_within(y, width, POLICY.min_plateau_rows))
     found: list[Plateau] = []
     k = 0
     while k < len(begins):
@@ -120,7 +106,7 @@ def runs(y: Floats, width: float) -> list[Plateau]:
 
 def _end_of_run(y: Floats, first: int, width: float) -> int:
     """Return the first row after `first` beyond `width`, looked for in parts that double."""
-    rows = 4 * FEWEST
+    rows = 4 * POLICY.min_plateau_rows
     while True:
         part = y[first : first + rows]
         beyond = np.maximum.accumulate(part) - np.minimum.accumulate(part) > width
@@ -131,13 +117,13 @@ def _end_of_run(y: Floats, first: int, width: float) -> int:
         rows *= 2
 
 
-def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
-    """The channel if it is cut off at the upper or lower end, or both, and its rows there."""
+def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
+    """Return the saturated channel and its rows at the ends of the range, or None."""
     y, p = channel.measured, channel.predicted
     noise = channel.signal.noise_std or 0.0
     found = []
     for side in (1.0, -1.0):
-        cut = _cut(side * y, side * p, noise, channel.floor)
+        cut = _cut(side * y, side * p, noise, channel.model_error)
         if cut is not None:
             found.append((side, *cut))
     if not found:
@@ -146,7 +132,7 @@ def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
     ends = " and ".join(
         f"{side * level:.5g} {channel.signal.unit} ({rows.sum()} rows)" for side, rows, level in found
     )
-    bayes, after, beyond = _weighed(channel, at)
+    bayes, after, beyond = _compare_cut(channel, at)
     if bayes <= 0:
         return None
     limit = float(np.mean([abs(level) for _, _, level in found]))
@@ -156,22 +142,24 @@ def saturated(channel: Channel) -> tuple[Finding, Rows] | None:
         f"{beyond:.2g} {channel.signal.unit} there"
     )
     values = {"limit": (limit, float(std), channel.signal.unit)}
-    price = cost(channel, max(after, _left_of(channel.part(~at)))) - PRIOR
-    return Finding(channel, "saturation", bayes, price, values, sentence), at
+    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - POLICY.prior_log_odds
+    return ChannelFinding(channel, "saturation", bayes, price, values, sentence), at
 
 
 def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float] | None:
-    """Rows at the upper end and its level, if (2) holds there."""
+    """Return the rows at the upper end and its level if (2) holds there, else None."""
     at, level, width = _end(y, noise)
     inner = ~at & ~_end(-y, noise)[0]
-    fewest = max(FEWEST, CROWDED * len(y)) if width else FEWEST
+    fewest = (
+        max(POLICY.min_plateau_rows, POLICY.negligible_share * len(y)) if width else POLICY.min_plateau_rows
+    )
     if at.sum() < fewest or at.sum() > 0.9 * len(y):
         return None
     if width and not _piled_up(y, level, noise):
         return None
-    shift, left = _about(y[inner] - p[inner], floor)
+    shift, left = _centre_and_scatter(y[inner] - p[inner], floor)
     moving = float(np.std(p))
-    least = max(10 * noise, MOVES * moving, floor) if width else max(5 * noise, 0.02 * moving)
+    least = max(10 * noise, POLICY.plateau_motion * moving, floor) if width else max(5 * noise, 0.02 * moving)
     enough = max(least, 3 * left)
     goes_on = np.ptp(p[at]) >= enough and np.quantile(p[at] + shift - level, 0.8) >= enough / 2
     within = np.mean(p[~at] + shift <= level + max(3 * left, 5 * noise)) > 0.95
@@ -179,35 +167,35 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
 
 
 def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
-    """Rows at the upper end, its level, and how far they scatter: not at all, or with the noise."""
+    """Return the rows at the upper end, its level, and their width: 0, or that of the noise."""
     top = float(np.max(y))
     exact = y == top
-    if exact.sum() >= FEWEST:
+    if exact.sum() >= POLICY.min_plateau_rows:
         return exact, top, 0.0
     at = y >= top - 6 * noise
     return at, float(np.median(y[at])), 6 * noise
 
 
 def _piled_up(y: Floats, level: float, noise: float) -> bool:
-    """Whether more readings lie about a level than below it: a range that ends piles them up there."""
+    """Return True if twice as many readings lie at a level as just below it."""
     about = np.abs(y - level) <= noise
     below = np.abs(y - (level - 5 * noise)) <= noise
     return bool(about.sum() > 2 * below.sum())
 
 
-def _about(gap: Floats, floor: float) -> tuple[float, float]:
-    """Median of a gap and its scatter; of few rows, what the nominal model may miss."""
-    if len(gap) < FEWEST:
+def _centre_and_scatter(gap: Floats, floor: float) -> tuple[float, float]:
+    """Return the median of a gap and its scatter; for few rows 0 and the model error."""
+    if len(gap) < POLICY.min_plateau_rows:
         return 0.0, floor
     middle = float(np.median(gap))
     return middle, float(np.sqrt(np.mean((gap - middle) ** 2)))
 
 
-def _weighed(channel: Channel, at: Rows) -> tuple[float, float, float]:
-    """Bayes factor of a cut at these rows, the scatter left, how far the prediction goes beyond."""
+def _compare_cut(channel: Channel, at: Rows) -> tuple[float, float, float]:
+    """Return the log Bayes factor of a cut at these rows, its scatter, and the greatest distance of p."""
     y, p = channel.measured[at], channel.predicted[at]
     noise = channel.signal.noise_std or 0.0
-    gap = _about(channel.measured[~at] - channel.predicted[~at], channel.floor)[0]
+    gap = _centre_and_scatter(channel.measured[~at] - channel.predicted[~at], channel.model_error)[0]
     before = float(np.sqrt(np.mean((y - p - gap) ** 2)))
     groups = y > np.median(channel.measured)
     spread = max((float(np.std(y[g])) for g in (groups, ~groups) if g.any()), default=0.0)
@@ -215,20 +203,23 @@ def _weighed(channel: Channel, at: Rows) -> tuple[float, float, float]:
     return log_bayes(int(at.sum()), before, after), after, float(np.max(np.abs(p + gap - y)))
 
 
-def _left_of(rest: Channel) -> float:
-    """What the other rows leave, none if there are none."""
-    return rest.fit_at(1.0).left if len(rest.rows) else 0.0
+def _rms_of(rest: Channel) -> float:
+    """Return the rms residual of the other rows, 0 if there are none."""
+    return rest.fit_at_gain(1.0).rms if len(rest.rows) else 0.0
 
 
-def frozen(channel: Channel) -> tuple[Rows, str] | None:
-    """Rows where the channel repeats a value while the prediction moves on, and a sentence."""
+def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
+    """Return the rows where the channel repeats a value while the prediction moves, and a sentence."""
     noise = channel.signal.noise_std or 0.0
     y, p = channel.measured, channel.predicted
     at = np.zeros(len(y), dtype=bool)
     rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
     for run in plateaus(y, p, channel.driven, noise, rounding):
         part = slice(run.first, run.last)
-        far = moved(p, channel.driven, run) >= FAR * float(np.std(p)) and channel.signal.quantity in SLOW
+        far = (
+            moved(p, channel.driven, run) >= POLICY.noisy_plateau_motion * float(np.std(p))
+            and channel.signal.quantity in QUASI_STATIC
+        )
         if far or np.ptp(y[part]) == 0:
             at[part] = True
     if not at.any():
@@ -237,19 +228,19 @@ def frozen(channel: Channel) -> tuple[Rows, str] | None:
     return at, f"{channel.label} repeats a value in {at.sum()} rows from t = {first:.4g} s on"
 
 
-def dead_from(channel: Channel, at: Rows, sentence: str) -> Finding | None:
-    """A channel that is frozen for so long that it is dead."""
-    if at.mean() < LOST:
+def frozen_as_dead(channel: Channel, at: Rows, sentence: str) -> ChannelFinding | None:
+    """Return a dead channel if it is frozen in `lost_share` of its rows, else None."""
+    if at.mean() < POLICY.lost_share:
         return None
     y, p = channel.measured[at], channel.predicted[at]
-    columns = channel.columns[at]
-    before = fit_at(1.0, y, p, columns, channel.sizes, channel.noise, 0.0).scatter
+    columns = channel.regressors[at]
+    before = fit_at_gain(1.0, y, p, columns, channel.prior_std, channel.noise, 0.0).scatter
     after = max(channel.noise, 1e-3 * before)
     bayes = log_bayes(int(at.sum()), before, after)
     if bayes <= 0:
         return None
     value = float(np.median(y))
-    price = cost(channel, max(after, _left_of(channel.part(~at)))) - PRIOR
+    price = cost(channel, max(after, _rms_of(channel.select(~at)))) - POLICY.prior_log_odds
     values = {"value": (value, channel.noise / np.sqrt(at.sum()), channel.signal.unit)}
     moved = f"{sentence}, while the model moves by {np.ptp(p):.3g} {channel.signal.unit}"
-    return Finding(channel, "dead_channel", bayes, price, values, moved)
+    return ChannelFinding(channel, "dead_channel", bayes, price, values, moved)

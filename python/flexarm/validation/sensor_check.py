@@ -1,10 +1,15 @@
-"""The data before the physics: which channels cannot be what they say, which samples are off.
+"""Validation of records before any physics: faulty channels, wrong drives, outliers, clocks and frames.
 
-A nominal model misses by centimetres where a joint gives way; it does not move the other way, 57 times too
-far, or not at all. Every channel is laid beside one simulation of the nominal model and judged by how it
-follows it (`checks`): slopes for signs and units, plateaus for dead and cut-off channels,
-and drives by driving the model again with the fault taken back. What can be repaired (offsets, scales near 1,
-delays, frames) is left to the diagnosis. Units: SI. Source: docs/diagnosis.md.
+A nominal model that lacks an effect misses by centimetres. It does not move the other way, 57 times too far,
+or not at all. Each channel is therefore compared with one simulation of the nominal model:
+
+1. outliers of drives and channels that hold no value are removed;
+2. the gain of each channel tells signs and units, its plateaus tell dead, frozen and saturated channels;
+3. the model is driven again with a fault of the drive taken back, if channels that it moves are disturbed;
+4. findings of all records are merged by sensor.
+
+Offsets, scales near 1, delays and frames can be estimated and are left to the diagnosis. Units: SI.
+Source: docs/diagnosis.md.
 """
 
 from __future__ import annotations
@@ -15,23 +20,24 @@ from typing import TYPE_CHECKING, Any
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.record.plausibility import disjoint_clocks
-from flexarm.simulation.endless import endless
+from flexarm.simulation.step_limit import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
-from flexarm.validation.consensus import Verdict, merged
-from flexarm.validation.drive_faults import CLEAR, DriveFinding, drive_fault, same_fault
-from flexarm.validation.drive_hypotheses import wild_drives
-from flexarm.validation.finding import Checked, Finding, Removed
-from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_shifts
-from flexarm.validation.gain_faults import findings
-from flexarm.validation.initial_alignment import placing, run
-from flexarm.validation.outliers import clean_drives, clean_evidence, without_rows
+from flexarm.validation.consensus import RecordFindings, merge_findings
+from flexarm.validation.drive_faults import DriveFault, apply_known_fault, find_drive_fault
+from flexarm.validation.drive_hypotheses import implausible_drives
+from flexarm.validation.finding import ChannelFinding, RemovedOutliers, ValidationResult
+from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_unstated_frames
+from flexarm.validation.gain_faults import find_channel_faults
+from flexarm.validation.initial_alignment import initial_alignment, simulate_records
+from flexarm.validation.outliers import blank_listed_rows, clean_drives, clean_evidence
+from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
-    doubted,
+    drop_missing_channels,
+    plausibility_doubts,
     remarks_on_few_poses,
     remarks_on_skipped,
-    without_lost_channels,
 )
-from flexarm.validation.stuck_drives import borne_out, constant_drive, standing_drive
+from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -47,15 +53,15 @@ def check(
     step: float = 2e-3,
     alpha: float = -0.05,
     progress: Progress = None,
-) -> Checked:
-    """What is wrong with records before any physics: faulty sensors, outliers, clocks, contradictions.
+) -> ValidationResult:
+    """Check records for faulty sensors, outliers, clock steps and contradictions.
 
     Parameters
     ----------
     arm : Arm
         The nominal model.
     records : dict of str to Record, or sequence of Record
-        What was measured; of a sequence the names are those of the directories.
+        Measured data; of a sequence the names are those of the directories.
     step, alpha : float
         Of the simulation [s], [-].
     progress : bool or callable, optional
@@ -63,35 +69,36 @@ def check(
 
     Returns
     -------
-    Checked
+    ValidationResult
 
     Raises
     ------
     InvalidParameter
-        If there are no records, one names what the model does not have, or its signals have no instant in
-        common with its drive.
+        If there are no records, the model lacks a named object, or no instant is common with the drive.
 
     Examples
     --------
     >>> print(check(arm, [flexarm.Record.load("measured")]))  # doctest: +SKIP
     """
     named = named_records(records)
-    outliers: list[Removed] = []
+    outliers: list[RemovedOutliers] = []
     remarks: list[str] = []
     doubts: list[str] = []
     for name, record in named.items():
-        named[name], removed, notes = _readable(arm, name, record, step)
+        named[name], removed, notes = _prepare(arm, name, record, step)
         outliers += removed
         remarks += notes
-    wild = {name: wild_drives(arm, record) for name, record in named.items()}
-    tame = {name: record for name, record in named.items() if not wild[name]}
-    simulations, failed, empty = run(arm, tame, step, alpha, progress) if tame else ({}, {}, {})
+    implausible = {name: implausible_drives(arm, record) for name, record in named.items()}
+    plausible = {name: record for name, record in named.items() if not implausible[name]}
+    simulations, failed, empty = (
+        simulate_records(arm, plausible, step, alpha, progress) if plausible else ({}, {}, {})
+    )
     failed |= {
         name: f"no joint turns as {', '.join(sorted(at))} say{'s' * (len(at) == 1)}"
-        for name, at in wild.items()
+        for name, at in implausible.items()
         if at
     }
-    verdicts = []
+    all_findings = []
     remarks += [
         *remarks_on_stamps(named),
         *remarks_on_starts(simulations),
@@ -101,68 +108,76 @@ def check(
     remarks += remarks_on_skipped(simulations)
     for name in (each for each in named if each not in empty):
         if name in simulations:
-            named[name], removed = clean_evidence(name, simulations[name], placing(simulations[name]))
+            named[name], removed = clean_evidence(
+                name, simulations[name], initial_alignment(simulations[name])
+            )
             outliers += removed
             simulations[name] = _beside(arm, named[name], simulations[name])
-        verdict = _judged(arm, name, named[name], simulations.get(name), step, alpha)
-        verdicts.append(verdict)
-        named[name], notes = _without_frozen(named[name], verdict)
+        findings = _judge(arm, name, named[name], simulations.get(name), step, alpha)
+        all_findings.append(findings)
+        named[name], notes = _without_frozen(named[name], findings)
         remarks += notes
-        if name in failed and verdict.drive is None:
+        if name in failed and findings.drive is None:
             doubts.append(f"{name}: the model cannot be simulated: {failed[name]}")
     remarks += remarks_on_poses(named)
-    faults = merged([_again(arm, verdict, verdicts, named, step, alpha) for verdict in verdicts])
+    faults = merge_findings(
+        [_reconsider(arm, findings, all_findings, named, step, alpha) for findings in all_findings]
+    )
     if not faults:
         remarks += [*remarks_on_clocks(simulations), *remarks_on_frames(simulations)]
-        remarks += remarks_on_shifts(simulations)
-    sure = {v.record: borne_out(arm, named[v.record], v.channels) for v in verdicts if v.drive is None}
+        remarks += remarks_on_unstated_frames(simulations)
+    sure = {
+        v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
+    }
     compared = {name: tuple(simulated.evidence) for name, simulated in simulations.items()}
-    return Checked(
+    return ValidationResult(
         named,
         faults,
         tuple(outliers),
         tuple(remarks),
         {**compared, **dict.fromkeys(empty, ())},
-        (*doubted(arm, named, sure), *doubts),
+        (*plausibility_doubts(arm, named, sure), *doubts),
     )
 
 
-def cleaned(arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alpha: float = -0.05) -> Checked:
-    """Records without their outliers, their sensors taken as they are: of those that no model is chosen by.
+def clean_records(
+    arm: Arm, records: Mapping[str, Record], *, step: float = 2e-3, alpha: float = -0.05
+) -> ValidationResult:
+    """Return records without outliers, their sensors taken as they are, for validation data.
 
     Parameters
     ----------
     arm : Arm
         The nominal model.
     records : dict of str to Record
-        What was measured.
+        Measured data.
     step, alpha : float
         Of the simulation [s], [-].
 
     Raises
     ------
     InvalidParameter
-        If a record names what the model does not have, or holds nothing to compare.
+        If the model lacks an object that a record names, or nothing can be compared.
     NotConverged
         If the model cannot be simulated along one.
     """
     named = dict(records)
-    outliers: list[Removed] = []
+    outliers: list[RemovedOutliers] = []
     remarks: list[str] = []
     for name, record in named.items():
-        record, removed, notes = _readable(arm, name, record, step)
+        record, removed, notes = _prepare(arm, name, record, step)
         try:
             simulated = simulate_record(arm, record, align=False, step=step, alpha=alpha).simulated
         except InvalidParameter as error:
             raise InvalidParameter(str(error), where=name) from None
-        named[name], more = clean_evidence(name, simulated, placing(simulated))
+        named[name], more = clean_evidence(name, simulated, initial_alignment(simulated))
         outliers += [*removed, *more]
         remarks += notes
-    return Checked(named, (), tuple(outliers), tuple(remarks))
+    return ValidationResult(named, (), tuple(outliers), tuple(remarks))
 
 
 def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
-    """Records by name: the keys, or the names of their directories.
+    """Return records by name: the keys, or the names of their directories.
 
     Raises
     ------
@@ -196,82 +211,83 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
     return named
 
 
-def _readable(arm: Arm, name: str, record: Record, step: float) -> tuple[Record, list[Removed], list[str]]:
-    """A record that fits the model, without empty channels and the outliers of its drives.
+def _prepare(
+    arm: Arm, name: str, record: Record, step: float
+) -> tuple[Record, list[RemovedOutliers], list[str]]:
+    """Return a record without missing channels and outliers of its drives, these, and remarks.
 
     Raises
     ------
     InvalidParameter
-        If it names what the model does not have, a signal has no instant in common with the drive, or a run
-        of it would not end.
+        If the model lacks a named object, no instant is common with the drive, or a simulation would not end.
     """
     record.check_against(arm)
     for problem in (*disjoint_clocks(record), *endless(record, step)):
         raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
-    record, notes = without_lost_channels(name, record)
+    record, notes = drop_missing_channels(name, record)
     record, removed = clean_drives(name, record)
     return record, removed, notes
 
 
-def _judged(
+def _judge(
     arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
-) -> Verdict:
-    """One record: its channels as they are, or with a drive's fault taken back if that explains more."""
+) -> RecordFindings:
+    """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:
-        return Verdict(name, (), drive_fault(arm, name, record, None, step, alpha))
-    found = findings(name, simulated)
-    standing = standing_drive(arm, record, found)
+        return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
+    found = find_channel_faults(name, simulated)
+    standing = stuck_drive(arm, record, found)
     if standing is not None:
-        return Verdict(name, (), standing)
-    if not any(each.name or each.strange for each in found):
-        return Verdict(name, found)
-    verdict = _weighed(name, found, drive_fault(arm, name, record, found, step, alpha))
-    if verdict.drive is None and (still := constant_drive(arm, record, found)) is not None:
-        return Verdict(name, (), still)
-    return verdict
+        return RecordFindings(name, (), standing)
+    if not any(each.name or each.unexplained for each in found):
+        return RecordFindings(name, found)
+    findings = _choose(name, found, find_drive_fault(arm, name, record, found, step, alpha))
+    if findings.drive is None and (still := constant_drive(arm, record, found)) is not None:
+        return RecordFindings(name, (), still)
+    return findings
 
 
-def _again(
+def _reconsider(
     arm: Arm,
-    verdict: Verdict,
-    all_of_them: Sequence[Verdict],
+    findings: RecordFindings,
+    all_of_them: Sequence[RecordFindings],
     records: Mapping[str, Record],
     step: float,
     alpha: float,
-) -> Verdict:
-    """Channels at fault where another record shows that it is their drive: a small motion shows little."""
-    sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.rest and not v.tied]
-    if verdict.drive is not None or not any(each.name for each in verdict.channels):
-        return verdict
+) -> RecordFindings:
+    """Replace faults of channels by a fault of their drive that another record shows clearly."""
+    sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.channels and not v.ambiguous]
+    if findings.drive is not None or not any(each.name for each in findings.channels):
+        return findings
     for fault in sure:
-        name = verdict.record
-        found = same_fault(arm, name, records[name], fault, verdict.channels, step, alpha)
+        name = findings.record
+        found = apply_known_fault(arm, name, records[name], fault, findings.channels, step, alpha)
         if found is not None:
-            return Verdict(name, found.rest, found)
-    return verdict
+            return RecordFindings(name, found.channels, found)
+    return findings
 
 
 def _beside(arm: Arm, record: Record, simulated: SimulatedRecord) -> SimulatedRecord:
-    """The simulation beside the record without its outliers."""
+    """Return the simulated record without its outliers."""
     return simulate_record(arm, record, align=False, simulation=simulated.simulation).simulated
 
 
-def _weighed(name: str, found: Sequence[Finding], drive: DriveFinding | None) -> Verdict:
-    """Whichever explains the record; both where they explain it alike."""
+def _choose(name: str, found: Sequence[ChannelFinding], drive: DriveFault | None) -> RecordFindings:
+    """Choose the better explanation of the record; keep both if they are alike."""
     if drive is None:
-        return Verdict(name, found)
-    if drive.log_bayes > CLEAR:
-        return Verdict(name, drive.rest, drive)
-    return Verdict(name, found, drive, tied=True)
+        return RecordFindings(name, found)
+    if drive.log_bayes > POLICY.clear_log_odds:
+        return RecordFindings(name, drive.channels, drive)
+    return RecordFindings(name, found, drive, ambiguous=True)
 
 
-def _without_frozen(record: Record, verdict: Verdict) -> tuple[Record, list[str]]:
-    """The record without rows that repeat a value, and what else channels show that is no fault."""
+def _without_frozen(record: Record, findings: RecordFindings) -> tuple[Record, list[str]]:
+    """Return the record without frozen rows, and remarks on channels that are no faults."""
     notes = []
-    for each in verdict.channels:
-        if each.frozen:
-            record = without_rows(record, each.channel.signal.name, each.frozen)
-            notes.append(f"{verdict.record}: {each.sentence}; these rows are removed")
+    for each in findings.channels:
+        if each.frozen_rows:
+            record = blank_listed_rows(record, each.channel.signal.name, each.frozen_rows)
+            notes.append(f"{findings.record}: {each.sentence}; these rows are removed")
         elif each.sentence and not each.name:
-            notes.append(f"{verdict.record}: {each.sentence}")
+            notes.append(f"{findings.record}: {each.sentence}")
     return record, notes

@@ -6,9 +6,14 @@ from types import SimpleNamespace
 import pytest
 
 from flexarm.diagnosis import acceptance
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
 from flexarm.diagnosis.nuisance import Unknown
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.effects import TimeDelay
+
+OBSERVED = SimpleNamespace(policy=SelectionPolicy())
+"""As much of a problem as is asked for."""
 
 
 @pytest.mark.parametrize(
@@ -19,14 +24,14 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
     monkeypatch, strained, gain, taken
 ):
     """It leaves no gap, and explains what matters."""
-    new, old, observed = SimpleNamespace(strain=0.0, rest=None), SimpleNamespace(strain=strained), None
-    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
-    monkeypatch.setattr(acceptance, "matters", lambda *_: True)
-    monkeypatch.setattr(acceptance, "as_stated", lambda *_: False)
-    monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: False)
+    new, old = SimpleNamespace(strain=0.0, rest=None), SimpleNamespace(strain=strained)
+    monkeypatch.setattr(acceptance, "conflict", lambda fit, policy: fit.strain)
+    monkeypatch.setattr(Criteria, "significant", lambda *_: True)
+    monkeypatch.setattr(Criteria, "as_stated", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     monkeypatch.setattr(acceptance, "worth", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: gain)
-    assert acceptance.accepted(new, old, old, observed) is taken
+    assert Criteria(OBSERVED, old).accepts(new, old) is taken
 
 
 @pytest.mark.parametrize(
@@ -35,14 +40,14 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
 def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatch, cost, strained, taken):
     """However strong the evidence: a law that nobody knows is mimicked a little by many."""
     new, old = (SimpleNamespace(strain=x, cost=c, rest=None) for x, c in ((0.0, cost), (strained, 100.0)))
-    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
-    monkeypatch.setattr(acceptance, "matters", lambda *_: True)
-    monkeypatch.setattr(acceptance, "as_stated", lambda *_: False)
-    monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: True)
+    monkeypatch.setattr(acceptance, "conflict", lambda fit, policy: fit.strain)
+    monkeypatch.setattr(Criteria, "significant", lambda *_: True)
+    monkeypatch.setattr(Criteria, "as_stated", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(acceptance, "worth", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: 1e3)
     monkeypatch.setattr(acceptance, "missed", lambda fit, observed: fit.cost)
-    assert acceptance.accepted(new, old, old, None) is taken
+    assert Criteria(OBSERVED, old).accepts(new, old) is taken
 
 
 def left_with(gap, strained, rows):
@@ -64,11 +69,11 @@ def test_a_model_is_far_off_that_leaves_most_of_the_gap_or_where_none_is_left_of
     monkeypatch, cost, strained, gap, far
 ):
     """The gap was 100, unknowns were 10 sigmas off; beside an open gap it does not help that they are not."""
-    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
-    monkeypatch.setattr(acceptance, "leaves_gap", lambda *_: gap)
+    monkeypatch.setattr(acceptance, "conflict", lambda fit, policy: fit.strain)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     for rows in (0, 1000):  # noise of more of them is no gap
         fit, null = (left_with(c, s, rows) for c, s in ((cost, strained), (100, 10)))
-        assert acceptance.far_off(fit, null, None) is far
+        assert Criteria(OBSERVED, null).leaves_most(fit) is far
 
 
 @pytest.mark.parametrize(
@@ -79,10 +84,10 @@ def test_an_effect_hardly_helps_that_takes_little_of_gap_and_strain(
     monkeypatch, cost, strained, before, hardly
 ):
     """The gap was 100; what is no strain to begin with is none to be spared."""
-    monkeypatch.setattr(acceptance, "strain", lambda fit: fit.strain)
+    monkeypatch.setattr(acceptance, "conflict", lambda fit, policy: fit.strain)
     for rows in (0, 1000):  # noise of more of them is no gap
         fit, null = (left_with(c, s, rows) for c, s in ((cost, strained), (100, before)))
-        assert acceptance.hardly_helps(fit, null) is hardly
+        assert Criteria(OBSERVED, null).hardly_helps(fit) is hardly
 
 
 def test_what_is_quieter_than_its_noise_has_no_gap_that_anything_could_leave():
@@ -105,8 +110,8 @@ def test_a_clock_within_what_is_stated_of_it_is_no_effect(delay, stated):
     effect = TimeDelay(at="tracker", delay=delay)
     late = SimpleNamespace(name="time_delay", at="tracker", place=("time_delay", "tracker"), effect=effect)
     old = SimpleNamespace(unknowns=SimpleNamespace(each=(clock,)), places=())
-    assert acceptance.as_stated(SimpleNamespace(members=(late,)), old) is stated
-    assert not acceptance.as_stated(SimpleNamespace(members=()), old)
+    assert Criteria(OBSERVED, None).as_stated(SimpleNamespace(members=(late,)), old) is stated
+    assert not Criteria(OBSERVED, None).as_stated(SimpleNamespace(members=()), old)
 
 
 @pytest.mark.parametrize(
@@ -117,4 +122,4 @@ def test_far_more_plausible_is_what_also_foretells_about_as_well(monkeypatch, pl
     new, old = SimpleNamespace(odd=plausible), SimpleNamespace(odd=31.8)
     monkeypatch.setattr(acceptance, "implausibility", lambda fit: fit.odd)
     monkeypatch.setattr(acceptance, "odds_lost", lambda fits, observed: [least, 0.0])
-    assert acceptance.far_more_plausible(new, old, None) is taken
+    assert Criteria(OBSERVED, None).far_more_plausible(new, old) is taken

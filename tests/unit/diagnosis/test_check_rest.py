@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.validation.saturation import frozen
+from flexarm.validation.saturation import find_frozen
 
 TIME = np.arange(0.0, 10.0, 0.01)
 
@@ -26,11 +26,11 @@ def swinging():
 
 def test_an_arm_at_rest_is_no_frozen_sensor_where_only_the_model_rings_on(swinging):
     """A model without damping; the drive stands for the last five seconds."""
-    assert frozen(channel(TIME < 5.0, swinging)) is None
+    assert find_frozen(channel(TIME < 5.0, swinging)) is None
 
 
 def test_a_sensor_that_stays_while_the_drive_moves_is_frozen(swinging):
-    found = frozen(channel(np.ones(len(TIME), dtype=bool), swinging))
+    found = find_frozen(channel(np.ones(len(TIME), dtype=bool), swinging))
     assert found is not None
     rows, sentence = found
     assert rows[TIME >= 5.0].all()

@@ -8,7 +8,7 @@ import flexarm
 from flexarm import Record, Signal
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.quantisation import coarse_encoders, with_coarse_encoders
-from flexarm.measurement.lattice import lattice_step
+from flexarm.measurement.quantisation_grid import quantisation_step
 from flexarm.validation.outliers import clean_drives
 
 STEP, ENCODER_NOISE = 8e-4, 2e-6
@@ -27,15 +27,15 @@ def read(step, noise=ENCODER_NOISE, seed=2):
 @pytest.mark.parametrize("scale", [1.0, 1 / 120, np.pi / 180])
 def test_the_step_of_a_lattice_is_found_in_any_unit(scale):
     counts = np.round(900 * np.sin(np.arange(0, 20, 0.004)))
-    assert lattice_step(counts * 7e-4 * scale) == pytest.approx(7e-4 * scale, rel=1e-9)
+    assert quantisation_step(counts * 7e-4 * scale) == pytest.approx(7e-4 * scale, rel=1e-9)
 
 
 def test_readings_that_are_not_rounded_are_on_no_lattice():
     rng = np.random.default_rng(3)
     wave = np.sin(np.arange(0, 20, 0.004))
-    assert lattice_step(wave + 1e-6 * rng.standard_normal(len(wave))) == 0.0
-    assert lattice_step(np.full(50, 0.3)) == 0.0  # nothing moves: nothing is known of steps
-    assert lattice_step(np.array([np.nan, 0.1])) == 0.0
+    assert quantisation_step(wave + 1e-6 * rng.standard_normal(len(wave))) == 0.0
+    assert quantisation_step(np.full(50, 0.3)) == 0.0  # nothing moves: nothing is known of steps
+    assert quantisation_step(np.array([np.nan, 0.1])) == 0.0
 
 
 def test_what_a_record_states_or_a_model_knows_is_not_found_again():

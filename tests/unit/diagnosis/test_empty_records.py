@@ -14,7 +14,7 @@ from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.remarks import swings
 from flexarm.errors import InvalidParameter
 from flexarm.report.sentences import hold_out_sentence
-from flexarm.validation.sensor_check import check, cleaned
+from flexarm.validation.sensor_check import check, clean_records
 
 NOISE = 5e-5
 
@@ -69,7 +69,7 @@ def test_if_no_record_holds_a_value_that_is_an_error():
     with pytest.raises(InvalidParameter, match="records: hold nothing to compare with a simulation"):
         flexarm.diagnose(crane(), {"none": without_axes(poses(8), 0, 1)}, jobs=1)
     with pytest.raises(InvalidParameter, match="other day: signals: holds nothing to compare"):
-        cleaned(crane(), {"other day": without_axes(poses(8), 0, 1)})
+        clean_records(crane(), {"other day": without_axes(poses(8), 0, 1)})
 
 
 def test_of_four_poses_none_is_held_back():

@@ -11,6 +11,7 @@ from flexarm.arm.prior import Prior
 from flexarm.diagnosis.cross_validation import blocks
 from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.uncertainty import draws, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
 
@@ -36,7 +37,7 @@ def observed(unsteady=0.0):
         record="run", signal="tip", channel=0, where=slice(0, N), time=TIME, unsteady=unsteady
     )
     records = {"run": SimpleNamespace(kind="motion")}
-    return Recorded(rows=[rows], records=records)
+    return Recorded(rows=[rows], records=records, policy=SelectionPolicy())
 
 
 class Cornered(PayloadMass):

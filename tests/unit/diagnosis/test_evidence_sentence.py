@@ -10,6 +10,7 @@ from flexarm.diagnosis import naming as evidence_sentence
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.naming import _behind, _strained
 from flexarm.diagnosis.nuisance import Unknown
+from flexarm.diagnosis.policy import SelectionPolicy
 
 
 def null_of(delay: float, modulus: float = 0.0):
@@ -62,7 +63,7 @@ def _named(left, coarse=False, needed=50.0):
         best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], value={}
     )
     choice.null.rest = choice.null.residual
-    observed = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None))
+    observed = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
     [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, observed, coarse)
     return found
 

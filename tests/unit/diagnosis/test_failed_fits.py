@@ -14,11 +14,13 @@ from flexarm.diagnosis import ranking
 from flexarm.diagnosis import refinement as polish
 from flexarm.diagnosis import screening as screen
 from flexarm.diagnosis import selection as choose
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.moves import confounding as takeover
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.diagnosis.nuisance import Unknown, Unknowns
 from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.errors import InvalidParameter, NotConverged
 
 FAILURES = [
@@ -27,6 +29,7 @@ FAILURES = [
     LinAlgError("singular"),
 ]
 NOTHING = SimpleNamespace(members=(), cost=9.0)
+CRITERIA = Criteria(SimpleNamespace(policy=SelectionPolicy()), NOTHING)
 
 
 def raises(*_):
@@ -46,9 +49,9 @@ def failing(error, at):
 
 def fitted(error, monkeypatch):
     """What is found of three effects, of which the second leads to an error."""
-    monkeypatch.setattr(promising, "explained", lambda *_: False)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     shares = [SimpleNamespace(members=(name,), share=0.9) for name in ("tilt", "bow", "play")]
-    return [fit.name for fit in promising._fitted(failing(error, "bow"), shares, NOTHING, NOTHING)]
+    return [fit.name for fit in promising._fitted(failing(error, "bow"), shares, NOTHING, CRITERIA)]
 
 
 @pytest.mark.parametrize("error", FAILURES, ids=lambda error: type(error).__name__)
@@ -101,7 +104,7 @@ def test_the_model_without_effects_stays_where_no_derivatives_can_be_taken():
 def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monkeypatch):
     """ "a" comes first and "b" close; about itself each leaves a tenth of what it left before."""
     monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda fit: fit.cost))
-    monkeypatch.setattr(ranking, "leaves_gap", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     monkeypatch.setattr(ranking, "_close", lambda *_: True)
     monkeypatch.setattr(ranking, "_unsettled", lambda *_: [])
     monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
@@ -113,16 +116,16 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
         return raises() if fit.name == failing else SimpleNamespace(fit=again)
 
     fitter = SimpleNamespace(about=about, observed=None)
-    best, there = ranking.best_of(fitter, [Made("a", 1.0), Made("b", 2.0)], None, None)
+    best, there = ranking.best_of(fitter, [Made("a", 1.0), Made("b", 2.0)], None, CRITERIA)
     assert (best.name, best.cost) == {"a": ("b", 0.2), "b": ("a", 0.1)}[failing]
-    alone, there = ranking.best_of(fitter, [Made(failing, 1.0)], None, None)
+    alone, there = ranking.best_of(fitter, [Made(failing, 1.0)], None, CRITERIA)
     assert (alone.cost, there) == (1.0, fitter)
 
 
 def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without_it(monkeypatch):
-    monkeypatch.setattr(choose, "accepted", lambda *_: False)
+    monkeypatch.setattr(Criteria, "accepts", lambda *_: False)
     fitter = SimpleNamespace(fit=lambda *_, **__: Made("b"), about=raises, observed=None)
-    best, there = choose._backward(fitter, Made("ab"), None)
+    best, there = choose._backward(fitter, Made("ab"), CRITERIA)
     assert (best.name, there) == ("b", fitter)
 
 

@@ -7,10 +7,12 @@ import pytest
 from planted import run_of
 
 from flexarm.diagnosis import selection as module
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.screening import Probed
 from flexarm.effects import CoulombFriction, LinkDamping
@@ -21,11 +23,12 @@ LINEAR = {1: ["a", "b", "c", "d"], 2: ["cd"], 3: []}
 """Sets in the order that the nominal model gives them: of pairs it knows only one that is not the best."""
 ELSEWHERE: dict[str, list[str]] = {}
 """Models with another spring, by those with the one that was tried."""
-NOTHING = SimpleNamespace(channels=lambda: [], records={})
+NOTHING = SimpleNamespace(channels=lambda: [], records={}, policy=SelectionPolicy())
 """As much of `Observed` as is asked for: no channel."""
 
 
 BARE = SimpleNamespace(members=(), places=(), cost=100.0)
+CRITERIA = Criteria(NOTHING, BARE)
 
 
 def fit(names):
@@ -62,21 +65,23 @@ def search(monkeypatch):
 
     monkeypatch.setattr(module, "larger_fits", larger_fits)
     monkeypatch.setattr(module, "taken_over", lambda *_: [])
-    monkeypatch.setattr(module, "quiet", lambda *_: False)
+    monkeypatch.setattr(Criteria, "adequate", lambda *_: False)
     monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
-    monkeypatch.setattr(module, "leaves_gap", lambda one, *_: one.cost > 30)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda self, one: one.cost > 30)
     monkeypatch.setattr(
         module, "other_springs", lambda best, *_: [fit(n) for n in ELSEWHERE.get(best.name, "")]
     )
-    monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < 0.8 * old.cost)
-    monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
-    monkeypatch.setattr(module, "explained", lambda one, *_: one.cost < 10)
-    monkeypatch.setattr(module, "far_off", lambda one, null, observed: one.cost > 90)
-    monkeypatch.setattr(module, "hardly_helps", lambda one, null: False)
+    monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: new.cost < 0.8 * old.cost)
+    monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < 0.97 * old.cost)
+    monkeypatch.setattr(Criteria, "explains", lambda self, one: one.cost < 10)
+    monkeypatch.setattr(Criteria, "leaves_most", lambda self, one: one.cost > 90)
+    monkeypatch.setattr(Criteria, "hardly_helps", lambda self, one: False)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
     found.observed, found.probed = (), None
     found.start = found.null = fit("")
+    found.policy = SelectionPolicy()
+    found.criteria = Criteria(SimpleNamespace(policy=found.policy), found.null)
     monkeypatch.setattr(found, "_beside", lambda best, about: None)
     monkeypatch.setattr(found, "_beside_a_twin", lambda best, about: [])
     found.about_null = None
@@ -119,8 +124,8 @@ def test_no_third_effect_is_looked_for_where_two_hardly_explain_anything(
         monkeypatch.setitem(COST, names, cost)
     monkeypatch.setitem(LINEAR, 1, ["a"])
     monkeypatch.setitem(LINEAR, 2, [])
-    monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < old.cost)
-    monkeypatch.setattr(module, "worth_a_name", lambda new, old: new.cost < old.cost)
+    monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: new.cost < old.cost)
+    monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < old.cost)
     forward(search)
     assert search[1] == gone_on_from
 
@@ -128,8 +133,8 @@ def test_no_third_effect_is_looked_for_where_two_hardly_explain_anything(
 def test_no_second_effect_is_looked_for_beside_one_that_hardly_helps(search, monkeypatch):
     """Pairs compete with it all the same."""
     monkeypatch.setitem(LINEAR, 1, ["a"])
-    monkeypatch.setattr(module, "hardly_helps", lambda one, null: one.name == "a")
-    monkeypatch.setattr(module, "accepted", lambda new, old, *_: new.cost < old.cost)
+    monkeypatch.setattr(Criteria, "hardly_helps", lambda self, one: one.name == "a")
+    monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: new.cost < old.cost)
     best, _ = forward(search)
     assert "a" not in search[1]
     assert best.name.startswith("cd")
@@ -168,7 +173,7 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
 def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, monkeypatch):
     weighed = []
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
-    monkeypatch.setattr(module, "_backward", lambda about, best, null: (best, about))
+    monkeypatch.setattr(module, "_backward", lambda about, best, criteria: (best, about))
     about = SimpleNamespace(observed=None)
     about.about = lambda best: about
 
@@ -190,7 +195,7 @@ def test_what_is_left_after_an_effect_was_dropped_is_gone_on_from(search, monkey
     forward = {"": "abc", "b": "bd"}
     monkeypatch.setattr(search[0], "forward", lambda best, about, tell: (fit(forward[best.name]), about))
     dropped = {"abc": "b", "bd": "bd"}
-    monkeypatch.setattr(module, "_backward", lambda about, best, null: (fit(dropped[best.name]), about))
+    monkeypatch.setattr(module, "_backward", lambda about, best, criteria: (fit(dropped[best.name]), about))
     best, _ = search[0].through(lambda what, done: None)
     assert best.name == chosen
 
@@ -201,26 +206,26 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
     shares = [SimpleNamespace(members=(name,), share=0.9 - k / 100) for k, name in enumerate(sets)]
     monkeypatch.setattr(promising, "together", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "explained", lambda *_: False)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
 
     def fitted(members, nearby, limit):
         if "bow" in members[0]:
             raise NotConverged("no equilibrium")
         return fits_all(members)
 
-    monkeypatch.setattr(promising, "leaves_gap", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     fitter = SimpleNamespace(trial=fitted, observed=NOTHING)
-    assert names(promising.larger_fits(fitter, [], BARE, BARE, 2)) == ["friction", "tilt", "play"]
+    assert names(promising.larger_fits(fitter, [], BARE, CRITERIA, 2)) == ["friction", "tilt", "play"]
 
 
 def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     shares = [SimpleNamespace(members=(name,), share=share) for name, share in (("tilt", 0.2), ("bow", 0.02))]
     monkeypatch.setattr(promising, "together", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "explained", lambda *_: False)
-    monkeypatch.setattr(promising, "leaves_gap", lambda *_: False)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
-    assert names(promising.larger_fits(fitter, [], BARE, BARE, 2)) == ["tilt"]
+    assert names(promising.larger_fits(fitter, [], BARE, CRITERIA, 2)) == ["tilt"]
 
 
 def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeypatch):
@@ -231,11 +236,11 @@ def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeyp
     ]
     monkeypatch.setattr(promising, "together", found)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "explained", lambda *_: False)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
     for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
-        monkeypatch.setattr(promising, "leaves_gap", lambda *_, gap=gap: gap)
-        assert names(promising.larger_fits(fitter, [], BARE, BARE, 2)) == fits
+        monkeypatch.setattr(Criteria, "leaves_gap", lambda *_, gap=gap: gap)
+        assert names(promising.larger_fits(fitter, [], BARE, CRITERIA, 2)) == fits
 
 
 @pytest.mark.parametrize("gap, tried", [(True, 15), (False, 6)], ids=["all leave a gap", "one leaves none"])
@@ -251,11 +256,11 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
     monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
-    monkeypatch.setattr(promising, "quiet", lambda *_: True)
-    monkeypatch.setattr(promising, "explained", lambda *_: False)
-    monkeypatch.setattr(promising, "leaves_gap", lambda *_: gap)
+    monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
-    found = names(promising.larger_fits(fitter, [None] * 20, BARE, BARE))
+    found = names(promising.larger_fits(fitter, [None] * 20, BARE, CRITERIA))
     assert len(found) == len(set(found)) == tried
 
 
@@ -264,7 +269,9 @@ def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(m
     monkeypatch.setattr(promising, "screen", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
-    wanted, others = promising._promising(None, [None] * 20, None, {}, at_ends=False)
+    wanted, others = promising._promising(
+        SimpleNamespace(observed=NOTHING), [None] * 20, None, {}, at_ends=False
+    )
     assert len(wanted) == 6
     assert [share.share for share in others] == [0.5**6]  # the next is 0.8 %
 
@@ -278,9 +285,9 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted, _ = promising._promising(None, [None] * 20, None, {}, at_ends=True)
+    wanted, _ = promising._promising(SimpleNamespace(observed=NOTHING), [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
-    wanted, _ = promising._promising(None, [None] * 20, None, {}, at_ends=False)
+    wanted, _ = promising._promising(SimpleNamespace(observed=NOTHING), [None] * 20, None, {}, at_ends=False)
     assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 
@@ -300,7 +307,7 @@ def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
 
 
 def test_where_only_an_unknown_is_strained_only_what_takes_over_is_fitted(search, monkeypatch):
-    monkeypatch.setattr(module, "quiet", lambda *_: True)
+    monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(module, "taken_over", lambda at, probed, best: [fit("ab")])
     assert [each.name for each in search[0]._one_more(fit("a"), None)] == ["ab"]
     assert search[1] == []
@@ -310,7 +317,7 @@ def test_where_only_an_unknown_is_strained_only_what_takes_over_is_fitted(search
 
 def test_no_sets_are_tried_where_only_an_unknown_is_strained(search, monkeypatch):
     """A late clock beside a stiffness that explains all else: one step on, not all pairs."""
-    monkeypatch.setattr(module, "quiet", lambda one, *_: one.name == "a")
+    monkeypatch.setattr(Criteria, "adequate", lambda self, one: one.name == "a")
     best, _ = forward(search)
     assert best.name == "ab"
     assert [each.name for each in search[0].tried].count("cd") == 0
@@ -327,11 +334,13 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     other = SimpleNamespace(candidate=SimpleNamespace(effect=CoulombFriction, at="elbow"))
     found, beside_a_twin = search[0], module._Search._beside_a_twin
     found.tried = [far, twin]
-    monkeypatch.setattr(module, "leaves_gap", lambda *_: True)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(module, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name})
     monkeypatch.setattr(found, "_awakened", lambda fit, about: [rubs, other])
     asked = []
-    monkeypatch.setattr(module, "larger_fits", lambda about, laws, fit, null: asked.append((laws, fit)) or [])
+    monkeypatch.setattr(
+        module, "larger_fits", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
+    )
     assert beside_a_twin(found, best, None) == []
     assert asked == [([rubs], twin)]
 
@@ -341,7 +350,7 @@ def test_candidates_are_probed_once_about_effects_that_are_not_all(search, monke
     found, beside, asked = search[0], module._Search._beside, []
     found.probed, found._near = ["nominal"], {}
     monkeypatch.setattr(found, "_awakened", lambda fit, about: ["awake"])
-    monkeypatch.setattr(module, "quiet", lambda one, *_: one.cost < 30)
+    monkeypatch.setattr(Criteria, "adequate", lambda self, one: one.cost < 30)
     monkeypatch.setattr(module, "nearby", lambda *given: asked.append(given) or ["near"])
     assert beside(found, fit(""), "about") == ["awake"]
     assert beside(found, made("ab"), "about") == ["awake"]  # which explains all

@@ -5,7 +5,6 @@ from functools import cache
 import pytest
 from arms import crane, there_and_back, tracker
 
-from flexarm.diagnosis.acceptance import REACH
 from flexarm.diagnosis.alternatives import Rival
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.design.experiment import from_drive
@@ -13,6 +12,7 @@ from flexarm.diagnosis.design.next_experiment import ENOUGH, next_experiment
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
 from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.selection import Choice
 from flexarm.effects.joint_compliance import JointCompliance
@@ -53,7 +53,7 @@ def choice(*rivals):
 def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
     """Both are fitted and within reach; torque cannot part them, as it is the same whatever bends."""
     made = choice(("link_stiffness", "rod"))
-    assert made.rivals[0][0].behind < REACH
+    assert made.rivals[0][0].behind < SelectionPolicy.reach
     found = next_experiment(made, made.fitter.observed)
     assert found.gain >= ENOUGH
     assert "torque" not in found.sentence

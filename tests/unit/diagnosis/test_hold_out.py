@@ -15,8 +15,8 @@ from flexarm.diagnosis.workflow import _held_out, _parted
 from flexarm.effects import PayloadMass
 from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload, Clock, DrawnLink
-from flexarm.validation.finding import Checked
-from flexarm.validation.sensor_check import cleaned
+from flexarm.validation.finding import ValidationResult
+from flexarm.validation.sensor_check import clean_records
 
 TIME = np.arange(0.0, 20.0, 0.02)
 ARM = crane()
@@ -254,8 +254,8 @@ def test_outliers_of_a_record_held_out_are_removed_and_told():
     values = tip.values.copy()
     values[[30, 70]] += 0.5
     odd = held_out.replace(signals={**held_out.signals, "tip": tip.replace(values=values)})
-    clean = cleaned(diagnoses.nominal(), {"other": odd}, step=0.01)
-    parted = _parted(diagnoses.nominal(), Checked({"swing": training}), clean)
+    clean = clean_records(diagnoses.nominal(), {"other": odd}, step=0.01)
+    parted = _parted(diagnoses.nominal(), ValidationResult({"swing": training}), clean)
     seen = parted.held_out["other"].signals["tip"]
     assert np.flatnonzero(~seen.valid).tolist() == [30, 70]
     assert parted.training == {"swing": training}

@@ -9,7 +9,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.joint_rotations import joint_rotations
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 
 def turned(run, rotations):
@@ -50,7 +50,7 @@ def test_a_rotation_at_the_elbow_in_proportion_to_its_torque_is_compliance_there
     def turn(t):
         return run.state("joint_torque", t, 1) / 2e5
 
-    located = locate(run.showing(turned(run, {"elbow": turn})))
+    located = localise(run.showing(turned(run, {"elbow": turn})))
     first = located.rotations.joints[0]
     assert (first.joint, first.follows.best, first.hint) == ("elbow", "torque", "compliance")
     assert first.alone > 0.9
@@ -67,7 +67,7 @@ def test_two_joints_that_turn_are_told_apart(run):
         "shoulder": lambda t: 2e-4 * np.sign(run.state("joint_torque", t, 0)),
         "elbow": lambda t: run.state("joint_torque", t, 1) / 2e5,
     }
-    located = locate(run.showing(turned(run, turns)))
+    located = localise(run.showing(turned(run, turns)))
     hints = {each.joint: each.hint for each in located.rotations.joints}
     assert hints == {"shoulder": "backlash", "elbow": "compliance"}
     assert located.rotations.explained > 0.95

@@ -7,6 +7,7 @@ import pytest
 
 from flexarm.diagnosis.cross_validation import foretells_better, groups, left_out, missed
 from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.policy import SelectionPolicy
 
 RNG = np.random.default_rng(23)
 EACH = 6
@@ -24,7 +25,12 @@ def observed(records, kind="static"):
         for k in range(records)
     ]
     named = {row.record: SimpleNamespace(kind=kind) for row in rows}
-    return SimpleNamespace(rows=rows, records=named, channels=lambda: [(row, row.where) for row in rows])
+    return SimpleNamespace(
+        rows=rows,
+        records=named,
+        channels=lambda: [(row, row.where) for row in rows],
+        policy=SelectionPolicy(),
+    )
 
 
 def least_squares(slopes, y, sigma, rows=slice(None)):

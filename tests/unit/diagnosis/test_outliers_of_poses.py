@@ -12,7 +12,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.comparison.pose_outliers import LEAST_POSES, pose_outliers
 from flexarm.effects import Backlash, BaseTilt, JointCompliance, LinkBow, LinkStiffness
 from flexarm.record import Frame
-from flexarm.validation.sensor_check import check, cleaned
+from flexarm.validation.sensor_check import check, clean_records
 
 SOFT = two_joints().with_effect(JointCompliance(at="elbow", stiffness=1e5))
 
@@ -161,7 +161,7 @@ def test_a_check_removes_them_and_says_pose_and_size():
     assert seen.usable
     assert not seen.records["yard"].signals["tip"].valid[7]
     assert list(map(str, seen.outliers)) == ["1 outlier of tip in yard, row 7 (pose p7), 1.50 m off, removed"]
-    held_out = cleaned(two_joints(), {"yard": record})
+    held_out = clean_records(two_joints(), {"yard": record})
     assert held_out.outliers == seen.outliers
 
 

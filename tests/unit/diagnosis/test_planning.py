@@ -11,8 +11,8 @@ from pytest import approx
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.design.experiment import NOISE, from_drive, from_record
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.record import Clock, Frame
 
 JOINT, LINK, LOAD = ("joint_compliance", "hinge"), ("link_stiffness", "rod"), ("payload_mass", "load")
@@ -38,7 +38,7 @@ def test_in_the_papers_set_up_springs_and_payload_coincide(pair):
     """All three are seen, and bend the arm by what gravity asks: contract, end of section 4."""
     found = poor()
     assert all(found.effect(*place).seen for place in pair)
-    assert found.tie(*pair).log_bayes_factor < REACH
+    assert found.tie(*pair).log_bayes_factor < SelectionPolicy.reach
     assert any(set(pair) <= {found.effects[i].place for i in group} for group in found.groups)
 
 
@@ -58,7 +58,9 @@ def parted(pair, words):
     ],
 )
 def test_what_parts_them_by_mechanics_parts_them(pair, words):
-    assert parted(pair, words).log_bayes_factor > max(REACH, 5 * poor().tie(*pair).log_bayes_factor)
+    assert parted(pair, words).log_bayes_factor > max(
+        SelectionPolicy.reach, 5 * poor().tie(*pair).log_bayes_factor
+    )
 
 
 @pytest.mark.parametrize(("pair", "words"), [((JOINT, LINK), "torque"), ((JOINT, LOAD), "half the speed")])
@@ -82,7 +84,7 @@ def test_more_reflectors_and_the_torque_part_springs_and_payload():
     found = flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1)
     index = [[e.place for e in found.effects].index(place) for place in SOFT]
     factors = found.log_bayes_factor[np.ix_(index, index)]
-    assert factors[~np.eye(3, dtype=bool)].min() > REACH
+    assert factors[~np.eye(3, dtype=bool)].min() > SelectionPolicy.reach
     assert not any(found.tie(one, other) for one in SOFT for other in SOFT if one != other)
 
 
@@ -104,7 +106,7 @@ def test_the_smallest_size_of_a_reflector_offset_is_that_of_its_noise():
     samples, delta = 101, 0.2
     # of the 2 N rows (sin q, cos q) N_v lies between N/2 and 2 N
     for spread, bound in ((samples / 2, "least"), (2 * samples, "most")):
-        value = 5e-5 * np.sqrt(2 * STRONG * (1 + delta**2 * spread) / samples)
+        value = 5e-5 * np.sqrt(2 * SelectionPolicy.strong_evidence * (1 + delta**2 * spread) / samples)
         assert abs(each.least) >= value if bound == "least" else abs(each.least) <= value
 
 

@@ -9,7 +9,8 @@ import pytest
 from flexarm.diagnosis import alternatives as rivals
 from flexarm.diagnosis import cross_validation as left_out
 from flexarm.diagnosis import ranking
-from flexarm.diagnosis.acceptance import implausibility
+from flexarm.diagnosis.acceptance import Criteria, implausibility
+from flexarm.diagnosis.policy import SelectionPolicy
 
 
 @dataclass(eq=False)
@@ -43,15 +44,17 @@ def made_up(monkeypatch):
     monkeypatch.setattr(left_out, "missed", lambda fit, observed: fit.missed)
     monkeypatch.setattr(left_out, "groups", lambda observed: range(24))
     monkeypatch.setattr(ranking, "implausibility", lambda fit: fit.odd)
-    monkeypatch.setattr(ranking, "leaves_gap", lambda fit, null, observed: fit.gap)
-    monkeypatch.setattr(ranking, "worth_a_name", lambda new, old: new.cost < 0.97 * old.cost)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda self, fit: fit.gap)
+    monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < 0.97 * old.cost)
 
 
 NULL = Made("nothing", cost=100.0, missed=10.0)
+OBSERVED = SimpleNamespace(policy=SelectionPolicy())
+CRITERIA = Criteria(OBSERVED, NULL)
 
 
 def ranked(*fits):
-    return [fit.name for fit in ranking._ranked(fits, NULL, NULL, None)]
+    return [fit.name for fit in ranking._ranked(fits, NULL, CRITERIA)]
 
 
 def test_beside_gaps_what_foretells_best_comes_first():
@@ -112,7 +115,7 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
         return Made(fit.name, left.pop(0) if left else fit.cost, 1.0, 50.0 - fit.cost, gap=False), fitter
 
     monkeypatch.setattr(ranking, "about_itself", about_itself)
-    monkeypatch.setattr(ranking, "strain", lambda fit: strained.get(fit.name, 0.0))
+    monkeypatch.setattr(Criteria, "conflict", lambda self, fit: strained.get(fit.name, 0.0))
     monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
     monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
     monkeypatch.setattr(ranking, "_close", lambda *_: False)
@@ -121,7 +124,7 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
         Made("payload_inertia", 18.0, 1.0, gap=False),
         Made("link_mass", 90.0, 1.0, gap=False),  # does less than half: not asked
     ]
-    best, _ = ranking.best_of(SimpleNamespace(observed=None), fits, NULL, NULL)
+    best, _ = ranking.best_of(SimpleNamespace(observed=OBSERVED), fits, NULL, CRITERIA)
     assert (best.name, best.cost) == ("payload_inertia", 10.9)
 
 
@@ -132,7 +135,7 @@ def test_beside_a_gap_only_what_explains_about_as_much_is_taken_anew(monkeypatch
     monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
     monkeypatch.setattr(ranking, "missed", lambda fit, observed: fit.missed)
     fits = [Made("first", 40.0, 4.0), Made("near", 58.0, 6.0), Made("far", 60.0, 6.0)]
-    ranking.best_of(SimpleNamespace(observed=None), fits, NULL, NULL)
+    ranking.best_of(SimpleNamespace(observed=OBSERVED), fits, NULL, CRITERIA)
     assert anew == ["first", "near"]
 
 
@@ -141,8 +144,8 @@ def test_what_came_close_on_the_way_is_a_rival():
     best = Made("joint_compliance", cost=1.0, missed=1.0, evidence=100.0)
     close, far = Made("joint_stiffening", 1.0, 1.0, 85.0), Made("cable_torque", 1.0, 1.0, 60.0)
     known = {fit.places[0]: fit for fit in (best, close, far)}
-    assert [c.place for c in rivals._near(known, [], best, None, {})] == [("joint_stiffening", "hinge")]
-    assert rivals._near(known, list(close.members), best, None, {}) == []
+    assert [c.place for c in rivals._near(known, [], best, OBSERVED, {})] == [("joint_stiffening", "hinge")]
+    assert rivals._near(known, list(close.members), best, OBSERVED, {}) == []
 
 
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
@@ -150,7 +153,7 @@ def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatc
     monkeypatch.setattr(rivals, "foretold", lambda fit: 8.0)
     monkeypatch.setattr(rivals, "further", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about))
     about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
-    fitter = SimpleNamespace(observed=None, about=lambda fit: about)
+    fitter = SimpleNamespace(observed=OBSERVED, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
     rival = Made("encoder_scale", 1.0, 1.0, 40.0)
     assert rivals._caught_up(rival, best, first, fitter, {}, False)[0].name == "settled"
@@ -168,7 +171,7 @@ def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps)
         lambda fit, about, anew: (taken.append(fit) or Made("there", 1.0, 1.0, 95.0), about),
     )
     about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
-    fitter = SimpleNamespace(observed=None, about=lambda fit: about)
+    fitter = SimpleNamespace(observed=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
     rivals._caught_up(rival, best, best, fitter, {}, False)
     assert len(taken) == steps
@@ -179,7 +182,7 @@ def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
     monkeypatch.setattr(rivals, "foretold", lambda fit: 20.0)
     monkeypatch.setattr(rivals, "further", lambda *_, **__: pytest.fail("took a step"))
     about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
-    fitter = SimpleNamespace(observed=None, about=lambda fit: about)
+    fitter = SimpleNamespace(observed=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
     assert rivals._caught_up(rival, best, best, fitter, {}, False)[1] == 20.0
 
@@ -196,13 +199,15 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     monkeypatch.setattr(rivals, "screen", lambda *_: shares)
     monkeypatch.setattr(rivals, "sharpened", lambda fitter, shares, fit: shares)
     monkeypatch.setattr(rivals, "one_variant", lambda shares, most: shares)
-    monkeypatch.setattr(rivals, "leaves_gap", lambda *_: gap)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     monkeypatch.setattr(rivals, "foretells_better", lambda *_: False)
     monkeypatch.setattr(rivals, "log_likelihood_ratio", lambda *_: 0.0)
     monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
-    fitter = SimpleNamespace(observed=None, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]])
-    found = rivals.rivals_of(0, made["chosen"], nothing, fitter, [], [], {})
+    fitter = SimpleNamespace(
+        observed=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]
+    )
+    found = rivals.rivals_of(0, made["chosen"], Criteria(OBSERVED, nothing), fitter, [], [], {})
     assert [rival.candidate.place[0] for rival in found] == fitted
 
 

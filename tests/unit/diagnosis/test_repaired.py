@@ -7,6 +7,7 @@ import diagnoses
 import flexarm
 from flexarm.diagnosis import repair
 from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.repair import repaired
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.effects.link_damping import LinkDamping
@@ -50,5 +51,5 @@ def test_a_repair_is_held_against_the_model_as_it_is_stated(monkeypatch):
     choice = SimpleNamespace(best=best, null=null, fitter=SimpleNamespace(as_they_are=lambda: stated))
     monkeypatch.setattr(repair, "_closes", lambda *_: False)
     monkeypatch.setattr(repair, "carried", lambda best, null, residual, _: asked.append(residual) or 1.0)
-    assert repair.worth_keeping(choice, None)
+    assert repair.worth_keeping(choice, SimpleNamespace(policy=SelectionPolicy()))
     assert asked == [stated]

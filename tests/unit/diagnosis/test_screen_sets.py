@@ -7,6 +7,7 @@ import pytest
 
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import RIDGE, Linear, Probed, screen, together
 from flexarm.effects import EncoderOffset
 
@@ -22,7 +23,9 @@ def problem(gap: np.ndarray, moves: dict[str, np.ndarray]) -> tuple:
     """A fitter without effects, one unknown of no use, and probed candidates."""
     projection = Projection(np.zeros((ROWS, 1)), np.ones(1))
     fitter = SimpleNamespace(
-        taken=lambda members: frozenset(), without=lambda taken: (None, projection), observed=None
+        taken=lambda members: frozenset(),
+        without=lambda taken: (None, projection),
+        observed=SimpleNamespace(policy=SelectionPolicy()),
     )
     fit = SimpleNamespace(
         places=(),

@@ -14,8 +14,8 @@ from flexarm.diagnosis.design.separation import (
     left,
     matrix,
 )
-from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.nuisance import Unknown, Unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import RIDGE, Probed
 from flexarm.effects.backlash import Backlash
 from flexarm.effects.joint_compliance import JointCompliance
@@ -43,13 +43,15 @@ def unit(k):
 def test_a_gap_at_one_instant_counts_with_half_its_square():
     """One row: N_v = 1, so that (2) is (s^2/2)/(1 + delta^2)."""
     found = against_none(bench([3.0 * unit(0)]), 3.0 * unit(0)[:, None])
-    assert found == approx(4.5 / (1 + DISCREPANCY**2))
+    assert found == approx(4.5 / (1 + SelectionPolicy.discrepancy**2))
 
 
 def test_a_lasting_gap_is_worth_no_more_than_the_discrepancy_allows():
     """A gap v at all N instants: N_v = N, so that ln B tends to v^2/(2 delta^2)."""
     many = np.full((10**6, 1), 0.5)
-    assert expected_log_bayes_factor(many, len(many)) == approx(0.5**2 / (2 * DISCREPANCY**2), rel=1e-3)
+    assert expected_log_bayes_factor(many, len(many)) == approx(
+        0.5**2 / (2 * SelectionPolicy.discrepancy**2), rel=1e-3
+    )
 
 
 def test_evidence_grows_with_the_square_of_a_size_and_falls_with_that_of_the_noise():

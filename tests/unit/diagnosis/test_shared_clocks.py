@@ -6,9 +6,10 @@ from arms import crane, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.cross_validation import BLOCKS, groups
+from flexarm.diagnosis.cross_validation import groups
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.effects import JointCompliance
 from flexarm.errors import InvalidParameter
@@ -84,7 +85,7 @@ def test_blocks_of_time_hold_all_signals_whatever_their_clocks_say(machine, reco
     """By raw stamps, 1000 s apart, all of the torque was one block and all of the tip another."""
     observed = Observed(machine, {"a": record(0.15, 1)}, step=4e-3)
     found = groups(observed)
-    assert len(found) == BLOCKS
+    assert len(found) == SelectionPolicy.blocks
     signal_of = np.concatenate([np.full(len(row.time), row.signal) for row in observed.rows])
     for block in found:
         assert set(signal_of[block]) == {"tip", "torque"}

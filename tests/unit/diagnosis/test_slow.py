@@ -8,6 +8,7 @@ import pytest
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.moves.proposals import slow_part
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import Probed, screen, together
 from flexarm.effects import EncoderOffset
 
@@ -24,7 +25,9 @@ def observed():
         SimpleNamespace(record="poses", time=np.arange(POSES), where=slice(end, end + POSES)),
     ]
     kinds = {"run": SimpleNamespace(kind="motion"), "poses": SimpleNamespace(kind="static")}
-    return SimpleNamespace(records=kinds, channels=lambda: [(each, each.where) for each in rows])
+    return SimpleNamespace(
+        policy=SelectionPolicy(), records=kinds, channels=lambda: [(each, each.where) for each in rows]
+    )
 
 
 def rows(motion, poses=0.0):

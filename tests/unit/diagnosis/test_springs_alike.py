@@ -53,10 +53,10 @@ def test_where_one_spring_helps_the_others_are_rivals_as_soft_as_that(left, trie
     fit = SimpleNamespace(cost=left, members=(soft,))
     shakes = SimpleNamespace(cost=10.0, members=(SimpleNamespace(place=("external_vibration", "base")),))
     probed = [Probed(each, np.empty((0, 0))) for each in (soft, waist, base)]
-    found = _soft_elsewhere({soft.place: fit}, [waist], shakes, 100.0, probed)
+    found = _soft_elsewhere({soft.place: fit}, [waist], shakes, 100.0, probed, 0.5)
     assert [each.at for each in found] == tried
     assert all(each.effect == base.acting_as(soft).effect for each in found)
-    assert _soft_elsewhere({}, [waist], shakes, 100.0, probed) == []
+    assert _soft_elsewhere({}, [waist], shakes, 100.0, probed, 0.5) == []
 
 
 def test_the_sum_bends_an_arm_alike():

@@ -1,12 +1,11 @@
 """A law on a spring that the model lacks comes with that spring, which is fitted and named too."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from diagnoses import nominal, record, with_spring
 
 from flexarm.diagnosis import selection as choose
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import rivals_of
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidates import candidates
@@ -63,10 +62,10 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     law = next(p.candidate for p in probed if p.candidate.name == "backlash")
     assert carries((law,), spring) and not carries((spring,), law)
     best = fitter.evaluated((spring, law))
-    assert rivals_of(0, best, fitter.fit(()), fitter, probed, (), {}) == []
+    assert rivals_of(0, best, Criteria(fitter.observed, fitter.fit(())), fitter, probed, (), {}) == []
     asked = []
-    monkeypatch.setattr(choose, "accepted", lambda new, old, *_: asked.append(old.places) or True)
-    choose._backward(fitter, best, SimpleNamespace(rest=np.zeros(len(best.rest))))
+    monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
+    choose._backward(fitter, best, Criteria(fitter.observed, None))
     assert asked == [(SPRING,)]
 
 

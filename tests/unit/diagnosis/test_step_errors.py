@@ -6,8 +6,9 @@ from arms import LENGTH, PAYLOAD, TUBE, beam, crane, hinge, point, smooth_step, 
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.evidence import DISCREPANCY, above_noise, discrepancies
+from flexarm.diagnosis.evidence import above_noise, discrepancies
 from flexarm.diagnosis.noise_model import allow_for_steps, unsteady_told
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.residual_rows import has_corners
 from flexarm.effects import Backlash, JointCompliance
@@ -72,7 +73,7 @@ def test_what_bounces_says_nothing_of_a_model_without_corners(arm):
     allow_for_steps(there, bouncing)
     assert above_noise(there.residual(arm), there) == before
     assert above_noise(there.residual(arm), there, corners=True) != before
-    assert set(discrepancies(there, corners=False)) == {DISCREPANCY}
+    assert set(discrepancies(there, corners=False)) == {SelectionPolicy.discrepancy}
 
 
 def test_laws_without_corners_and_those_that_lie_on_a_flank_are_as_exact_as_ever(arm):
@@ -82,7 +83,7 @@ def test_laws_without_corners_and_those_that_lie_on_a_flank_are_as_exact_as_ever
         allow_for_steps(there, model)
         assert all(each.unsteady == 0.0 for each in there.rows)
         assert unsteady_told(there) == []
-        assert set(discrepancies(there, corners=True)) == {DISCREPANCY}
+        assert set(discrepancies(there, corners=True)) == {SelectionPolicy.discrepancy}
 
 
 def test_more_noise_makes_less_of_it(arm):

@@ -9,8 +9,9 @@ import pytest
 from posed import changed
 
 import flexarm
-from flexarm.diagnosis.acceptance import leaves_gap
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.masked_outliers import hidden_strays, strays, strays_told
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.residual_rows import Rows, rows_left
 
 N = 400
@@ -28,6 +29,8 @@ class Left:
 
 class Channel:
     """As much of `Observed`: one channel of one record."""
+
+    policy = SelectionPolicy()
 
     def __init__(self, kind="motion", quantity="position"):
         self.row = Rows("run", "tip", 0, slice(0, N), np.ones(N, dtype=bool), 1.0, np.arange(N))
@@ -88,8 +91,8 @@ def test_strays_that_make_a_gap_are_left_out():
     """A fifteenth of the rows thirty sigmas off: their chance correlation is above the noise."""
     values, out = spoiled(0.07, 30.0)
     channel, null = Channel(), Left(values + GAP)
-    assert leaves_gap(Left(values), null, channel)
-    found = hidden_strays(Left(values), null, channel)
+    assert Criteria(channel, null).leaves_gap(Left(values))
+    found = hidden_strays(Left(values), Criteria(channel, null))
     assert found[out].mean() > 0.8
     [said] = strays_told(found, channel)
     assert said.startswith(f"{found.sum()} values of tip in run left out: outliers")
@@ -97,11 +100,11 @@ def test_strays_that_make_a_gap_are_left_out():
 
 def test_nothing_is_left_out_where_nothing_or_something_else_is_left():
     values, _ = spoiled(0.02, 8.0)
-    assert not leaves_gap(Left(values), Left(values + GAP), Channel())
-    assert not hidden_strays(Left(values), Left(values + GAP), Channel()).any()
+    assert not Criteria(Channel(), Left(values + GAP)).leaves_gap(Left(values))
+    assert not hidden_strays(Left(values), Criteria(Channel(), Left(values + GAP))).any()
     both = spoiled(0.07, 30.0)[0] + 0.3 * GAP
-    assert leaves_gap(Left(both), Left(both + GAP), Channel())
-    assert not hidden_strays(Left(both), Left(both + GAP), Channel()).any()
+    assert Criteria(Channel(), Left(both + GAP)).leaves_gap(Left(both))
+    assert not hidden_strays(Left(both), Criteria(Channel(), Left(both + GAP))).any()
 
 
 def test_rows_that_are_left_keep_their_values_and_instants():

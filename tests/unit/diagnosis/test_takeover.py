@@ -5,11 +5,12 @@ import pytest
 from planted import run_of
 
 import flexarm
-from flexarm.diagnosis.acceptance import spares, strain
+from flexarm.diagnosis.acceptance import Criteria, conflict
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.moves.confounding import _matched, taken_over, takeovers
 from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.refinement import without_effects
 from flexarm.diagnosis.screening import probe
@@ -61,7 +62,7 @@ def stiffer():
 
 def test_the_stiffness_takes_over_what_the_modulus_is_strained_to_do(stiffer):
     fitter, probed, null = stiffer
-    assert strain(null) > 30
+    assert conflict(null, SelectionPolicy()) > 30
     first = takeovers(fitter, probed, null)[0]
     assert (first.candidate.place, set(first.values)) == (("link_stiffness", "rod"), {MODULUS})
     # To first order about the strained fit: (1 + 50 sigma)/1 is not 1 + ln 1.5.
@@ -71,8 +72,8 @@ def test_the_stiffness_takes_over_what_the_modulus_is_strained_to_do(stiffer):
 def test_its_fit_leaves_the_noise_and_the_modulus_where_it_is_stated(stiffer):
     fitter, probed, null = stiffer
     [found] = [f for f in taken_over(fitter, probed, null) if f.places == (("link_stiffness", "rod"),)]
-    assert strain(found) == 0.0
-    assert spares(found, null)
+    assert conflict(found, SelectionPolicy()) == 0.0
+    assert Criteria(fitter.observed, null).resolves_conflict(found, null)
     assert found.members[0].effect.scale == pytest.approx(SCALE, rel=0.03)  # the modulus is known to 1 %
     assert found.cost < 1.1 * len(found.residual)
 
@@ -124,7 +125,7 @@ def test_it_starts_as_far_as_the_unknown_was():
 def test_nothing_is_looked_for_where_something_else_strains_the_unknowns():
     """A load half as heavy again: the modulus that is strained by it makes up for less than a third."""
     fitter, probed, null = seen(PayloadMass(at="load", mass=21.0))
-    assert strain(null) > 1.0
+    assert conflict(null, SelectionPolicy()) > 1.0
     made = fitter.observed.runs.made
     assert takeovers(fitter, probed, null) == []
     assert fitter.observed.runs.made == made

@@ -9,6 +9,7 @@ import pytest
 
 from flexarm.diagnosis import naming
 from flexarm.diagnosis import naming as sentence
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.named_effects import Alternative, NamedEffect
 from flexarm.report.sentences import _change, headline, verdict_sentence
 from flexarm.residual_analysis.pooled_gap import PooledGap
@@ -35,7 +36,7 @@ def test_what_the_data_cannot_tell_from_a_named_effect_is_not_listed_as_rejected
         tried=[(tried, 0)],
         value={},
     )
-    found = naming.rejected(choice, None)
+    found = naming.rejected(choice, SimpleNamespace(policy=SelectionPolicy()))
     assert [(each.name, each.why) for each in found] == [
         ("link_mass", naming.IN_ITS_PLACE),
         ("backlash", naming.ON_THE_WAY),
@@ -86,7 +87,7 @@ def test_refined_values_are_listed_once_where_they_are_many():
     assert "(links.rod.material.youngs_modulus) explains the gap" in verdict_sentence(found)
 
 
-BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None))
+BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
 """Records of a model without effects."""
 
 
@@ -94,7 +95,6 @@ def choice_of(names: list[str], before: float, after: float, monkeypatch) -> Sim
     """A choice of effects that takes the largest gap above the noise from one multiple of it to another."""
     sizes = {"null": {"tip": before}, "best": {"tip": after}}
     monkeypatch.setattr(sentence, "above_noise", lambda rest, observed, corners: sizes[rest])
-    monkeypatch.setattr(sentence, "strain", lambda fit: 0.0)
     unknown = SimpleNamespace(words="value E")
     pulls = {"null": 8.7, "best": 0.0}
     fits = {
@@ -128,7 +128,7 @@ def test_of_several_effects_the_gap_is_told_once_and_the_evidence_of_each(monkey
 
 
 def test_an_effect_that_the_model_has_is_weighed_against_it_as_stated(monkeypatch):
-    has = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: name))
+    has = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: name), policy=SelectionPolicy())
     told = sentence.evidence_sentence(choice_of(["backlash"], 34.0, 0.3, monkeypatch), 0, (), False, has)
     assert "(ln Bayes factor 39 over the model with it as stated)" in told
 

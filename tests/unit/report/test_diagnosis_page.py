@@ -17,7 +17,7 @@ from flexarm.report.diagnosis import _figures, write
 from flexarm.report.diagnosis_page import page
 from flexarm.reproduction.figures import style
 from flexarm.reproduction.files import Drawing
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 VERDICTS = sorted(diagnoses.ALL)
 VOID = {"meta", "img", "br", "wbr", "link", "input", "hr"}
@@ -198,7 +198,7 @@ def torque_only():
         effects=(named,),
         before={"other": gap},
         after={"other": gap},
-        located=locate(pair),
+        located=localise(pair),
         located_after=None,
         main_signal="hinge torque",
     )

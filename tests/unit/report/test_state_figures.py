@@ -19,7 +19,7 @@ from flexarm.report.state_figures import (
     shown_joints,
 )
 from flexarm.reproduction.figures import style
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def bent_elbow():
         return 1.2 * turn[:, None] * np.stack([np.cos(q + p), -np.sin(q + p)], axis=1)
 
     model = run.simulation.arm
-    located = locate(run.showing({"tip": gap}))
+    located = localise(run.showing({"tip": gap}))
     return diagnoses.of_effects(arm=model, updated=model, located=located, located_after=None)
 
 
@@ -115,7 +115,7 @@ def test_an_effect_is_shown_in_the_signal_that_it_repairs():
     def friction(t):
         return 30 * np.sign(run.state("drive_rate", t))
 
-    before, after = (locate(run.showing(gap)) for gap in ({"hinge torque": friction}, {}))
+    before, after = (localise(run.showing(gap)) for gap in ({"hinge torque": friction}, {}))
     d = diagnoses.of_effects(located=before, located_after=after)
     assert most_repaired(d) == "hinge torque"
 

@@ -12,10 +12,10 @@ from itertools import groupby
 
 import numpy as np
 
-from flexarm.diagnosis.acceptance import REACH
 from flexarm.diagnosis.alternatives import Rival
 from flexarm.diagnosis.design.candidate_measurements import Addition
 from flexarm.diagnosis.design.information_gain import gains
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.selection import Choice
 from flexarm.record import Record
@@ -94,7 +94,7 @@ def _sentence(
 ) -> str:
     """What to do and what it would bring."""
     parted = _words(choice, pairs)
-    if gain < REACH:
+    if gain < SelectionPolicy.reach:
         return (
             f"Nothing that is easily added parts {parted}: the most, an expected ln Bayes factor of "
             f"{number(gain, 2)}, comes from repeating '{name}' {addition.words}."

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.diagnosis.acceptance import REACH, STRONG
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.output import SavedAsDirectory
 from flexarm.wording import with_unit
 
@@ -66,12 +66,16 @@ class PlannedEffect:
     @property
     def seen(self) -> bool:
         """Whether the experiment would show it at the plausible size."""
-        return self.log_bayes_factor >= STRONG
+        return self.log_bayes_factor >= SelectionPolicy.strong_evidence
 
     @property
     def times(self) -> float:
         """The least size over the plausible one."""
-        return sqrt(STRONG / self.log_bayes_factor) if self.log_bayes_factor > 0 else inf
+        return (
+            sqrt(SelectionPolicy.strong_evidence / self.log_bayes_factor)
+            if self.log_bayes_factor > 0
+            else inf
+        )
 
     @property
     def least_words(self) -> str:
@@ -114,7 +118,7 @@ class Parting:
     @property
     def parts(self) -> bool:
         """Whether the pair is tied no more."""
-        return self.log_bayes_factor >= REACH
+        return self.log_bayes_factor >= SelectionPolicy.reach
 
 
 @dataclass(frozen=True)
@@ -210,7 +214,7 @@ class Plan(SavedAsDirectory):
     def rivals(self, i: int) -> list[int]:
         """Effects that would do in the place of one, by number."""
         row = self.log_bayes_factor[i]
-        return [int(j) for j in np.argsort(row, kind="stable") if j != i and row[j] < REACH]
+        return [int(j) for j in np.argsort(row, kind="stable") if j != i and row[j] < SelectionPolicy.reach]
 
     # ------------------------------------------------------------------- output
 

@@ -21,13 +21,13 @@ from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
 from flexarm.arm import Arm
 from flexarm.arm.joint_units import parameters_in
 from flexarm.configuration import version
-from flexarm.diagnosis.acceptance import STRONG
 from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
 from flexarm.diagnosis.design.plan_result import FAR, Plan, PlannedEffect, Tie
 from flexarm.diagnosis.design.separation import against_none, cliques, gaps_of, matrix, shown_by
 from flexarm.diagnosis.design.virtual_experiment import Laboratory, lesser_factor, pairs, ties
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
@@ -66,7 +66,7 @@ def planned_effect(
     units = {name: own if unit == "SI" else unit for name, _, unit in parameters_in(size, arm)}
     name = _parameter(candidate, size)
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
-    times = sqrt(STRONG / seen) if seen > 0 else inf
+    times = sqrt(SelectionPolicy.strong_evidence / seen) if seen > 0 else inf
     if candidate.effect.is_spring:
         there = value_of(candidate.without, "stiffness") if candidate.without is not None else inf
         change = 1.0 / value - 1.0 / there
@@ -87,7 +87,11 @@ def hidden(arm: Arm, effect: Effect, seen: float) -> str:
         return f"{effect.at} is rigid in the model: its drive takes the torque, which no sensor shows"
     if not seen > 0:
         return "it moves nothing that is measured"
-    return f"not seen at {FAR:g} times that size either" if FAR**2 * seen < STRONG else ""
+    return (
+        f"not seen at {FAR:g} times that size either"
+        if FAR**2 * seen < SelectionPolicy.strong_evidence
+        else ""
+    )
 
 
 def _parameter(candidate: Candidate, size: Effect) -> str:

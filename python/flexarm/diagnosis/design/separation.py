@@ -27,9 +27,9 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.evidence import DISCREPANCY
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.nuisance import Unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import RIDGE, Probed
 
 
@@ -106,7 +106,7 @@ def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:
     all_rows = np.vstack([v[:rows], asked])
     square = np.sum(all_rows**2, axis=0)
     spread = square**2 / np.maximum(np.sum(all_rows**4, axis=0), 1e-300)
-    found: Floats = square / 2 / (1 + DISCREPANCY**2 * spread)  # eq. (2)
+    found: Floats = square / 2 / (1 + SelectionPolicy.discrepancy**2 * spread)  # eq. (2)
     return found
 
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.acceptance import REACH, STRONG
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.design.candidate_measurements import Addition, with_points
@@ -26,6 +25,7 @@ from flexarm.diagnosis.design.plan_result import Parting
 from flexarm.diagnosis.design.separation import Bench, Shown, matrix
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.nuisance import Unknowns, unknowns
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.screening import probe
 from flexarm.record import Record
@@ -37,13 +37,13 @@ def ties(factors: Floats, seen: Floats) -> NDArray[np.bool_]:
     found = np.zeros((count, count), dtype=bool)
     for i in range(count):
         for j in range(i):
-            found[i, j] = found[j, i] = lesser_factor(factors, seen, i, j) < REACH
+            found[i, j] = found[j, i] = lesser_factor(factors, seen, i, j) < SelectionPolicy.reach
     return found
 
 
 def lesser_factor(factors: Floats, seen: Floats, i: int, j: int) -> float:
     """The lesser one of E ln B_ij and E ln B_ji, of those whose effect is seen at all."""
-    both = [factors[a, b] for a, b in ((i, j), (j, i)) if seen[a] >= STRONG]
+    both = [factors[a, b] for a, b in ((i, j), (j, i)) if seen[a] >= SelectionPolicy.strong_evidence]
     return float(min(both, default=inf))
 
 

@@ -6,14 +6,14 @@ as the finite steps of probes bend, and as that model's arm swings out of step w
 laid side by side about the fit that is strained, with small steps. An effect with the derivatives D takes
 over the move :math:`J_u x_u` of an unknown u where
 
-.. math:: R_u^2 = 1 - \min_\alpha |J_u x_u - D \alpha|^2 / |J_u x_u|^2 > \text{ALIKE},               (1)
+.. math:: R_u^2 = 1 - \min_\alpha |J_u x_u - D \alpha|^2 / |J_u x_u|^2 > \text{confounded},               (1)
 
 and with it what else it is the `SAME` as, such as all of a frame. Its fit starts with these unknowns back
 where they are stated, and with the size that makes up for them.
 
 What one effect moves may be told as several unknowns at once: a longer link as two points off along it, each
 of which moves a part of that. The moves of unknowns are added up, the most alike first, while each leaves at
-most `HALVED` of what (1) misses. An effect that does better so than with any of them goes before all others.
+most half of what (1) misses. An effect that does better so than with any of them goes before all others.
 """
 
 from __future__ import annotations
@@ -26,23 +26,20 @@ from itertools import chain, zip_longest
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.acceptance import FORBIDDEN, STRAINED, strain
+from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.fit import FAILED, Fit, Projection
 from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
 
-ALIKE, SAME = 0.8, 0.98
-"""Least part of what an unknown moves that an effect takes over, eq. (1); of others that it takes along."""
-HALVED = 0.5
-"""Most of what (1) misses that is left beside one unknown more: a half by chance is rare."""
+SAME = 0.98
+"""Least part of what another unknown moves for an effect to take it along, eq. (1)."""
 TOGETHER = ""
 """Instead of the key of one unknown: several of them."""
 PART = 1 / 3
 """Least part of what would be left without strained unknowns that they explain."""
-TAKEN = 3
-"""Effects that are fitted."""
 SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
 """Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
 
@@ -95,25 +92,27 @@ def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeo
 
     The most strained ones come first.
     """
-    strained = _strained(fitter, best) if strain(best) > STRAINED and _stand_in(best) else {}
+    policy = fitter.observed.policy
+    far = conflict(best, policy) > policy.conflict and _stand_in(best, policy.pull)
+    strained = _strained(fitter, best) if far else {}
     alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in (TOGETHER, *strained)}
     for candidate, moves, of in _moves(fitter, probed, best, strained) if strained else ():
-        for key, part, takeover in _takes_over(candidate, moves, of):
+        for key, part, takeover in _takes_over(candidate, moves, of, policy):
             alike[key].append((part, takeover))
     ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
     found: dict[tuple[str, str], Takeover] = {}
     for each in chain.from_iterable(zip_longest(*ranked)):
-        if each is not None and len(found) < TAKEN:
+        if each is not None and len(found) < policy.proposals // 2:
             found.setdefault(each.candidate.place, each)
     return list(found.values())
 
 
-def _stand_in(best: Fit) -> bool:
+def _stand_in(best: Fit, pull: float) -> bool:
     """Whether strained unknowns explain a good part of what would be left with them where they are stated.
 
     Beside a larger gap they are strained by what else is missing, and that comes first.
     """
-    far = np.abs(best.projection.best(best.residual)) > FORBIDDEN * best.unknowns.sigma
+    far = np.abs(best.projection.best(best.residual)) > pull * best.unknowns.sigma
     others = Projection(best.projection.slopes[:, ~far], best.unknowns.sigma[~far]).rest(best.residual)
     noise, without = len(best.residual), float(others @ others)
     return without - best.cost > PART * (without - noise)
@@ -151,7 +150,7 @@ def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
 
 
 def _takes_over(
-    candidate: Candidate, moves: Floats, strained: Strained
+    candidate: Candidate, moves: Floats, strained: Strained, policy: SelectionPolicy
 ) -> Iterator[tuple[str, float, Takeover]]:
     """Unknowns that an effect takes over, R^2 of (1), and how."""
     parts = {key: _part(move, moves) for key, (move, _) in strained.items()}
@@ -159,18 +158,20 @@ def _takes_over(
         (key, part, [other for other in parts if other == key or parts[other] > SAME])
         for key, part in parts.items()
     ]
-    for key, part, keys in [_together(moves, strained, parts), *found]:
-        if part > ALIKE and possible(candidate, alphas := _alphas(moves, _moved(strained, keys))):
+    for key, part, keys in [_together(moves, strained, parts, policy.halfway), *found]:
+        if part > policy.confounded and possible(candidate, alphas := _alphas(moves, _moved(strained, keys))):
             yield key, part, Takeover(candidate, alphas, {other: strained[other][1] for other in keys})
 
 
-def _together(moves: Floats, strained: Strained, parts: Mapping[str, float]) -> tuple[str, float, list[str]]:
+def _together(
+    moves: Floats, strained: Strained, parts: Mapping[str, float], half: float
+) -> tuple[str, float, list[str]]:
     """Unknowns that an effect does better for all at once than for any of them, and R^2 of (1)."""
     first, *others = sorted(parts, key=lambda key: -parts[key])
     part, keys = parts[first], [first]
     for key in others:
         more = _part(_moved(strained, [*keys, key]), moves)
-        if 1.0 - more < HALVED * (1.0 - part):
+        if 1.0 - more < half * (1.0 - part):
             part, keys = more, [*keys, key]
     return TOGETHER, part if len(keys) > 1 else 0.0, keys
 
@@ -198,7 +199,7 @@ def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
 
 
 def _strained(fitter: Fitter, best: Fit) -> Strained:
-    """What each unknown beyond `FORBIDDEN` sigmas moves, and where it is, the most strained first.
+    """What each unknown beyond `SelectionPolicy.pull` moves, and where it is, the most strained first.
 
     That is where it is simulated, or else where it would have to be.
     """
@@ -208,7 +209,7 @@ def _strained(fitter: Fitter, best: Fit) -> Strained:
     found = {}
     for k in np.argsort(-far):
         unknown = best.unknowns.each[k]
-        if unknown.kind != "start" and far[k] > FORBIDDEN:
+        if unknown.kind != "start" and far[k] > fitter.observed.policy.pull:
             at = float(simulated[unknown.key] or values[k])
             found[unknown.key] = (best.projection.slopes[:, k] * at, at)
     return found

@@ -21,7 +21,7 @@ import numpy as np
 
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
-from flexarm.diagnosis.acceptance import DENT, explained, leaves_gap, limit_beside, quiet
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries, value_of
 from flexarm.diagnosis.estimator import Fitter
 from flexarm.diagnosis.fit import FAILED, Fit
@@ -29,16 +29,13 @@ from flexarm.diagnosis.minimisers import scanned
 from flexarm.diagnosis.problem import Observed
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 
-AVERAGED = 1.0
-"""Length of the average [s]: a few periods of a heavy arm, a small part of its motion."""
-
 
 def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
-    """Averages columns of residuals over `AVERAGED`, channel by channel; poses stay as they are."""
+    """Averages columns of residuals over `low_pass` seconds, channel by channel; poses stay as they are."""
     windows = []
     for each, where in observed.channels():
         if observed.records[each.record].kind == "motion" and len(each.time) > 1:
-            windows.append((where, round(AVERAGED / float(np.median(np.diff(each.time))))))
+            windows.append((where, round(observed.policy.low_pass / float(np.median(np.diff(each.time))))))
 
     def averaged(columns: Floats) -> Floats:
         from scipy.ndimage import uniform_filter1d
@@ -52,35 +49,11 @@ def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
     return averaged
 
 
-TRIED, PAIRS = 6, 3
-"""Candidates that are fitted at each step, and sets of two or three where no smaller one explains all.
-
-Where all leave a gap, so are those that explain most of what is slow (`moves.proposals`), as many sets of two
-of them, and at the first step, where these leave one too, as many more candidates.
-"""
-SLOW = 4
-"""Candidates that are fitted for what is slow."""
-SETS = 12
-"""Sets that are looked at for those: some are of sizes that cannot be simulated."""
-HALF = 0.5
-"""What the best must promise, or laws are looked at again at the ends of what is plausible."""
-LITTLE = 0.01
-"""Least share of those many more: a third of what a gap must lose to an effect that leaves one."""
-FAINT = 0.3
-"""Candidates that promise less than this part of the best are left out once one explains everything."""
-HALFWAY = 0.5
-"""Part of what the best one explains that one is not finished without."""
-TWIN = 1.1
-"""Most that a model with a spring elsewhere may leave, over the best one, to be gone on from too."""
-AHEAD = 0.9
-"""What a set of three may leave of what the best one leaves that only adds to a smaller set."""
-
-
 def larger_fits(
     fitter: Fitter,
     probed: Sequence[Probed],
     best: Fit,
-    null: Fit,
+    criteria: Criteria,
     size: int = 1,
     places: Mapping[str, str] = NONE,
     beside: Fit | None = None,
@@ -91,22 +64,23 @@ def larger_fits(
     `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
     large and fitted already.
     """
-    slow = slow_part(fitter.observed)
+    policy, slow = criteria.policy, slow_part(fitter.observed)
     if size > 1:
-        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, null, PAIRS)
-        if size == 2 and _all_leave_gaps(more, null, fitter.observed):
-            sets = one_variant(together(fitter, probed, best, size, slow), SETS)
-            more += _fitted(fitter, sets, best, null, PAIRS)
+        most = policy.proposals // 2
+        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, criteria, most)
+        if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(more):
+            sets = one_variant(together(fitter, probed, best, size, slow), 2 * policy.proposals)
+            more += _fitted(fitter, sets, best, criteria, most)
         return more
-    at_ends = not found or not quiet(best, null, fitter.observed)
+    at_ends = not found or not criteria.adequate(best)
     wanted, others = _promising(fitter, probed, best, places, at_ends)
-    more = _fitted(fitter, wanted, best, null)
-    if _all_leave_gaps([*found, *more], null, fitter.observed):
-        slower = one_variant(screen(fitter, probed, best, seen=slow), SLOW)
-        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, null, found=more)
-    if not best.members and _all_leave_gaps([*found, *more], null, fitter.observed):
-        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, null, found=more)
-    if _all_leave_gaps([*found, *more], null, fitter.observed):
+    more = _fitted(fitter, wanted, best, criteria)
+    if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
+        slower = one_variant(screen(fitter, probed, best, seen=slow), policy.more_proposals)
+        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, criteria, found=more)
+    if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
+        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, criteria, found=more)
+    if policy.allows("gap_scan") and criteria.all_leave_gaps([*found, *more]):
         more += _from_other_gaps(fitter, more)
     return more
 
@@ -126,7 +100,7 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
     A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
     """
     springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.effect.is_spring}
-    found = []
+    alike, found = 1 + fitter.observed.policy.alike, []
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         for place, candidate in springs.items():
@@ -134,12 +108,8 @@ def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[F
                 continue
             with suppress(*FAILED):
                 members = (candidate.acting_as(spring) or candidate, *others)
-                found.append(fitter.trial(members, best, TWIN * best.cost))
+                found.append(fitter.trial(members, best, alike * best.cost))
     return found
-
-
-def _all_leave_gaps(fits: Sequence[Fit], null: Fit, observed: Observed) -> bool:
-    return all(leaves_gap(f, null, observed) for f in fits)
 
 
 def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
@@ -151,7 +121,7 @@ def _fitted(
     fitter: Fitter,
     wanted: Sequence[Share],
     best: Fit,
-    null: Fit,
+    criteria: Criteria,
     most: int | None = None,
     found: Sequence[Fit] = (),
 ) -> list[Fit]:
@@ -163,10 +133,10 @@ def _fitted(
     for share in wanted:
         if len(found) == most:
             break
-        done = any(explained(f, null, fitter.observed) for f in found)
-        if done and share.share < FAINT * wanted[0].share:
+        done = any(criteria.explains(f) for f in found)
+        if done and share.share < criteria.policy.faint * wanted[0].share:
             break
-        near = limit_beside([*before, *found], best, HALFWAY)
+        near = criteria.early_stop([*before, *found], best, criteria.policy.halfway)
         try:
             members = (*map(_relaxed, best.members), *share.members)
             found.append(fitter.trial(members, best, near))
@@ -177,9 +147,10 @@ def _fitted(
 
 def _sets(fitter: Fitter, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None) -> list[Share]:
     """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
-    shares = [share for share in together(fitter, probed, best, size) if share.share > DENT]
-    ahead = size == 2 or beside is None or _leads(shares, beside)
-    return one_variant(shares, SETS) if ahead else []
+    policy = fitter.observed.policy
+    shares = [s for s in together(fitter, probed, best, size) if s.share > policy.least_reduction]
+    ahead = size == 2 or beside is None or _leads(shares, beside, policy.alike)
+    return one_variant(shares, 2 * policy.proposals) if ahead else []
 
 
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
@@ -197,13 +168,16 @@ def _promising(
 
     Where the best promises little, laws are looked at `at_ends` too.
     """
+    policy = fitter.observed.policy
     shares = one_variant(screen(fitter, probed, best, places), len(probed))
-    sharp = sharpened(fitter, shares[: 2 * TRIED], best)
-    if at_ends and (not sharp or sharp[0].share < HALF):
+    sharp = sharpened(fitter, shares[: 2 * policy.proposals], best)
+    at_ends = at_ends and policy.allows("prior_ends")
+    if at_ends and (not sharp or sharp[0].share < policy.most_of_gap):
         sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
-    wanted = sharp[:TRIED]
+    wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}
-    return wanted, [share for share in sharp if share.places not in there and share.share > LITTLE]
+    least = policy.negligible_share
+    return wanted, [share for share in sharp if share.places not in there and share.share > least]
 
 
 def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:
@@ -228,12 +202,12 @@ def _sharpest(shares: Sequence[Share]) -> list[Share]:
     return one_variant(sorted(shares, key=lambda share: -share.share), len(shares))
 
 
-def _leads(shares: Sequence[Share], beside: Fit) -> bool:
+def _leads(shares: Sequence[Share], beside: Fit, alike: float) -> bool:
     """Whether the best set goes where adding to a smaller one does not lead."""
     reached = max(
         (s.share for s in shares if set(beside.places) <= {m.place for m in s.members}), default=0.0
     )
-    return bool(shares) and 1.0 - shares[0].share < AHEAD * (1.0 - reached)
+    return bool(shares) and 1.0 - shares[0].share < (1 - alike) * (1.0 - reached)
 
 
 def _relaxed(member: Candidate) -> Candidate:

@@ -13,13 +13,13 @@ from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
+from flexarm.decks.keywords import Keyword, keywords
 from flexarm.errors import Problem
 from flexarm.solids.cell_types import BY_MESHIO_NAME
 from flexarm.solids.reading.abaqus_cells import kind_of, rows_of
 from flexarm.solids.reading.abaqus_flat import Flat
-from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope, Section, placement
-from flexarm.solids.reading.content import Content
-from flexarm.solids.reading.keywords import Keyword, keywords
+from flexarm.solids.reading.abaqus_scope import Key, Names, Scope, Section, placement
+from flexarm.solids.reading.content import Content, Elastic
 
 #: What makes nodes or cells out of others, or moves them: leaving it out would change the part.
 _REFUSED = ("SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
@@ -50,8 +50,8 @@ class _Reader:
         self.parts: dict[str, Scope] = {}
         self.instances: list[str] = []
         self.instance: Keyword | None = None
-        self.materials: Names[AbaqusMaterial] = Names()
-        self.material: AbaqusMaterial | None = None
+        self.materials: Names[Elastic] = Names()
+        self.material: Elastic | None = None
         self.notes: list[Problem] = []
         self.left: dict[str, int] = {}
         self.said: dict[str, list[int]] = {}
@@ -88,13 +88,9 @@ class _Reader:
             raise keyword.error(
                 f"SYSTEM={keyword.parameters['SYSTEM']} is not read; give rectangular coordinates"
             )
-        keys = []
-        for line, values in keyword.rows:
-            (number,) = keyword.numbers(line, values[:1]) or [0]
-            xyz = keyword.floats(line, values[1:4])
-            self.scope.nodes["", number] = xyz + [0.0] * (3 - len(xyz))
-            keys.append(("", number))
-        _extend(self.scope.node_sets, keyword.parameters.get("NSET", ""), keys)
+        nodes = {("", number): xyz for number, xyz in keyword.nodes()}
+        self.scope.nodes.update(nodes)
+        _extend(self.scope.node_sets, keyword.parameters.get("NSET", ""), nodes)
 
     def _cells(self, keyword: Keyword) -> None:
         name = keyword.needed("TYPE").upper()
@@ -163,7 +159,7 @@ class _Reader:
 
     def _material(self, keyword: Keyword) -> None:
         name = keyword.needed("NAME")
-        self.material = AbaqusMaterial(f"line {keyword.line}, *MATERIAL {name}")
+        self.material = Elastic(f"line {keyword.line}, *MATERIAL {name}")
         self.materials.set(name, self.material)
 
     def _elastic(self, keyword: Keyword) -> None:

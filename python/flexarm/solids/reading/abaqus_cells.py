@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from flexarm.solids.reading.keywords import Keyword
+from flexarm.decks.keywords import Keyword
 
 _SOLID = re.compile(r"D?C3D(\d+)")
 _KINDS = {

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidFile, Problem
-from flexarm.solids.reading.abaqus_scope import AbaqusMaterial, Key, Names, Scope
+from flexarm.solids.reading.abaqus_scope import Key, Names, Scope
 from flexarm.solids.reading.content import Block, Content, Elastic
 
 
@@ -22,7 +22,7 @@ class Flat:
         self.index = {key: i for i, key in enumerate(scope.nodes)}
         self.place: dict[Key, tuple[int, int]] = {}
 
-    def content(self, path: Path, materials: Names[AbaqusMaterial]) -> Content:
+    def content(self, path: Path, materials: Names[Elastic]) -> Content:
         """Return the content; `path` names the file in errors."""
         blocks = self._blocks()
         found = Content(
@@ -78,7 +78,7 @@ class Flat:
         return np.unique(np.array(there, int))
 
     def _materials(
-        self, path: Path, materials: Names[AbaqusMaterial], groups: Mapping[str, object]
+        self, path: Path, materials: Names[Elastic], groups: Mapping[str, object]
     ) -> dict[str, Elastic]:
         found = {}
         for section in self.scope.sections:
@@ -91,7 +91,5 @@ class Flat:
             group = next((g for g in groups if g.upper() in (name.upper(), section.cells.upper())), None)
             if group is None:
                 raise InvalidFile(path, section.where, f"*SOLID SECTION: there is no element set {name!r}")
-            found[group] = Elastic(
-                material.youngs_modulus, material.poisson_ratio, material.density, material.where
-            )
+            found[group] = material
         return found

@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.solids.reading.keywords import Keyword
+from flexarm.decks.keywords import Keyword
 
 Key = tuple[str, int]
 #: A range of more numbers than this is looked up among the nodes or cells that there are.
@@ -52,16 +52,6 @@ class Section:
     cells: str
     material: str
     where: str
-
-
-@dataclass
-class AbaqusMaterial:
-    """A `*MATERIAL`, as far as it has been read."""
-
-    where: str
-    youngs_modulus: float | None = None
-    poisson_ratio: float | None = None
-    density: float | None = None
 
 
 @dataclass

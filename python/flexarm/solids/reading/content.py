@@ -28,22 +28,17 @@ class Block:
     numbers: Ints
 
 
-@dataclass(frozen=True)
+@dataclass
 class Elastic:
-    """A material as the file gives it; None where the file leaves a value out.
+    """A material as the file gives it, in the file's units; None where the file leaves a value out.
 
-    Attributes
-    ----------
-    youngs_modulus, poisson_ratio, density : float or None
-        In the file's units.
-    where : str
-        Its name in the file, or its line.
+    `where` is its name in the file, or its line.
     """
 
-    youngs_modulus: float | None
-    poisson_ratio: float | None
-    density: float | None
     where: str
+    youngs_modulus: float | None = None
+    poisson_ratio: float | None = None
+    density: float | None = None
 
 
 @dataclass

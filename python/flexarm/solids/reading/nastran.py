@@ -3,7 +3,7 @@
 Read are GRID, CTETRA, CHEXA, PSOLID with MAT1, and what names grids: SPC, SPC1, RBE2, RBE3, SET1, ASET1, and
 SET of the case control. The cells of a property are a group `psolid-1`; sets of points are `spc-1`, `rbe2-7`
 (its dependent grids), `rbe3-7` (the grids it averages), `set-3`, `aset`, `shell-4` (the grids of a shell's
-property). Grids in coordinate systems other than the basic one need CORD2R, CORD2C or CORD2S.
+property). GRDSET and the coordinate systems CORD1 and CORD2 hold for grids.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from flexarm.decks.cards import Card, cards
+from flexarm.decks.coordinate_systems import Grids
 from flexarm.errors import Problem
-from flexarm.solids.reading.cards import Card, cards
 from flexarm.solids.reading.content import Block, Content, Elastic
-from flexarm.solids.reading.nastran_frames import Frame, basic, frame_of
 
 _SOLIDS = {"CTETRA": (4, 10, "tetra"), "CHEXA": (8, 20, "hexahedron")}
 _OTHER_SOLIDS = {"CPENTA": "wedge", "CPYRAM": "pyramid", "CPYRA": "pyramid"}
@@ -36,24 +36,24 @@ def content(path: Path) -> Content:
 
 class _Reader:
     def __init__(self) -> None:
-        self.grids: dict[int, Card] = {}
-        self.frames: dict[int, Frame] = {}
+        self.grids = Grids()
         self.cells: dict[str, list[tuple[int, int, list[int], Card]]] = {}
         self.properties: dict[int, Card] = {}
         self.materials: dict[int, Card] = {}
         self.sets: dict[str, list[range]] = {}
         self.left: dict[str, int] = {}
         self.steps: Mapping[str, Callable[[Card], None]] = {
-            "GRID": self._grid,
-            "PSOLID": self._property,
-            "MAT1": self._material,
+            "GRID": self.grids.take,
+            "GRDSET": self.grids.take,
+            "PSOLID": lambda card: self.properties.update({card.integer(0): card}),
+            "MAT1": lambda card: self.materials.update({card.integer(0): card}),
             "SPC": self._spc,
-            "SPC1": self._spc1,
-            "ASET1": self._aset1,
+            "SPC1": lambda card: self._extend(f"spc-{card.integer(0)}", _range(card, 2)),
+            "ASET1": lambda card: self._extend("aset", _range(card, 1)),
             "RBE2": self._rbe2,
             "RBE3": self._rbe3,
-            "SET1": self._set,
-            "SET": self._set,
+            "SET1": lambda card: self._extend(f"set-{card.text(0)}", _range(card, 1)),
+            "SET": lambda card: self._extend(f"set-{card.text(0)}", _range(card, 1)),
         }
 
     def take(self, card: Card) -> None:
@@ -68,14 +68,11 @@ class _Reader:
             row = (card.integer(0), 0, [card.integer(2)], card)
             self.cells.setdefault(_OTHER_SOLIDS[card.name], []).append(row)
         elif card.name.startswith("CORD"):
-            frame_of(card, self.frames)
+            self.grids.take(card)
         elif card.name in self.steps:
             self.steps[card.name](card)
         elif card.name.startswith(("C", "RB", "MPC")) and card.text(0).isdecimal():
             self.left[card.name] = self.left.get(card.name, 0) + 1
-
-    def _grid(self, card: Card) -> None:
-        self.grids[card.integer(0)] = card
 
     def _solid(self, card: Card) -> None:
         few, many, kind = _SOLIDS[card.name]
@@ -92,22 +89,10 @@ class _Reader:
             (card.integer(0), card.integer(1, card.integer(0)), nodes, card)
         )
 
-    def _property(self, card: Card) -> None:
-        self.properties[card.integer(0)] = card
-
-    def _material(self, card: Card) -> None:
-        self.materials[card.integer(0)] = card
-
     def _spc(self, card: Card) -> None:
         """Read set, then grid, components, displacement, twice."""
         for i in (1, 4):
             self._extend(f"spc-{card.integer(0)}", _range(replace(card, fields=card.fields[i : i + 1]), 0))
-
-    def _spc1(self, card: Card) -> None:
-        self._extend(f"spc-{card.integer(0)}", _range(card, 2))
-
-    def _aset1(self, card: Card) -> None:
-        self._extend("aset", _range(card, 1))
 
     def _rbe2(self, card: Card) -> None:
         """Read number, independent grid, components, dependent grids, [thermal expansion]."""
@@ -125,19 +110,16 @@ class _Reader:
                 grids.append(text)
         self._extend(f"rbe3-{card.integer(0)}", _range(replace(card, fields=grids), 0))
 
-    def _set(self, card: Card) -> None:
-        self._extend(f"set-{card.text(0)}", _range(card, 1))
-
     def _extend(self, name: str, grids: Iterable[range]) -> None:
         self.sets.setdefault(name, []).extend(grids)
 
     def finished(self, path: Path) -> Content:
         """Return all that was read."""
-        index = {number: i for i, number in enumerate(self.grids)}
-        points = [basic(card, self.frames) for card in self.grids.values()]
+        index = {number: i for i, number in enumerate(self.grids.cards)}
+        points = [self.grids.position(number) for number in index]
         found = Content(
             points=np.array(points, float).reshape(-1, 3),
-            numbers=np.array(list(self.grids), int),
+            numbers=np.array(list(index), int),
             blocks=[self._block(kind, rows, index) for kind, rows in self.cells.items()],
         )
         for i, rows in enumerate(self.cells.values()):
@@ -190,7 +172,7 @@ def _mat1(card: Card) -> Elastic:
     if ratio is None and modulus is not None and shear:
         ratio = modulus / (2 * shear) - 1
     density = card.number(4) if card.text(4) else None
-    return Elastic(modulus, ratio, density, f"line {card.line}, MAT1 {card.text(0)}")
+    return Elastic(f"line {card.line}, MAT1 {card.text(0)}", modulus, ratio, density)
 
 
 def _range(card: Card, first: int) -> list[range]:

@@ -6,6 +6,7 @@ the set of its points. Points that no solid cell uses are left out.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
@@ -18,6 +19,7 @@ from flexarm.solids.cell_types import ALLOWED, BY_MESHIO_NAME
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.reading.content import Content
 from flexarm.solids.reading.units import si_materials
+from flexarm.solids.shape import used_points
 from flexarm.units import factor_to
 
 _FLAT = ("vertex", "line", "triangle", "quad", "polygon")
@@ -48,10 +50,9 @@ def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Mate
     kinds = [BY_MESHIO_NAME[_lesser(b.kind)].name if _is_solid(b.kind) else "" for b in content.blocks]
     cells, numbers, offset = _cells(content, kinds)
     if not cells:
-        raise InvalidFile(file, "cells", _no_solids(content))
-    used = np.zeros(len(content.points), dtype=bool)
-    for nodes in cells.values():
-        used[nodes.ravel()] = True
+        there = ", ".join(f"{n} of type {kind}" for kind, n in _counts(content).items()) or "no cells at all"
+        raise InvalidFile(file, "cells", f"there are no solid cells ({there}); needed are {ALLOWED}")
+    used = used_points(cells.values(), len(content.points))
     new = np.cumsum(used) - 1
     groups, sets = _groups(content, kinds, offset)
     if content.repeats:
@@ -82,10 +83,11 @@ def _lesser(kind: str) -> str:
 
 
 def _refuse_other_solids(content: Content, file: str) -> None:
-    counts: dict[str, int] = {}
-    for block in content.blocks:
-        if _is_solid(block.kind) and _lesser(block.kind) not in BY_MESHIO_NAME:
-            counts[block.kind] = counts.get(block.kind, 0) + len(block.nodes)
+    counts = {
+        kind: n
+        for kind, n in _counts(content).items()
+        if _is_solid(kind) and _lesser(kind) not in BY_MESHIO_NAME
+    }
     if counts:
         shown = ", ".join(f"{count} of type {kind}" for kind, count in counts.items())
         remedy = next((r for stem, r in _REMEDY.items() if next(iter(counts)).startswith(stem)), "")
@@ -103,12 +105,12 @@ def _refuse_missing_points(content: Content, file: str) -> None:
             raise InvalidFile(file, "cells", f"cell {number} names a node that is not in the file")
 
 
-def _no_solids(content: Content) -> str:
-    counts: dict[str, int] = {}
+def _counts(content: Content) -> Counter[str]:
+    """Count the cells of each type."""
+    counts: Counter[str] = Counter()
     for block in content.blocks:
-        counts[block.kind] = counts.get(block.kind, 0) + len(block.nodes)
-    there = ", ".join(f"{n} of type {kind}" for kind, n in counts.items()) or "no cells at all"
-    return f"there are no solid cells ({there}); needed are {ALLOWED}"
+        counts[block.kind] += len(block.nodes)
+    return counts
 
 
 def _cells(content: Content, kinds: list[str]) -> tuple[dict[str, Ints], dict[str, Ints], list[int]]:
@@ -179,7 +181,7 @@ def _left_out(content: Content, used: NDArray[np.bool_]) -> list[Problem]:
         notes.append(
             Problem("point sets", f"points of no solid cell were left out of {', '.join(lost[:20])}")
         )
-    full = sum(len(block.nodes) for block in content.blocks if block.kind == "hexahedron27")
+    full = _counts(content)["hexahedron27"]
     if full:
         notes.append(Problem("cells", f"{full} hexahedra of 27 nodes are read as 20-node ones"))
     return notes

@@ -6,6 +6,7 @@ All stand on z = 0 with their axis along z. For anything with steps, list its bl
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Required, TypedDict, Unpack
 
 from flexarm.arm.link import Material
 from flexarm.errors import InvalidParameter
@@ -13,20 +14,18 @@ from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
 from flexarm.solids.revolve.revolved import revolved
 
-Size = float | tuple[float, float]
+
+class Options(TypedDict, total=False):
+    """Options of `revolved`."""
+
+    size: Required[float | tuple[float, float]]
+    around: int | None
+    order: int
+    patches: Sequence[Patch | BoltCircle]
+    material: Material | None
 
 
-def ring(
-    inner_radius: float,
-    outer_radius: float,
-    height: float,
-    *,
-    size: Size,
-    around: int | None = None,
-    order: int = 2,
-    patches: Sequence[Patch | BoltCircle] = (),
-    material: Material | None = None,
-) -> SolidMesh:
+def ring(inner_radius: float, outer_radius: float, height: float, **options: Unpack[Options]) -> SolidMesh:
     """Return a ring: group `ring`, sets `inner`, `outer`, `bottom`, `top`. Lengths in m.
 
     >>> from flexarm.solids import ring
@@ -34,20 +33,10 @@ def ring(
     96
     """
     block = Block("ring", inner_radius, outer_radius, 0.0, height)
-    return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
+    return revolved([block], **options)
 
 
-def tube(
-    outer_diameter: float,
-    thickness: float,
-    length: float,
-    *,
-    size: Size,
-    around: int | None = None,
-    order: int = 2,
-    patches: Sequence[Patch | BoltCircle] = (),
-    material: Material | None = None,
-) -> SolidMesh:
+def tube(outer_diameter: float, thickness: float, length: float, **options: Unpack[Options]) -> SolidMesh:
     """Return a tube along z with the parameters of a beam's tube section: group `tube`. Lengths in m."""
     if not 0 < 2 * thickness < outer_diameter:
         raise InvalidParameter(
@@ -56,33 +45,16 @@ def tube(
             where="thickness",
         )
     block = Block("tube", outer_diameter / 2 - thickness, outer_diameter / 2, 0.0, length)
-    return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
+    return revolved([block], **options)
 
 
-def disc(
-    diameter: float,
-    thickness: float,
-    *,
-    size: Size,
-    around: int | None = None,
-    order: int = 2,
-    patches: Sequence[Patch | BoltCircle] = (),
-    material: Material | None = None,
-) -> SolidMesh:
+def disc(diameter: float, thickness: float, **options: Unpack[Options]) -> SolidMesh:
     """Return a solid disc: group `disc`. Lengths in m."""
     block = Block("disc", 0.0, diameter / 2, 0.0, thickness)
-    return revolved([block], size=size, around=around, order=order, patches=patches, material=material)
+    return revolved([block], **options)
 
 
-def shaft(
-    steps: Sequence[tuple[float, float]],
-    *,
-    size: Size,
-    around: int | None = None,
-    order: int = 2,
-    patches: Sequence[Patch | BoltCircle] = (),
-    material: Material | None = None,
-) -> SolidMesh:
+def shaft(steps: Sequence[tuple[float, float]], **options: Unpack[Options]) -> SolidMesh:
     """Return a solid stepped shaft along z: groups `step-1`, `step-2`, .. from the bottom.
 
     Parameters
@@ -96,7 +68,7 @@ def shaft(
     for i, (diameter, length) in enumerate(steps, start=1):
         blocks.append(Block(f"step-{i}", 0.0, diameter / 2, z, z + length))
         z += length
-    return revolved(blocks, size=size, around=around, order=order, patches=patches, material=material)
+    return revolved(blocks, **options)
 
 
 def flange(
@@ -107,11 +79,7 @@ def flange(
     bolts: int,
     bolt_circle: float,
     pad: float,
-    size: Size,
-    around: int | None = None,
-    order: int = 2,
-    patches: Sequence[Patch | BoltCircle] = (),
-    material: Material | None = None,
+    **options: Unpack[Options],
 ) -> SolidMesh:
     """Return a flange with pads under its bolts on the top face: group `flange`, sets `bolts`, `bolts-1`, ..
 
@@ -128,6 +96,5 @@ def flange(
     """
     block = Block("flange", inner_radius, outer_radius, 0.0, thickness)
     circle = BoltCircle("bolts", radius=bolt_circle, count=bolts, diameter=pad, height=thickness)
-    return revolved(
-        [block], size=size, around=around, order=order, patches=[*patches, circle], material=material
-    )
+    options["patches"] = [*options.get("patches", ()), circle]
+    return revolved([block], **options)

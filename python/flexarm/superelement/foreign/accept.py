@@ -22,7 +22,7 @@ from flexarm.superelement.foreign.read import choose
 from flexarm.superelement.foreign.unit import in_si, system
 from flexarm.superelement.mass_checks import unlikely_density
 from flexarm.superelement.rigid_motion import PER_INTERFACE
-from flexarm.superelement.shape import HUGE
+from flexarm.superelement.shape import HUGE, asymmetric_entry
 
 
 @takes(
@@ -89,15 +89,15 @@ def accept_matrices(
     InvalidFile
         If a file is damaged, or no elastic part could have these matrices.
     """
-    system(unit)
+    length, _ = system(unit)
     chosen = choose(stiffness, mass_matrix, damping_matrix)
     stated = None if order is None else read_order(order)
     freedoms, K, M, C = _aligned(stiffness, chosen.stiffness, chosen.mass, chosen.damping, stated)
-    points = _in_metres(read_grids(grids), unit)
+    points = {n: Grid(length * grid.position, grid.axes) for n, grid in read_grids(grids).items()}
     wanted = {
         key: [value] if isinstance(value, int) else list(value) for key, value in (interfaces or {}).items()
     }
-    with blamed_on(stiffness):
+    with naming_file(stiffness):
         element = from_matrices(
             K,
             M,
@@ -113,15 +113,9 @@ def accept_matrices(
             },
         )
         element.check(mass=mass, tolerance=tolerance)
-        if mass is None:
-            _refuse_unlikely(element)
+        for problem in unlikely_density(element) if mass is None else ():  # it alone shows a wrong unit
+            raise InvalidParameter(problem.what, where=problem.where)
     return element
-
-
-def _refuse_unlikely(element: SuperElement) -> None:
-    """Refuse a density that no material has: without a stated mass it alone shows a wrong unit."""
-    for problem in unlikely_density(element):
-        raise InvalidParameter(problem.what, where=problem.where)
 
 
 def from_matrices(
@@ -151,14 +145,16 @@ def from_matrices(
         for matrix in (stiffness, mass, damping)
     )
     T, frequency_hz = _modal(K, M, PER_INTERFACE * len(tied.names))
+    K, M, C = (T.T @ X @ T for X in (K, M, C))
+    K, M, C = ((X + X.T) / 2 for X in (K, M, C))  # asymmetric matrices were refused before
     return SuperElement(
         name=name,
         interfaces=tied.names,
         positions=tied.positions,
         rotations=tied.rotations,
-        stiffness=_exactly_symmetric(T.T @ K @ T),
-        mass=_exactly_symmetric(T.T @ M @ T),
-        damping=_exactly_symmetric(T.T @ C @ T),
+        stiffness=K,
+        mass=M,
+        damping=C,
         frequency_hz=frequency_hz,
         provenance=provenance,
     )
@@ -184,11 +180,6 @@ def _modal(K: Floats, M: Floats, held: int) -> tuple[Floats, Floats]:
     return T, np.sqrt(squares) / (2 * np.pi)
 
 
-def _exactly_symmetric(matrix: Floats) -> Floats:
-    """Remove the rounding of the products; matrices that are not symmetric were refused before."""
-    return np.asarray((matrix + matrix.T) / 2)
-
-
 def _aligned(
     source: str | Path,
     K: Labelled,
@@ -203,10 +194,9 @@ def _aligned(
         raise InvalidFile(source, "order", what)
     if stated is not None and all(matrix.freedoms is not None for matrix in given):
         raise InvalidFile(source, "order", "the file names its freedoms; leave --order out")
+    roles = [role for matrix, role in zip((K, M, C), ("stiffness", "mass", "damping"), strict=True) if matrix]
     named = []
-    for matrix, role in zip((K, M, C), ("stiffness", "mass", "damping"), strict=True):
-        if matrix is None:
-            continue
+    for matrix, role in zip(given, roles, strict=True):
         labels = matrix.freedoms if matrix.freedoms is not None else stated
         assert labels is not None
         if len(labels) != len(matrix.matrix):
@@ -215,10 +205,8 @@ def _aligned(
         _refuse_asymmetric(source, role, matrix.matrix, labels)
         named.append(Labelled(matrix.matrix, labels))
     freedoms = stated or union(named)
-    with blamed_on(source):
-        full = [
-            ordered(m, freedoms, r) for m, r in zip(named, ("stiffness", "mass", "damping"), strict=False)
-        ]
+    with naming_file(source):
+        full = [ordered(matrix, freedoms, role) for matrix, role in zip(named, roles, strict=True)]
     return freedoms, full[0], full[1], full[2] if len(full) > 2 else None
 
 
@@ -226,20 +214,12 @@ def _refuse_asymmetric(source: str | Path, role: str, matrix: Floats, freedoms: 
     """Refuse half of a matrix, or a damaged one, before anything is done to it."""
     if not (np.abs(matrix) < HUGE).all():
         raise InvalidFile(source, role, f"holds numbers that are not finite and below {HUGE:g}")
-    scale = np.sqrt(np.abs(np.diag(matrix)))
-    off = np.abs(matrix - matrix.T) - 1e-6 * np.maximum(
-        np.outer(scale, scale), 1e-4 * np.abs(matrix).max(initial=0)
-    )
-    if off.size and off.max() > 0:
-        i, j = (int(k) for k in np.unravel_index(off.argmax(), off.shape))
+    place = asymmetric_entry(matrix)
+    if place:
+        i, j = place
         places = f"[{freedoms[i]}, {freedoms[j]}]"
         what = f"must be symmetric, got {matrix[i, j]:.8g} at {places} and {matrix[j, i]:.8g} across"
         raise InvalidFile(source, role, what)
-
-
-def _in_metres(grids: dict[int, Grid], unit: str) -> dict[int, Grid]:
-    length, _ = system(unit)
-    return {number: Grid(length * grid.position, grid.axes) for number, grid in grids.items()}
 
 
 def _provenance(
@@ -262,7 +242,7 @@ def _provenance(
 
 
 @contextmanager
-def blamed_on(file: str | Path) -> Iterator[None]:
+def naming_file(file: str | Path) -> Iterator[None]:
     """Name the file in errors that do not."""
     try:
         yield

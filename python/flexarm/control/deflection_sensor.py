@@ -27,7 +27,7 @@ import numpy as np
 
 from flexarm.arm.names import link_of
 from flexarm.arrays import Floats
-from flexarm.measurement.deformation import gauged
+from flexarm.measurement.deformation import rigid_reference
 from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
@@ -61,7 +61,7 @@ class _Line:
         )
 
 
-class DeflectionGauge:
+class DeflectionSensor:
     """A sensor of deflection with one axis.
 
     Parameters
@@ -78,7 +78,7 @@ class DeflectionGauge:
     """
 
     def __init__(self, model: Any, sensor: Any) -> None:
-        arm, point, base = gauged(model, sensor)
+        arm, point, base = rigid_reference(model, sensor)
         self.point = [each.name for each in arm.points].index(point.name)
         k = columns(sensor.axes)[0]
         link = link_pose(arm, link_of(point.link), {}, base)
@@ -121,6 +121,6 @@ class DeflectionGauge:
 
     def __eq__(self, other: object) -> bool:
         """Return True if both show the same of every motion."""
-        return isinstance(other, DeflectionGauge) and vars(self) == vars(other)
+        return isinstance(other, DeflectionSensor) and vars(self) == vars(other)
 
     __hash__ = None  # type: ignore[assignment]

@@ -8,10 +8,14 @@ followed.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.reading import Includes, any_text
 
@@ -61,16 +65,15 @@ class Card:
 
     def number(self, index: int) -> float:
         """Return a real number, 0 for an empty field; `7.-3` is 0.007."""
-        text = self.text(index).upper().replace("D", "E")
-        if not text:
-            return 0.0
-        sign = max(text.rfind("+"), text.rfind("-"))
-        if sign > 0 and text[sign - 1] != "E":
-            text = f"{text[:sign]}E{text[sign:]}"
+        text = re.sub(r"(?<=[\d.])([+-]\d+)$", r"E\1", self.text(index).upper().replace("D", "E"))
         try:
-            return float(text)
+            return float(text or 0)
         except ValueError:
             raise self.error(f"field {index + 2} must be a number, got {self.text(index)!r}") from None
+
+    def vector(self, index: int) -> Floats:
+        """Return three real numbers from a field on."""
+        return np.array([self.number(i) for i in (index, index + 1, index + 2)])
 
 
 def cards(path: Path, includes: Includes | None = None) -> Iterator[Card]:

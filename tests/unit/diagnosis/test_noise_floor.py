@@ -10,8 +10,8 @@ from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import DrawnLink
-from flexarm.residual_analysis.noise import drive_noise, effective_samples, quiet_noise, repeated_noise
-from flexarm.residual_analysis.noise_floor import floor, refined
+from flexarm.residual_analysis.noise import drive_noise, effective_samples, quiet_band_noise, repeated_noise
+from flexarm.residual_analysis.noise_floor import noise_floor, refined
 
 
 def test_noise_is_seen_beside_a_slow_gap_and_a_vibration():
@@ -21,17 +21,17 @@ def test_noise_is_seen_beside_a_slow_gap_and_a_vibration():
     time = time[rng.random(600) > 0.02]
     gap = 1e-3 * np.cos(0.3 * time) + 8e-4 * np.sin(2 * np.pi * 2.4 * time)
     values = gap[:, None] + 4e-5 * rng.standard_normal((len(time), 2))
-    assert quiet_noise(time, values) == pytest.approx(4e-5, rel=0.15)
+    assert quiet_band_noise(time, values) == pytest.approx(4e-5, rel=0.15)
 
 
 def test_noise_of_white_samples_is_theirs():
     """The quartile of 16 bands with 50 freedoms each: sigma within 5 %, three of its standard deviations."""
     values = 0.2 * np.random.default_rng(5).standard_normal((800, 1))
-    assert quiet_noise(np.arange(800.0), values) == pytest.approx(0.2, rel=0.1)
+    assert quiet_band_noise(np.arange(800.0), values) == pytest.approx(0.2, rel=0.1)
 
 
 def test_too_few_samples_tell_no_noise():
-    assert quiet_noise(np.arange(20.0), np.ones((20, 1))) is None
+    assert quiet_band_noise(np.arange(20.0), np.ones((20, 1))) is None
     assert drive_noise(np.ones(20)) is None
     assert repeated_noise(np.array(["a", "b"]), np.ones((2, 1))) is None
 
@@ -65,14 +65,14 @@ def test_halving_the_step_changes_a_prediction_by_a_quarter_as_much_each_time():
     changes = []
     for step in (8e-3, 4e-3):
         pair = simulate_record(run.simulation.arm, run.record, align=False, step=step)
-        rows = {each.signal: each for each in floor(pair, step=step).signals}
+        rows = {each.signal: each for each in noise_floor(pair, step=step).signals}
         changes.append(rows["tip"].errors["step"])
     assert changes[0] / changes[1] == pytest.approx(4.0, rel=0.2)
 
 
 def test_a_floor_says_what_is_below_the_noise_and_what_is_not():
     run = run_of("one joint")
-    found = floor(run.showing({}, 4), step=4e-3)
+    found = noise_floor(run.showing({}, 4), step=4e-3)
     rows = {each.signal: each for each in found.signals}
     tip = rows["tip"]
     assert tip.estimated == pytest.approx(tip.stated, rel=0.15)
@@ -83,7 +83,7 @@ def test_a_floor_says_what_is_below_the_noise_and_what_is_not():
     assert rows["hinge encoder"].is_drive
     assert rows["hinge encoder"].errors == {}
     assert "estimated" in str(found)
-    coarse = floor(simulate_record(run.simulation.arm, run.record, align=False, step=0.1), step=0.1)
+    coarse = noise_floor(simulate_record(run.simulation.arm, run.record, align=False, step=0.1), step=0.1)
     assert not coarse.is_below_noise
     assert any("half the time step of 100 ms moves the prediction by" in note for note in coarse.notes)
 
@@ -91,10 +91,12 @@ def test_a_floor_says_what_is_below_the_noise_and_what_is_not():
 def test_steps_are_halved_for_every_record_and_the_rest_is_tried_on_the_liveliest():
     run = run_of("one joint")
     pairs = {"a": run.showing({}, 1), "b": run.showing({}, 2)}
-    found = [set(each.errors) for each in floor(pairs, step=4e-3).signals if each.signal == "tip"]
+    found = [set(each.errors) for each in noise_floor(pairs, step=4e-3).signals if each.signal == "tip"]
     assert found == [{"step", "mesh", "alpha"}, {"step"}]
     assert all(
-        len(each.errors) == 3 for each in floor(pairs, thorough=True, step=4e-3).signals if not each.is_drive
+        len(each.errors) == 3
+        for each in noise_floor(pairs, thorough=True, step=4e-3).signals
+        if not each.is_drive
     )
 
 
@@ -120,7 +122,7 @@ def test_a_boom_that_a_record_draws_out_is_drawn_out_once():
         pose=np.array(["a"]),
     )
     record = Record(kind="static", signals=[tip], links={"boom": DrawnLink(length=2.0)})
-    (row,) = floor(simulate_record(arm, record)).signals
+    (row,) = noise_floor(simulate_record(arm, record)).signals
     assert row.errors["mesh"] < 1e-6
 
 
@@ -130,7 +132,7 @@ def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch
 
     pair = run_of("one joint").showing({}, 1)
     monkeypatch.setattr("flexarm.residual_analysis.noise_floor.simulate_record", fails)
-    found = floor(pair)
+    found = noise_floor(pair)
     assert not found.is_below_noise
     assert any("tip of record: cannot be simulated with another step" in note for note in found.notes)
     found.plot()
@@ -138,4 +140,4 @@ def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch
 
 def test_nothing_to_look_at_is_an_error():
     with pytest.raises(InvalidParameter, match="at least one record"):
-        floor({})
+        noise_floor({})

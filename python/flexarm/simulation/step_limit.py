@@ -14,7 +14,7 @@ MOST_STEPS = 20_000_000
 """More would fill the memory of a workstation: a step keeps about a kilobyte."""
 
 
-def refuse_endless(start: float, end: float, step: float) -> None:
+def check_step_count(start: float, end: float, step: float) -> None:
     """Refuses a run from `start` to `end` [s] at a time step [s] that is too long.
 
     Raises

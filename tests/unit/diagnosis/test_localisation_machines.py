@@ -10,7 +10,7 @@ from motion import Arm
 from swings import Swing
 
 from flexarm.comparison.aligned_record import simulate_record
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 LINK, RATIO = Link(LENGTH, EI, RHO_A, mass=PAYLOAD, damping_ratio=0.02), 120.0
 SPRING = 1e5
@@ -26,7 +26,7 @@ def located(hub, spring=None):
     if spring is not None:
         joint = model.joints[0].replace(gear_ratio=RATIO)
         model = paper_arm(elements=4, damping_ratio=0.02, spring=spring).replace(joints=(joint,))
-    return locate(simulate_record(model, record))
+    return localise(simulate_record(model, record))
 
 
 @pytest.fixture(scope="module")

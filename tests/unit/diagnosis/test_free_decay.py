@@ -9,12 +9,12 @@ from scipy.integrate import solve_ivp
 from flexarm import Record, Signal
 from flexarm.residual_analysis.free_decay import (
     PERIODS,
-    Piece,
+    DecaySegment,
     decay,
-    describe_ring_downs,
+    describe_free_decays,
     fitted_piece,
+    free_decays,
     mean,
-    ring_downs,
 )
 
 RNG = np.random.default_rng(31)
@@ -96,7 +96,9 @@ def test_noise_alone_has_no_pieces():
 
 def test_pieces_are_averaged_by_what_they_know():
     """Weights 1/sigma^2: 4 to 1 for the damping, 1 to 4 for the frequency; sigma of the mean 1/sqrt(sum)."""
-    found = mean([Piece(0.0, 1.0, 2.0, 0.01, 0.2, 0.001), Piece(5.0, 0.5, 2.5, 0.02, 0.1, 0.002)])
+    found = mean(
+        [DecaySegment(0.0, 1.0, 2.0, 0.01, 0.2, 0.001), DecaySegment(5.0, 0.5, 2.5, 0.02, 0.1, 0.002)]
+    )
     assert (found.time, found.amplitude) == pytest.approx((1.0, 0.9))
     assert (found.frequency_hz, found.damping_ratio) == pytest.approx((2.4, 0.012))
     assert (found.frequency_std, found.damping_std) == pytest.approx((0.04**0.5 / 5**0.5, 0.002 / 5**0.5))
@@ -118,20 +120,20 @@ def pair(x, until=2.0):
 
 
 def test_a_record_rings_down_from_where_its_drive_stands():
-    (found,) = ring_downs({"run": pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t))})
+    (found,) = free_decays({"run": pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t))})
     assert (found.record, found.signal, found.unit) == ("run", "tip", "m")
     assert found.pieces[0].time == pytest.approx(2.0 + 1.5 / 2.2, abs=0.05)
     assert found.pieces[0].amplitude == pytest.approx(np.exp(-0.02 * 3 * np.pi), rel=0.01)  # the second axis
     assert not found.frequency_moves
     assert not found.damping_moves
-    assert describe_ring_downs([found]) == ""
+    assert describe_free_decays([found]) == ""
 
 
 def test_what_moves_with_the_amplitude_is_said_in_a_sentence():
-    (found,) = ring_downs({"run": pair(lambda t: friction(t, 0.5, 0.004))})
+    (found,) = free_decays({"run": pair(lambda t: friction(t, 0.5, 0.004))})
     assert found.damping_moves
     assert not found.frequency_moves
-    said = describe_ring_downs([found])
+    said = describe_free_decays([found])
     assert said.startswith(
         "While the drive stands, the damping moves with the amplitude, as of no linear law"
     )
@@ -139,4 +141,4 @@ def test_what_moves_with_the_amplitude_is_said_in_a_sentence():
 
 
 def test_a_drive_that_never_stands_leaves_nothing_to_look_at():
-    assert ring_downs({"run": pair(np.cos, until=12.0)}) == []
+    assert free_decays({"run": pair(np.cos, until=12.0)}) == []

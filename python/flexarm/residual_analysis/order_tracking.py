@@ -24,7 +24,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
-from flexarm.residual_analysis.motion_states import States
+from flexarm.residual_analysis.motion_states import JointStates
 
 MULTIPLES = (1, 2, 3, 4)
 """Periods a turn of the motor that are looked for."""
@@ -65,7 +65,7 @@ class Harmonic:
 
 
 @dataclass(eq=False)
-class MotorWaves:
+class MotorHarmonics:
     """Waves of the motors of one record, with the answers of its modes; each is computed once.
 
     Attributes
@@ -111,12 +111,12 @@ def _answer(wave: Floats, step: float, omega: float, damping: float) -> list[Flo
     return [np.asarray(lfilter(each, below, wave - wave[0])) for each in above]
 
 
-def harmonics_of(
+def detected_harmonics(
     values: Floats,
     sigma: float,
     time: Floats,
-    waves: MotorWaves,
-    states: Sequence[States],
+    waves: MotorHarmonics,
+    states: Sequence[JointStates],
     ratios: Sequence[float],
     shares: Sequence[Floats | float],
 ) -> list[Harmonic]:
@@ -128,9 +128,9 @@ def harmonics_of(
         The gap of one signal along one direction, and its instants [s].
     sigma : float
         Its noise.
-    waves : MotorWaves
+    waves : MotorHarmonics
         Of the record.
-    states : sequence of States
+    states : sequence of JointStates
         Of the joints.
     ratios : sequence of float
         Their gear ratios.
@@ -179,7 +179,7 @@ def orthonormal(columns: Floats) -> Floats:
     return np.asarray(left[:, size > 1e-9 * max(size.max(initial=0.0), 1e-300)])
 
 
-def _turns_enough(states: States, ratio: float) -> bool:
+def _turns_enough(states: JointStates, ratio: float) -> bool:
     """Whether the motor's periods are enough to tell its harmonics from what is beside them."""
     return states.moves and float(np.ptp(states.angle)) * ratio / (2 * np.pi) > TURNS
 
@@ -190,7 +190,7 @@ def _more_than_noise(squares: float, sigma: float, freedoms: int) -> bool:
     return bool(squares > sigma**2 * chdtri(freedoms, ALARM))
 
 
-def _slow(states: Sequence[States]) -> Floats:
+def _slow(states: Sequence[JointStates]) -> Floats:
     """Basis of slow functions of the joints' states."""
     columns = [np.ones(len(states[0].angle))]
     for each in states:

@@ -21,7 +21,7 @@ from flexarm.linear.tangent import Tangent, tangent
 
 
 @dataclass(frozen=True, eq=False)
-class Near:
+class OperatingPoint:
     """An arm at its equilibrium, with its inputs and readings.
 
     Attributes
@@ -64,7 +64,7 @@ class Near:
         asked: list[Port],
         locked: set[str],
         sensors: Sequence[Sensor],
-    ) -> Near:
+    ) -> OperatingPoint:
         """Return the arm at rest under its weight, drives held; `locked` joints are held and no input."""
         loaded = [port.place for port in asked if port.kind == "force"]
         held = assemble(arm, loaded=loaded)
@@ -80,8 +80,8 @@ class Near:
         if len(set(driven)) < len(driven):
             raise InvalidParameter("two inputs drive the same motor through gears", where="inputs")
         driven += sorted(locked - set(driven))
-        near = tangent(system, equilibrium, [rows[index[name]][1] for name in driven])
-        read = derivatives(arm, system, equilibrium.state, near, sensors)
+        motion = tangent(system, equilibrium, [rows[index[name]][1] for name in driven])
+        read = derivatives(arm, system, equilibrium.state, motion, sensors)
         return cls(
             arm=arm,
             asked=asked,
@@ -89,9 +89,9 @@ class Near:
             holding=np.asarray(_core.motor_torques(held, at.state, False)),
             rows=rows,
             driven=driven,
-            tangent=near,
+            tangent=motion,
             readings=read,
-            forces=_force_columns(arm, system, equilibrium.state, near, asked),
+            forces=_force_columns(arm, system, equilibrium.state, motion, asked),
         )
 
     def response(self, modes: int | None) -> tuple[Response, tuple[str, ...], tuple[str, ...]]:
@@ -171,10 +171,10 @@ _DRIVES = ("drive", "angle", "acceleration")
 
 
 def _force_columns(
-    arm: Arm, system: _core.System, state: _core.State, near: Tangent, asked: list[Port]
+    arm: Arm, system: _core.System, state: _core.State, motion: Tangent, asked: list[Port]
 ) -> Floats:
     """Return the work of a unit force at a point along every column of S: the point's velocity."""
-    S, still = near.motions, np.zeros(len(near.M))
+    S, still = motion.motions, np.zeros(len(motion.M))
     found = np.zeros((S.shape[1], len(asked)))
     points = [point.name for point in arm.points]
     for name in {port.place for port in asked if port.kind == "force"}:

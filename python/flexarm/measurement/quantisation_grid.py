@@ -15,7 +15,7 @@ FEW = 8
 """Different readings that show no lattice."""
 
 
-def lattice_step(values: Floats) -> float:
+def quantisation_step(values: Floats) -> float:
     """Step of (1), 0 if readings are on no lattice or too few to tell."""
     found = np.unique(np.round(values[np.isfinite(values)], 14))
     if len(found) < FEW:

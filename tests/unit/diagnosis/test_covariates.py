@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from flexarm.residual_analysis.covariates import curve_share, followed, group_share, intervals
+from flexarm.residual_analysis.covariates import (
+    correlation_ratio,
+    covariate_dependence,
+    curve_share,
+    intervals,
+)
 
 RNG = np.random.default_rng(6)
 
@@ -18,13 +23,13 @@ def test_a_curve_over_a_state_explains_what_depends_on_it():
 def test_the_sign_explains_three_quarters_of_a_line():
     """(integral of |x|)^2 over the integral of x^2, on (-1, 1): 3/4."""
     x = np.linspace(-1, 1, 4001)
-    assert group_share((x > 0).astype(int), x[:, None]) == pytest.approx(0.75, abs=1e-3)
+    assert correlation_ratio((x > 0).astype(int), x[:, None]) == pytest.approx(0.75, abs=1e-3)
 
 
 def test_noise_follows_nothing():
     """Less what the means get from noise, the share is zero within 4 sigma of 2/n sum of 25 chi-squares."""
     x, noise = RNG.uniform(-1, 1, 1000), RNG.standard_normal((1000, 1))
-    found = followed({"x": (2, intervals(x, 25))}, noise)
+    found = covariate_dependence({"x": (2, intervals(x, 25))}, noise)
     assert found.beyond["x"] < 4 * np.sqrt(2 * 25) / 1000
     assert found.best == "a constant"
 
@@ -32,7 +37,7 @@ def test_noise_follows_nothing():
 def test_shares_beyond_a_constant_are_of_what_it_leaves():
     """3 + x on (-1, 1): 9 of 9 1/3 is constant, all of the rest follows x."""
     x = np.linspace(-1, 1, 4001)
-    found = followed({"x": (2, intervals(x, 100))}, 3 + x[:, None])
+    found = covariate_dependence({"x": (2, intervals(x, 100))}, 3 + x[:, None])
     assert found.constant == pytest.approx(9 / (9 + 1 / 3), abs=1e-3)
     assert found.beyond["x"] == pytest.approx(1.0, abs=1e-3)
     assert found.shares["x"] == pytest.approx(1.0, abs=1e-3)
@@ -41,6 +46,6 @@ def test_shares_beyond_a_constant_are_of_what_it_leaves():
 
 def test_of_two_that_explain_alike_the_simpler_is_named():
     x = RNG.uniform(-1, 1, 1000)
-    tiers = {"a curve": (2, intervals(x, 20)), "its sign": (1, (x > 0).astype(int))}
-    assert followed(tiers, np.sign(x)[:, None]).best == "its sign"
-    assert followed(tiers, x[:, None]).best == "a curve"
+    covariate_groups = {"a curve": (2, intervals(x, 20)), "its sign": (1, (x > 0).astype(int))}
+    assert covariate_dependence(covariate_groups, np.sign(x)[:, None]).best == "its sign"
+    assert covariate_dependence(covariate_groups, x[:, None]).best == "a curve"

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.measurement.dwells import Dwell, find_dwells
 from flexarm.measurement.least_squares_spline import Indices, constant_in, fit_spline
-from flexarm.measurement.standstill import Stand, stands
 
 LIMIT = 25.0
 """Of (1): 5 sigma of one degree of freedom."""
@@ -33,9 +33,9 @@ NEAR = 20.0
 """Sigmas within which a motion does not turn back beside a stand."""
 
 
-def with_stands(time: Floats, scaled: Floats, breaks: Indices) -> tuple[Indices, frozenset[int]]:
+def place_knots_at_rest(time: Floats, scaled: Floats, breaks: Indices) -> tuple[Indices, frozenset[int]]:
     """Breaks of a spline that stands where samples over their noise do, and its equal coefficients."""
-    found = stands(time, scaled)
+    found = find_dwells(time, scaled)
     if not found:
         return breaks, frozenset()
     held, standing = _parted(breaks, found)
@@ -106,7 +106,7 @@ def _turning(coefficients: Floats, outwards: Sequence[int]) -> set[int]:
     return {max(a, b) for a, b in pairwise(outwards) if way * (coefficients[b] - coefficients[a]) < 0}
 
 
-def _parted(breaks: Indices, standing: Sequence[Stand]) -> tuple[Indices, tuple[int, ...]]:
+def _parted(breaks: Indices, standing: Sequence[Dwell]) -> tuple[Indices, tuple[int, ...]]:
     """Breaks at the ends of stands, none within, close ones beside, and the intervals that stand then.
 
     Not of stands in which the spline hardly has breaks: there it cannot creep.

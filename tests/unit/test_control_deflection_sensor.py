@@ -8,7 +8,7 @@ import flexarm
 from flexarm import Record, Signal
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison.poses import pose_numbers, solve_poses
-from flexarm.control.gauge import DeflectionGauge
+from flexarm.control.deflection_sensor import DeflectionSensor
 from flexarm.measurement import predict
 
 TUBE = {"shape": "tube", "outer_diameter": 0.03, "thickness": 2e-3}
@@ -66,30 +66,30 @@ def test_gauge_and_record_agree_in_any_pose(axis):
     record = Record(kind="static", drive=tuple(angles), signals=[*drives, bent])
     run = solve_poses(arm, record)
     expected = predict(run, bent, stamps=pose_numbers(record)["bent"])[:, 0]
-    gauge = DeflectionGauge(
+    sensor = DeflectionSensor(
         arm, Sensor(name="bent", quantity="deflection", point="tip", axes=(axis,), rate_hz=10)
     )
-    found = [gauge.read(run.position[i, gauge.point], run.joint_angle[i]) for i in range(4)]
+    found = [sensor.read(run.position[i, sensor.point], run.joint_angle[i]) for i in range(4)]
     assert found == pytest.approx(expected, abs=1e-13)
     assert np.ptp(expected) > 1e-4
 
 
 def test_a_gauge_has_the_derivatives_of_differences():
     """By the point's position and by every joint, the slide among them."""
-    gauge = DeflectionGauge(
+    sensor = DeflectionSensor(
         crane(), Sensor(name="bent", quantity="deflection", point="tip", axes=("x",), rate_hz=10)
     )
     position, angles = np.array([1.2, 0.3, 2.1]), np.array([0.4, -0.2, 0.7])
-    by_position, by_angle = gauge.slopes(position, angles)
+    by_position, by_angle = sensor.slopes(position, angles)
     h = 1e-4
     for k, e in enumerate(h * np.eye(3)):
-        along = (gauge.read(position + e, angles) - gauge.read(position - e, angles)) / (2 * h)
-        turning = (gauge.read(position, angles + e) - gauge.read(position, angles - e)) / (2 * h)
+        along = (sensor.read(position + e, angles) - sensor.read(position - e, angles)) / (2 * h)
+        turning = (sensor.read(position, angles + e) - sensor.read(position, angles - e)) / (2 * h)
         assert by_position[k] == pytest.approx(along, abs=1e-10)
         assert by_angle[k] == pytest.approx(turning, abs=1e-7)
-    assert gauge == DeflectionGauge(
+    assert sensor == DeflectionSensor(
         crane(), Sensor(name="again", quantity="deflection", point="tip", axes=("x",), rate_hz=20)
     )
-    assert gauge != DeflectionGauge(
+    assert sensor != DeflectionSensor(
         crane(), Sensor(name="bent", quantity="deflection", point="tip", axes=("y",), rate_hz=10)
     )

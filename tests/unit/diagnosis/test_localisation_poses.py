@@ -7,9 +7,9 @@ from planted import two_joints
 import flexarm
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.record import Record, Signal
-from flexarm.residual_analysis.localisation import locate
-from flexarm.residual_analysis.noise_floor import floor
-from flexarm.residual_analysis.unexplained import describe_remainder
+from flexarm.residual_analysis.localisation import localise
+from flexarm.residual_analysis.noise_floor import noise_floor
+from flexarm.residual_analysis.unexplained import unexplained_residual
 
 SPRING = 1e5  # N m/rad
 
@@ -58,7 +58,7 @@ def pairs():
 
 
 def test_a_gap_of_poses_has_one_band_and_no_velocity(pairs):
-    located = locate(pairs["spring"])
+    located = localise(pairs["spring"])
     assert {cell.band for cell in located.cells} == {"all poses"}
     assert {cell.state.split()[0] for cell in located.cells} == {"all", "angle", "torque"}
     assert located.where[0]["band_hz"] == [0.0, 0.0]
@@ -66,7 +66,7 @@ def test_a_gap_of_poses_has_one_band_and_no_velocity(pairs):
 
 
 def test_a_spring_in_the_elbow_is_found_there(pairs):
-    located = locate(pairs["spring"])
+    located = localise(pairs["spring"])
     first = located.rotations.joints[0]
     assert (first.joint, first.hint) == ("elbow", "compliance")
     assert first.share > 0.9
@@ -75,23 +75,23 @@ def test_a_spring_in_the_elbow_is_found_there(pairs):
 
 
 def test_poses_of_the_right_arm_exceed_nowhere(pairs):
-    assert locate(pairs["none"]).where == ()
+    assert localise(pairs["none"]).where == ()
 
 
 def test_the_floor_of_poses_comes_from_repeats_and_mesh(pairs):
-    rows = {each.signal: each for each in floor(pairs["spring"]).signals}
+    rows = {each.signal: each for each in noise_floor(pairs["spring"]).signals}
     assert rows["tip"].estimated == pytest.approx(4e-5, rel=0.2)
     assert set(rows["tip"].errors) == {"mesh"}
     assert rows["tip"].below["mesh"]
 
 
 def test_what_is_left_of_poses_has_no_frequency(pairs):
-    found = describe_remainder(locate(pairs["spring"]))
+    found = unexplained_residual(localise(pairs["spring"]))
     assert found.frequency_hz is None
     assert "pose" in str(found)
     assert "Hz" not in str(found)
 
 
 def test_a_figure_of_poses_shows_angle_and_torque(pairs):
-    figure = locate(pairs["spring"]).plot()
+    figure = localise(pairs["spring"]).plot()
     assert [ax.get_xlabel() for ax in figure.axes] == ["angle of elbow [rad]", "torque of elbow [N m]"]

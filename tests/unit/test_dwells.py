@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline, PPoly
 
+from flexarm.measurement.dwells import BLOCK, find_dwells
 from flexarm.measurement.least_squares_spline import constant_in, fit_spline
 from flexarm.measurement.smoothing import smooth
-from flexarm.measurement.standstill import BLOCK, stands
 
 NOISE = 2e-6
 TIME = np.arange(0, 12, 0.004)
@@ -38,7 +38,7 @@ def test_a_motor_that_stands_does_not_creep(seed):
 @pytest.mark.parametrize("seed", range(5))
 def test_stands_end_where_motions_begin(seed):
     """Within the blocks in which the motion is below the noise: 0.1 s of a move that starts smoothly."""
-    found = stands(TIME, noisy(moves_and_stands(TIME), seed) / NOISE)
+    found = find_dwells(TIME, noisy(moves_and_stands(TIME), seed) / NOISE)
     times = [(TIME[first], TIME[last]) for first, last in found]
     assert len(times) == 3
     for seen, true in zip(np.ravel(times), [0, 2, 3, 7, 8, 12], strict=True):
@@ -48,14 +48,14 @@ def test_stands_end_where_motions_begin(seed):
 def test_what_moves_is_not_held():
     """A wave, a ramp and a creep by one sigma a second, of which no part stands longer than some blocks."""
     for motion in (0.1 * np.sin(TIME), 1e-3 * TIME, 2 * NOISE * TIME):
-        assert stands(TIME, noisy(motion, 3) / NOISE) == []
+        assert find_dwells(TIME, noisy(motion, 3) / NOISE) == []
 
 
 def test_an_encoder_of_coarse_steps_does_not_stand_between_them():
     """A slow motion read in steps: constant for 0.4 s each, though nothing stands."""
     step = 1e-5
     reading = step * np.round(2.5e-5 * TIME / step)
-    assert stands(TIME, reading / (step / np.sqrt(12))) == []
+    assert find_dwells(TIME, reading / (step / np.sqrt(12))) == []
 
 
 def test_a_slow_top_of_a_wave_is_met_within_the_noise():
@@ -145,5 +145,5 @@ def test_equal_coefficients_are_those_of_least_squares():
 
 
 def test_a_stand_needs_some_blocks():
-    assert stands(np.arange(3.0 * BLOCK), np.zeros(3 * BLOCK)) == []
-    assert stands(np.arange(5.0 * BLOCK), np.zeros(5 * BLOCK)) == [(0, 5 * BLOCK - 1)]
+    assert find_dwells(np.arange(3.0 * BLOCK), np.zeros(3 * BLOCK)) == []
+    assert find_dwells(np.arange(5.0 * BLOCK), np.zeros(5 * BLOCK)) == [(0, 5 * BLOCK - 1)]

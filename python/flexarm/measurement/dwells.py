@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 
-Stand = tuple[int, int]
+Dwell = tuple[int, int]
 """First and last sample."""
 
 BLOCK = 16
@@ -40,7 +40,7 @@ CREEP = 20.0
 """Least motion between two stands, in sigmas of a sample."""
 
 
-def stands(time: Floats, scaled: Floats) -> list[Stand]:
+def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
     """Stretches that stand, in their order.
 
     Parameters
@@ -51,7 +51,7 @@ def stands(time: Floats, scaled: Floats) -> list[Stand]:
         Samples over their noise.
     """
     blocks = _Blocks(time, scaled)
-    found: list[Stand] = []
+    found: list[Dwell] = []
     begin = 0
     while begin + LEAST <= blocks.count:
         end = blocks.grown(begin)
@@ -97,7 +97,7 @@ class _Blocks:
         return found
 
 
-def _to_the_sample(stand: Stand, scaled: Floats) -> Stand:
+def _to_the_sample(stand: Dwell, scaled: Floats) -> Dwell:
     """With what belongs to it of the blocks before and after, without `SPARED` at either end."""
     first, last = stand
     level = np.mean(scaled[first : last + 1])
@@ -113,7 +113,7 @@ def _to_the_sample(stand: Stand, scaled: Floats) -> Stand:
     return begin + SPARED * (begin > 0), end - SPARED * (end < len(scaled) - 1)
 
 
-def _without_creeping(found: list[Stand], scaled: Floats) -> list[Stand]:
+def _without_creeping(found: list[Dwell], scaled: Floats) -> list[Dwell]:
     level = [float(np.mean(scaled[first : last + 1])) for first, last in found]
     creeps = [False] * len(found)
     for k in range(len(found) - 1):

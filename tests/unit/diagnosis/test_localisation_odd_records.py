@@ -10,17 +10,17 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal
-from flexarm.residual_analysis.localisation import locate
-from flexarm.residual_analysis.noise_floor import floor
-from flexarm.residual_analysis.unexplained import describe_remainder
+from flexarm.residual_analysis.localisation import localise
+from flexarm.residual_analysis.noise_floor import noise_floor
+from flexarm.residual_analysis.unexplained import unexplained_residual
 
 
 def all_steps(pairs):
     """Every step that looks at a gap, and everything it prints and draws."""
-    located = locate(pairs)
+    located = localise(pairs)
     assert str(located)
-    assert str(floor(pairs))
-    assert str(describe_remainder(located))
+    assert str(noise_floor(pairs))
+    assert str(unexplained_residual(located))
     assert located.plot().axes
     return located
 
@@ -197,6 +197,6 @@ def test_motions_and_poses_are_not_looked_at_together():
     static = simulate_record(
         run.simulation.arm, Record(signals=signals, drive=("hinge",), kind="static"), align=False
     )
-    assert locate(static).gaps["tip"].time.tolist() == [0.0, 1.0]
+    assert localise(static).gaps["tip"].time.tolist() == [0.0, 1.0]
     with pytest.raises(InvalidParameter, match=r"'b' holds poses.*'a' holds a motion"):
-        locate({"a": run.showing({}), "b": static})
+        localise({"a": run.showing({}), "b": static})

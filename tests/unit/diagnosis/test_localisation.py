@@ -7,7 +7,7 @@ from planted import RATIO, run_of
 
 import flexarm
 from flexarm.errors import InvalidParameter
-from flexarm.residual_analysis.localisation import locate
+from flexarm.residual_analysis.localisation import localise
 
 SIZE = 8e-4  # m, twenty times the noise of the tip
 
@@ -37,7 +37,7 @@ def shares_of_bands(located, signal, direction):
 @pytest.mark.parametrize("seed", range(5))
 def test_white_noise_exceeds_nowhere(run, seed):
     """False alarms have probability 1e-3 a table; five tables."""
-    located = locate(run.showing({}, seed))
+    located = localise(run.showing({}, seed))
     assert not any(cell.exceeds for cell in located.cells)
     assert located.where == ()
     assert "nowhere" in str(located)
@@ -45,7 +45,7 @@ def test_white_noise_exceeds_nowhere(run, seed):
 
 def test_noise_of_a_cell_is_what_white_noise_leaves_there(run):
     """rms over noise_rms averages to 1 over the bands; 60 freedoms and more each, four sigma."""
-    located = locate(run.showing({}, 3))
+    located = localise(run.showing({}, 3))
     for cell in located.cells:
         if cell.state == "all" and cell.signal == "hinge torque":
             freedoms = cell.samples * (cell.noise_rms / 0.5) ** 2
@@ -56,7 +56,7 @@ def test_noise_of_a_cell_is_what_white_noise_leaves_there(run):
 def test_parts_add_up_to_the_gap_and_so_do_their_squares(which):
     run = run_of(which)
     gap = {"tip": lambda t: SIZE * np.stack([np.sin(2 * t), np.cos(15 * t)], axis=1)}
-    located = locate(run.showing(gap))
+    located = localise(run.showing(gap))
     for rows in located.gaps.values():
         for direction, values in rows.directions.items():
             parts = [part.values for part in rows.parts[direction]]
@@ -68,7 +68,7 @@ def test_parts_add_up_to_the_gap_and_so_do_their_squares(which):
 @pytest.mark.parametrize("which", ["one joint", "two joints"])
 def test_conditions_of_a_state_share_out_the_gap(which):
     run = run_of(which)
-    located = locate({"a": run.showing({}, 1), "b": run.showing({}, 2)})
+    located = localise({"a": run.showing({}, 1), "b": run.showing({}, 2)})
     sums, counts = {}, {}
     for cell in located.cells:
         key = (cell.signal, cell.direction, cell.band, cell.state)
@@ -84,7 +84,7 @@ def test_conditions_of_a_state_share_out_the_gap(which):
 def test_a_sine_of_the_motor_angle_lies_in_its_harmonic(run, multiple):
     """Though a tracker of 10 Hz folds it: twice a motor turn is 60 periods a radian, up to 9 Hz here."""
     wave = tangential(run, lambda t: SIZE * np.sin(multiple * RATIO * run.state("drive_angle", t) + 0.4))
-    located = locate(run.showing(wave))
+    located = localise(run.showing(wave))
     assert shares_of_bands(located, "tip", "tangential")[f"{multiple} per motor turn"] > 0.9
     low, high = located.cell("tip", "tangential", f"{multiple} per motor turn").band_hz
     fastest = multiple * RATIO * np.abs(run.simulation.drive_rate).max() / (2 * np.pi)
@@ -93,7 +93,7 @@ def test_a_sine_of_the_motor_angle_lies_in_its_harmonic(run, multiple):
 
 def test_a_multiple_that_is_none_is_no_harmonic(run):
     wave = tangential(run, lambda t: SIZE * np.sin(1.5 * RATIO * run.state("drive_angle", t)))
-    bands = shares_of_bands(locate(run.showing(wave)), "tip", "tangential")
+    bands = shares_of_bands(localise(run.showing(wave)), "tip", "tangential")
     assert not any("per motor turn" in band for band in bands)
 
 
@@ -101,12 +101,12 @@ def test_a_vibration_at_a_mode_lies_around_it(run):
     pair = run.showing({})
     frequency = pair.modes_hz[0]
     wave = tangential(run, lambda t: SIZE * np.sin(2 * np.pi * frequency * t))
-    assert shares_of_bands(locate(run.showing(wave)), "tip", "tangential")["mode 1"] > 0.9
+    assert shares_of_bands(localise(run.showing(wave)), "tip", "tangential")["mode 1"] > 0.9
 
 
 def test_a_slow_gap_is_quasi_static(run):
     slow = tangential(run, lambda t: SIZE * np.cos(run.state("drive_angle", t)))
-    assert shares_of_bands(locate(run.showing(slow)), "tip", "tangential")["quasi-static"] > 0.9
+    assert shares_of_bands(localise(run.showing(slow)), "tip", "tangential")["quasi-static"] > 0.9
 
 
 def test_a_radial_gap_is_radial(run):
@@ -114,13 +114,13 @@ def test_a_radial_gap_is_radial(run):
         q = run.state("drive_angle", t)
         return SIZE * np.stack([np.sin(q), np.cos(q)], axis=1)
 
-    first = locate(run.showing({"tip": gap})).where[0]
+    first = localise(run.showing({"tip": gap})).where[0]
     assert (first["signal"], first["direction"]) == ("tip", "radial")
     assert first["rms"] == pytest.approx(SIZE, rel=0.05)
 
 
 def test_a_step_with_the_torque_is_said_to_be_at_its_reversal(run):
-    located = locate(run.showing(tangential(run, lambda t: SIZE * np.sign(run.state("joint_torque", t)))))
+    located = localise(run.showing(tangential(run, lambda t: SIZE * np.sign(run.state("joint_torque", t)))))
     first = located.where[0]
     assert (first["signal"], first["direction"], first["when"]) == ("tip", "tangential", "torque reversal")
     assert set(first) == {"signal", "direction", "when", "band_hz", "rms", "noise_rms"}
@@ -129,14 +129,14 @@ def test_a_step_with_the_torque_is_said_to_be_at_its_reversal(run):
 
 
 def test_a_step_with_the_motion_is_said_to_be_at_its_reversal(run):
-    located = locate(run.showing(tangential(run, lambda t: SIZE * np.sign(run.state("drive_rate", t)))))
+    located = localise(run.showing(tangential(run, lambda t: SIZE * np.sign(run.state("drive_rate", t)))))
     assert located.where[0]["when"] == "motion reversal"
     assert located.rotations.joints[0].hint == "friction or hysteresis"
 
 
 def test_a_gap_in_proportion_to_the_torque_follows_it_as_compliance_would(run):
     """The equivalent rotation is the gap over the lever: T/k at k = 3e5 N m/rad."""
-    located = locate(run.showing(tangential(run, lambda t: -LENGTH * run.state("joint_torque", t) / 3e5)))
+    located = localise(run.showing(tangential(run, lambda t: -LENGTH * run.state("joint_torque", t) / 3e5)))
     assert located.follows["tip"].best == "torque"
     joint = located.rotations.joints[0]
     assert (joint.follows.best, joint.hint) == ("torque", "compliance")
@@ -148,33 +148,33 @@ def test_a_gap_in_proportion_to_the_torque_follows_it_as_compliance_would(run):
 def test_a_gap_near_one_angle_is_said_to_be_there(run):
     top = float(run.simulation.drive_angle.max())
     near = tangential(run, lambda t: SIZE * np.exp(-(((run.state("drive_angle", t) - top) / 0.15) ** 2)))
-    when = locate(run.showing(near)).where[0]["when"]
+    when = localise(run.showing(near)).where[0]["when"]
     assert when.startswith("near +")
     assert float(when.split()[1]) == pytest.approx(top, abs=0.3)
 
 
 def test_a_drift_follows_time(run):
-    located = locate(run.showing(tangential(run, lambda t: SIZE * t / t.max())))
+    located = localise(run.showing(tangential(run, lambda t: SIZE * t / t.max())))
     assert located.follows["tip"].best == "time"
 
 
 def test_records_together_show_an_offset_that_changed_between_them(run):
     offset = {"tip": lambda t: np.broadcast_to([SIZE, 0.0], (len(t), 2))}
     moved = {"tip": lambda t: np.broadcast_to([-SIZE, 0.0], (len(t), 2))}
-    located = locate({"a": run.showing(offset, 1), "b": run.showing(moved, 2)})
+    located = localise({"a": run.showing(offset, 1), "b": run.showing(moved, 2)})
     assert located.gaps["tip"].labels == ("a", "b")
     assert located.follows["tip"].best in {"the record", "time"}  # time counts by record
 
 
 def test_a_cell_that_is_not_there_is_an_error_that_tells_what_is(run):
-    located = locate(run.showing({}))
+    located = localise(run.showing({}))
     with pytest.raises(InvalidParameter, match=r"'tip', 'radial', 'mode 9'.*signals are hinge torque, tip"):
         located.cell("tip", "radial", "mode 9")
 
 
 def test_nothing_to_look_at_is_an_error():
     with pytest.raises(InvalidParameter, match="at least one record"):
-        locate({})
+        localise({})
 
 
 def test_signals_without_stated_noise_are_weighed_by_their_scatter(run):
@@ -184,7 +184,7 @@ def test_signals_without_stated_noise_are_weighed_by_their_scatter(run):
         for signal in pair.record.signals.values()
     ]
     bare = run.__class__(run.simulation, pair.record.replace(signals=signals)).showing({}, None)
-    located = locate(bare)
+    located = localise(bare)
     assert any("no noise is stated for tip" in note for note in located.notes)
     assert located.gaps["tip"].noise["tangential"][0] == pytest.approx(4e-5, rel=0.15)
 

@@ -13,11 +13,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from flexarm.decks.cards import MOST
 from flexarm.errors import InvalidFile
 from flexarm.reading import Includes, any_text
-
-#: Largest number of a node or cell that the programs allow.
-MOST = 999_999_999
 
 
 @dataclass
@@ -76,6 +74,13 @@ class Keyword:
             return [float(value.upper().replace("D", "E") or 0) for value in values]
         except ValueError:
             raise self.error(f"must be numbers, got {', '.join(values)}", line) from None
+
+    def nodes(self) -> Iterator[tuple[int, list[float]]]:
+        """Yield number and coordinates of every row of `*NODE`."""
+        for line, values in self.rows:
+            (number,) = self.numbers(line, values[:1]) or [0]
+            xyz = self.floats(line, values[1:4])
+            yield number, xyz + [0.0] * (3 - len(xyz))
 
 
 def keywords(path: Path, includes: Includes | None = None) -> Iterator[Keyword]:

@@ -6,8 +6,8 @@ from planted import run_of
 
 from flexarm.errors import InvalidParameter
 from flexarm.report.gap_figure import gap_figure
-from flexarm.residual_analysis.localisation import locate
-from flexarm.residual_analysis.unexplained import describe_remainder
+from flexarm.residual_analysis.localisation import localise
+from flexarm.residual_analysis.unexplained import unexplained_residual
 
 SIZE = 8e-4
 
@@ -24,7 +24,7 @@ def run():
 @pytest.mark.parametrize("frequency", [1.7, 3.3])
 def test_a_vibration_is_named_by_its_frequency(run, frequency):
     """To within a quarter of 1/T; its share is all but the noise, 1/200 of the squares."""
-    found = describe_remainder(locate(run.showing(vibration(frequency))))
+    found = unexplained_residual(localise(run.showing(vibration(frequency))))
     assert found.signal == "tip"
     assert found.frequency_hz == pytest.approx(frequency, abs=0.25 / 36)
     assert found.frequency_share > 0.5  # the tangent turns with the arm and takes a part of x only
@@ -35,14 +35,14 @@ def test_a_vibration_is_named_by_its_frequency(run, frequency):
 
 
 def test_a_vibration_above_half_the_rate_is_among_the_aliases(run):
-    found = describe_remainder(locate(run.showing(vibration(7.1))))
+    found = unexplained_residual(localise(run.showing(vibration(7.1))))
     assert found.frequency_hz == pytest.approx(2.9, abs=0.25 / 36)
     assert min(abs(f - 7.1) for f in found.aliases_hz) < 0.25 / 36
 
 
 def test_the_greatest_gap_is_where_it_was_planted(run):
     bump = {"tip": lambda t: 5e-3 * np.stack([np.exp(-(((t - 20.0) / 0.3) ** 2)), 0 * t], axis=1)}
-    found = describe_remainder(locate({"a": run.showing({}, 1), "b": run.showing(bump, 2)}))
+    found = unexplained_residual(localise({"a": run.showing({}, 1), "b": run.showing(bump, 2)}))
     assert found.record == "b"
     assert found.time == pytest.approx(20.0, abs=0.15)
     assert "of b" in str(found)
@@ -55,10 +55,10 @@ def test_a_burst_is_told_by_its_interval(run):
         envelope = np.exp(-(((t - 20.0) / 0.8) ** 2))
         return 5e-3 * np.stack([envelope * np.sin(2 * np.pi * 3.1 * t), 0 * t], axis=1)
 
-    found = describe_remainder(locate(run.showing({"tip": gap})))
+    found = unexplained_residual(localise(run.showing({"tip": gap})))
     assert found.burst == (pytest.approx(19.73, abs=0.2), pytest.approx(20.27, abs=0.2))
     assert "half of it from" in found.sentence
-    lasting = describe_remainder(locate(run.showing(vibration(3.1))))
+    lasting = unexplained_residual(localise(run.showing(vibration(3.1))))
     assert lasting.burst is None
 
 
@@ -68,13 +68,13 @@ def test_a_vibration_whose_frequency_wanders_is_found_near_its_middle(run):
     def wave(t):
         return SIZE * np.stack([np.sin(2 * np.pi * 3 * (t + 0.03 * 4 * np.sin(t / 4))), 0 * t], axis=1)
 
-    found = describe_remainder(locate(run.showing({"tip": wave})))
+    found = unexplained_residual(localise(run.showing({"tip": wave})))
     assert found.frequency_hz == pytest.approx(3.0, rel=0.04)
     assert found.frequency_share > 0.5
 
 
 def test_a_figure_shows_before_and_after_with_units(run):
-    before, after = locate(run.showing(vibration(1.7))), locate(run.showing({}))
+    before, after = localise(run.showing(vibration(1.7))), localise(run.showing({}))
     figure = gap_figure(before, after)
     labels = [ax.get_xlabel() for ax in figure.axes]
     assert labels == ["angle of hinge [rad]", "rate of hinge [rad/s]", "torque of hinge [N m]", "time [s]"]

@@ -1,4 +1,4 @@
-"""States of an arm looked at one by one, as sensors see a run.
+"""StateSnapshots of an arm looked at one by one, as sensors see a run.
 
 Sensors read a simulation at their instants; here every state is an instant of its own, 0, 1, 2 ..., and the
 acceleration of points comes from the states themselves instead of the derivative of their velocities.
@@ -16,15 +16,15 @@ from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.measurement.predict import read
-from flexarm.measurement.states import States
+from flexarm.measurement.states import StateSnapshots
 
 
 @dataclass(frozen=True, eq=False)
-class Instants(States):
-    """States of an assembled system."""
+class SystemSnapshots(StateSnapshots):
+    """StateSnapshots of an assembled system."""
 
     @classmethod
-    def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> Instants:
+    def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> SystemSnapshots:
         """The states of a system assembled from the arm."""
         gravity = np.array(arm.gravity)
         seen = _core.snapshots(system, list(states), _core.Loads(gravity=gravity))

@@ -23,7 +23,7 @@ HEAVIEST = 1e5
 DISTORTED = 0.05
 
 
-def doubts(mesh: SolidMesh) -> Iterator[Problem]:
+def validate(mesh: SolidMesh) -> Iterator[Problem]:
     """Yield all plausibility problems of a mesh."""
     yield from _size(mesh)
     yield from _materials(mesh)
