@@ -19,7 +19,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Kind:
-    """What an argument may be.
+    """The kind of an argument.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def _numpy() -> Any:
 
 
 def _told(value: object) -> str:
-    """A value in a few characters; of a large one the type."""
+    """Return the text of a value, or the type of a large one."""
     simple = value is None or isinstance(value, str | bytes | float | bool)
     return repr(value)[:80] if simple else f"{type(value).__name__}"
 
@@ -152,7 +152,7 @@ def _any(value: object) -> bool:
 
 
 def _each(accepts: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    """A collection of such, or a dictionary; an iterator is looked at once only, by whoever uses it."""
+    """Return a test of all items of a collection; iterators pass, as they can be read once only."""
     return lambda value: (
         isinstance(value, Iterator)
         or (
@@ -174,7 +174,7 @@ def _by_name(accepts: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 
 def _one_of(module: str, *names: str) -> Callable[[Any], bool]:
-    """Of one of the classes, which are imported when somebody asks."""
+    """Return a test for instances of classes that are imported when it runs."""
     return lambda value: isinstance(value, tuple(getattr(import_module(module), name) for name in names))
 
 

@@ -12,14 +12,14 @@ Ints = NDArray[np.integer[Any]]
 
 
 def frozen(values: ArrayLike) -> Floats:
-    """A read-only copy."""
+    """Return a read-only copy."""
     array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array
 
 
 def read_only(values: Floats) -> Floats:
-    """The same numbers in their place, read-only from here: for arrays that nobody else writes to."""
+    """Return the same numbers in their place, read-only from here: for arrays that nobody else writes to."""
     view = values.view()
     view.setflags(write=False)
     return view

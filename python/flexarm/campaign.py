@@ -27,7 +27,7 @@ def simulate_all(
     progress: Progress = None,
     **options: Any,
 ) -> list[Simulation]:
-    """Several runs, each as `simulate` makes it, on several cores.
+    """Simulate several runs on several cores.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def simulate_all(
 
 
 def _pair(run: Any, k: int) -> tuple[Arm, Drive | Record]:
-    """A run, which is an arm and what drives it; `simulate` looks at the drive."""
+    """Return a run as a pair of arm and drive; `simulate` checks the drive."""
     if isinstance(run, tuple | list) and len(run) == 2 and isinstance(run[0], Arm):
         return run[0], run[1]
     got = type(run).__name__

@@ -1,4 +1,4 @@
-"""What this installation is made of: versions, backends and the licence of the build."""
+"""Versions, backends and the licence of this installation."""
 
 import platform
 import subprocess
@@ -15,7 +15,7 @@ def version() -> str:
 
 @cache
 def config() -> dict[str, str]:
-    """Versions and backends that results depend on; every result records them.
+    """Return versions and backends that results depend on; every result records them.
 
     Returns
     -------

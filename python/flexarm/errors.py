@@ -1,4 +1,4 @@
-"""What can go wrong, in three kinds: a parameter, a file, the numbers.
+"""Errors of three kinds: a parameter, a file, the numbers.
 
 `InvalidParameter` is a value that the physics or the format does not allow, `InvalidFile` the same with
 the file and the place in it, `NotConverged` a computation that found no equilibrium. The command line
@@ -19,7 +19,7 @@ _QUOTED = re.compile(rf"'[^']{{{LONGEST},}}'|\S{{{LONGEST},}}")
 
 
 def printable(text: str) -> str:
-    """Text as a terminal may show it: no control or direction characters, long words and quotations cut.
+    """Return text without control or direction characters, long words and quotations cut.
 
     Files hold anything, such as sequences that clear a screen or marks that turn the order of letters.
     """
@@ -101,13 +101,13 @@ class InvalidFile(InvalidParameter):
         self.where = where
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Errors cross process borders, and this one is not made from its message."""
+        """Return the constructor and its arguments, since the message alone does not make this error."""
         first = self.problems[0]
         keywords = {"line": first.line, "problems": self.problems}
         return partial(type(self), **keywords), (self.file, self.where, first.what)  # type: ignore[arg-type]
 
     def lines(self) -> list[str]:
-        """Every problem as `FILE: WHERE: what`."""
+        """Return every problem as `FILE: WHERE: what`."""
         return [printable(f"{self.file}: {problem}") for problem in self.problems]
 
 

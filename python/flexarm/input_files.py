@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def input_files(model: Path, arm: Arm, records: Mapping[str, Record]) -> dict[str, Path]:
-    """The model file, its super-elements, and the files of every record.
+    """Return the model file, its super-elements, and the files of every record.
 
     Parameters
     ----------
@@ -43,6 +43,6 @@ def hashes(files: Mapping[str, Path]) -> dict[str, str]:
 
 
 def sha256(file: Path) -> str:
-    """The hash of a file's bytes."""
+    """Return the hash of a file's bytes."""
     with file.open("rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()

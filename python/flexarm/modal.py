@@ -55,7 +55,7 @@ class Modes(Result):
     sensitivities: Sensitivities | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The object of `flexarm modes --json`."""
+        """Return the object of `flexarm modes --json`."""
         return {
             "frequency_hz": self.frequency_hz.tolist(),
             "damping_ratio": self.damping_ratio.tolist(),
@@ -64,7 +64,7 @@ class Modes(Result):
         }
 
     def contents(self) -> Contents:
-        """What is stored: frequencies, damping, shapes, and where they come from."""
+        """Return the contents of the file: frequencies, damping, shapes, and their provenance."""
         number = np.arange(1, len(self.frequency_hz) + 1)
         contents = Contents(
             {
@@ -86,7 +86,7 @@ class Modes(Result):
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> Modes:
-        """Reads what `save` wrote.
+        """Read what `save` wrote.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class Modes(Result):
             )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Frequencies as stems, damping ratios beside them."""
+        """Plot frequencies as stems, labelled with damping ratios."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax
@@ -124,7 +124,7 @@ class Modes(Result):
         return axes
 
     def summary(self) -> str:
-        """The result in lines that a person reads."""
+        """Return the result in lines that a person reads."""
         if not len(self.frequency_hz):
             return (
                 f"modes of {self.arm.name}: none, as nothing with mass can vibrate: links are rigid and "
@@ -150,7 +150,7 @@ def modes(
     *,
     sensitivities: Iterable[str] = (),
 ) -> Modes:
-    """Modes about the equilibrium with the joints' drives held.
+    """Compute the modes about the equilibrium with the joints' drives held.
 
     Parameters
     ----------

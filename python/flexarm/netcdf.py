@@ -28,7 +28,7 @@ Variable = tuple[Sequence[str], ArrayLike, Attributes]
 
 @dataclass(frozen=True)
 class Contents:
-    """What a file holds.
+    """Contents of a file.
 
     Attributes
     ----------
@@ -48,13 +48,13 @@ class Contents:
     coordinates: Mapping[str, Variable] = field(default_factory=dict)
 
     def dataset(self) -> xr.Dataset:
-        """The same as an xarray Dataset."""
+        """Return the same as an xarray Dataset."""
         import xarray as xr
 
         return xr.Dataset(dict(self.variables), self.along_dimensions(), dict(self.attributes))
 
     def along_dimensions(self) -> dict[str, Variable]:
-        """Coordinates and labels."""
+        """Return coordinates and labels."""
         used = {dimension for dimensions, _, _ in self.variables.values() for dimension in dimensions}
         labels: dict[str, Variable]
         labels = {name: ((name,), list(texts), {}) for name, texts in self.labels.items() if name in used}
@@ -62,7 +62,7 @@ class Contents:
 
 
 def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
-    """Writes a file, which appears when it is whole and replaces none of the inputs.
+    """Write a file, which appears when it is whole and replaces none of the inputs.
 
     It is made in memory: HDF5 crashes at exit where it could not write.
 
@@ -96,7 +96,7 @@ def _write(contents: Contents, image: BytesIO) -> None:
 
 
 def _stored(file: Any, name: str, variable: Variable) -> Any:
-    """A variable with its values and attributes; texts are of variable length."""
+    """Return a variable with its values and attributes; texts are of variable length."""
     import h5py
 
     _, values, attributes = variable
@@ -109,7 +109,7 @@ def _stored(file: Any, name: str, variable: Variable) -> Any:
 
 
 def _bare_dimension(file: Any, name: str, size: int) -> Any:
-    """A dimension that nothing is told along, marked as the NetCDF library does."""
+    """Return a dimension without coordinates, marked as the NetCDF library does."""
     scale = file.create_dataset(name, shape=(size,), dtype=">f4")
     scale.make_scale(f"This is a netCDF dimension but not a netCDF variable.{size:10d}")
     return scale

@@ -38,7 +38,7 @@ _places: dict[Path, Path] = {}
 def output_directory(
     path: str | Path, force: bool = False, inputs: Iterable[Path] = (), names: Iterable[str] = ()
 ) -> Iterator[Path]:
-    """A directory to write into, which becomes `path` when the block ends well and vanishes when it does not.
+    """Yield a directory to write into, which becomes `path` if the block ends without an error.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def output_directory(
 
 @contextmanager
 def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]:
-    """A file to write, which becomes `path` when the block ends well and vanishes when it does not.
+    """Yield a file to write, which becomes `path` if the block ends without an error.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def refuse_existing(path: Path, force: bool, inputs: Iterable[Path] = ()) -> Non
 
 
 def place_of(path: str | Path) -> Path:
-    """Where a file will lie that is being written: the path itself, or that outside the hidden directory."""
+    """Return the final place of a file that is being written: outside the hidden directory."""
     place = Path(path)
     for partial, final in reversed(_places.copy().items()):
         if place.is_relative_to(partial):
@@ -167,11 +167,11 @@ class SavedAsDirectory(ABC):
 
     @abstractmethod
     def write(self, directory: Path) -> None:
-        """Writes the files into a directory that is there."""
+        """Write the files into a directory that is there."""
 
     @takes(directory=PATH, force=FLAG)
     def save(self, directory: str | Path, force: bool = False) -> None:
-        """Writes the files, see `write`, all of them or none.
+        """Write the files, see `write`, all of them or none.
 
         Parameters
         ----------
@@ -274,7 +274,7 @@ def _claimed(target: Path) -> Iterator[Path]:
 
 
 def _hidden(target: Path) -> Path:
-    """The directory that claims a place: in a directory that is there, else beside what will be."""
+    """Return the directory that claims a place: in an existing directory, else next to the output."""
     place = target.absolute()
     return (place if place.is_dir() else place.parent) / f".{place.name or 'root'}{PARTIAL}"
 
@@ -288,7 +288,7 @@ def _make_parents(directory: Path, made: list[Path]) -> None:
 
 
 def _lock(hidden: Path, target: Path) -> int:
-    """The open file whose lock claims the hidden directory.
+    """Return the open file whose lock claims the hidden directory.
 
     Raises
     ------
@@ -322,7 +322,7 @@ def _holds(lock: int, made: bool) -> bool:
 
 
 def _is_at(file: int, path: Path) -> bool:
-    """False if an owner removed the file before this process could lock it."""
+    """Return False if an owner removed the file before this process could lock it."""
     try:
         return os.path.samestat(os.fstat(file), path.stat())
     except FileNotFoundError:
@@ -366,7 +366,7 @@ def _move(partial: Path, target: Path, inputs: tuple[Path, ...]) -> None:
 
 @contextmanager
 def _blamed(target: Path) -> Iterator[None]:
-    """Errors of the operating system as those of an output."""
+    """Turn errors of the operating system into those of an output."""
     try:
         yield
     except (OSError, ValueError) as error:
@@ -376,7 +376,7 @@ def _blamed(target: Path) -> Iterator[None]:
 
 
 def _unwritten(target: Path, error: Exception) -> InvalidFile:
-    """That an output, or a file in it, cannot be written."""
+    """Return the error of an output that cannot be written."""
     named = getattr(error, "filename", None)
     if isinstance(named, str) and place_of(named) != Path(named):
         target = Path(named)
@@ -385,7 +385,7 @@ def _unwritten(target: Path, error: Exception) -> InvalidFile:
 
 
 def stems(names: Sequence[str]) -> list[str]:
-    """Names that files may have, whatever the things are called, no two alike.
+    """Return different names that files may have.
 
     >>> stems(["slow", "day 1/slow", "day 1:slow"])
     ['slow', 'day-1-slow', 'day-1-slow-2']

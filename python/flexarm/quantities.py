@@ -1,4 +1,4 @@
-"""What can be measured: SI unit, where it is measured and how many channels it has."""
+"""Quantities: SI unit, place of measurement and number of channels."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Quantity:
     channels : int or None
         Number of channels; None: one for each of `axes`.
     has_side : bool
-        Whether it can be taken before (motor) or after (output) the reducer.
+        True if measured before (motor) or after (output) the reducer.
     one_axis : bool
-        Whether it needs exactly one entry in `axes`.
+        True if it needs exactly one entry in `axes`.
     only_static : bool
-        Whether it belongs to records of poses only.
+        True if it belongs to records of poses only.
     """
 
     units: tuple[str, ...]
@@ -73,7 +73,7 @@ QuantityName = Literal[
 
 
 def channel_names(quantity: str, axes: Sequence[str] | None) -> tuple[str, ...]:
-    """Names of the channels of a signal: its axes, x, y, z, w of a quaternion, "" of a scalar."""
+    """Return names of the channels of a signal: its axes, x, y, z, w of a quaternion, "" of a scalar."""
     if quantity == "orientation":
         return ("x", "y", "z", "w")
     return tuple(axes or ("x", "y", "z")) if QUANTITIES[quantity].channels is None else ("",)

@@ -27,7 +27,7 @@ SMALL = 2**28
 EXPANSION = 20
 """Times its size that a compressed file may unfold to, above `SMALL`: numbers with noise shrink far less."""
 OUTSIDE: ContextVar[bool] = ContextVar("OUTSIDE", default=False)
-"""Whether records may name files outside their directories: what --allow-outside sets."""
+"""True if records may name files outside their directories, see --allow-outside."""
 DEEPEST_INCLUDE = 20
 """Files that may include one another in turn."""
 MOST_INCLUDES = 1000
@@ -35,7 +35,7 @@ MOST_INCLUDES = 1000
 
 
 def regular_file(path: str | Path) -> Path:
-    """The path, if a regular file is there that may be read; links are followed.
+    """Return the path, if a regular file is there that may be read; links are followed.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def is_inside(path: Path, folder: Path) -> bool:
 
 
 def any_text(path: str | Path) -> str:
-    """The text of another program's file: UTF-8, or UTF-16 that says so, or else Latin-1.
+    """Return the text of another program's file: UTF-8, or UTF-16 that says so, or else Latin-1.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def any_text(path: str | Path) -> str:
 
 @contextmanager
 def reading(path: str | Path, what: str, where: str = "file") -> Iterator[None]:
-    """Turns what goes wrong while a file is taken apart into `InvalidFile`.
+    """Turn errors while a file is parsed into `InvalidFile`.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class Includes:
 
     @contextmanager
     def into(self, file: Path, where: str, name: str) -> Iterator[Path]:
-        """The file that `name` is, relative to the one that includes it, while it is read.
+        """Yield the file that `name` is, relative to the one that includes it, while it is read.
 
         Raises
         ------
@@ -154,7 +154,7 @@ class Includes:
 
 
 def room(path: str | Path, where: str, declared: int, size: int | None = None) -> None:
-    """Raises InvalidFile if a piece of a file declares more bytes than such a file can hold.
+    """Raise InvalidFile if a piece of a file declares more bytes than such a file can hold.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def room(path: str | Path, where: str, declared: int, size: int | None = None) -
 
 
 def check_hdf5(path: str | Path) -> None:
-    """Raises InvalidFile if an HDF5 file leads to other files, or unfolds to more than it can hold."""
+    """Raise InvalidFile if an HDF5 file leads to other files, or unfolds to more than it can hold."""
     import h5py  # type: ignore[import-untyped]
 
     if has_endless_heap(regular_file(path)):
@@ -217,7 +217,7 @@ def has_endless_heap(path: Path) -> bool:
 
 
 _HEAP = b"GCOL\x01\0\0\0"
-"""How a collection of texts begins."""
+"""First bytes of a collection of texts."""
 
 
 def require(
@@ -226,7 +226,7 @@ def require(
     axes: Mapping[str, Sequence[str]],
     sizes: Mapping[str, int],
 ) -> None:
-    """Raises InvalidFile unless variables are there, as real numbers of the right shape.
+    """Raise InvalidFile unless variables are there, as real numbers of the right shape.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What results share: where they come from, and how they are stored."""
+"""Common parts of results: provenance and storage."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Result(ABC):
-    """What statics, modes and runs have in common: the arm, names, and a file.
+    """Base of statics, modes and runs: the arm, names, and a file.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Result(ABC):
 
     @abstractmethod
     def contents(self) -> Contents:
-        """What is stored: variables with units, and where they come from."""
+        """Return the contents of the file: variables with units, and their provenance."""
 
     @property
     def dataset(self) -> xr.Dataset:
@@ -53,7 +53,7 @@ class Result(ABC):
 
     @takes(path=PATH)
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
-        """Writes the result as NetCDF, with the model it was made with.
+        """Write the result as NetCDF, with the model it was made with.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ AXES = ["x", "y", "z"]
 
 
 def labels(result: Result) -> dict[str, Sequence[str]]:
-    """What axes of arrays count: points, joints, links, components of vectors and forces."""
+    """Return labels of array axes: points, joints, links, components of vectors and forces."""
     return {
         "point": result.points,
         "joint": result.joints,
@@ -87,7 +87,7 @@ def labels(result: Result) -> dict[str, Sequence[str]]:
 
 
 def provenance(arm: Arm) -> dict[str, str]:
-    """Attributes of every stored result: versions, backend, the model, its hash and its parts', and when."""
+    """Return attributes of every stored result: versions, backend, model, hashes and time."""
     from flexarm.tables import toml_text
 
     model = toml_text(arm.to_dict())
@@ -109,7 +109,7 @@ def provenance(arm: Arm) -> dict[str, str]:
 
 
 def load(path: str | Path, kind: str) -> xr.Dataset:
-    """Reads the result of a kind that was saved.
+    """Read the result of a kind that was saved.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def load(path: str | Path, kind: str) -> xr.Dataset:
 
 
 def model_of(dataset: xr.Dataset, path: str | Path = "dataset") -> Arm:
-    """The arm that a stored result was computed with.
+    """Return the arm that a stored result was computed with.
 
     Raises
     ------
@@ -144,6 +144,6 @@ def model_of(dataset: xr.Dataset, path: str | Path = "dataset") -> Arm:
 
 
 def counts(arm: Arm) -> dict[str, int]:
-    """How many there are of what axes of arrays count, by name of the axis."""
+    """Return the length of array axes by name."""
     fixed = {"axis": 3, "body_axis": 3, "end": 2, "component": 6, "wrench": 6, "quaternion": 4}
     return {"point": len(arm.points), "joint": len(arm.joints), "link": len(arm.links), **fixed}

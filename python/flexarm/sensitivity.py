@@ -56,13 +56,13 @@ class Sensitivities:
         return tuple(parameter.key for parameter in self.parameters)
 
     def __getitem__(self, name: str) -> Floats:
-        """Derivatives of the array of that name."""
+        """Return derivatives of the array of that name."""
         if name not in self.arrays:
             raise InvalidParameter(f"no derivatives of {name!r}; there are those of {', '.join(self.arrays)}")
         return self.arrays[name]
 
     def by(self, key: str) -> dict[str, Floats]:
-        """Derivatives of every array by one parameter.
+        """Return derivatives of every array with respect to one parameter.
 
         Raises
         ------
@@ -77,7 +77,7 @@ class Sensitivities:
         return {name: array[..., k] for name, array in self.arrays.items()}
 
     def add_to(self, contents: Contents) -> Contents:
-        """The contents of the result's file with the derivatives: d_NAME beside NAME."""
+        """Return the contents of the result's file with the derivatives: d_NAME beside NAME."""
         derivatives: dict[str, Variable] = {
             f"d_{name}": (
                 (*contents.variables[name][0], "parameter"),
@@ -95,7 +95,7 @@ class Sensitivities:
 
     @classmethod
     def stored(cls, arm: Arm, data: xr.Dataset) -> Sensitivities | None:
-        """What `add_to` put into a file; None if it holds no derivatives."""
+        """Return the derivatives that `add_to` put into a file; None without any."""
         if "parameter" not in data.coords:
             return None
         arrays = {
@@ -108,12 +108,12 @@ class Sensitivities:
 
 
 def moves_arm(arm: Arm, parameter: Parameter) -> bool:
-    """Whether a parameter belongs to the mechanics; else it only changes what sensors show, or drives."""
+    """Return True if a parameter belongs to the mechanics, False if it changes sensors or drives only."""
     return not isinstance(entry_of(arm, parameter), SignalEffect | ClockEffect | FrameEffect)
 
 
 def entry_of(arm: Arm, parameter: Parameter) -> Table:
-    """The link, payload, effect ... to which a parameter belongs."""
+    """Return the link, payload, effect ... to which a parameter belongs."""
     path = path_of(arm, parameter.key)
     found: Table = getattr(arm, path.table)[path.index]
     return found
@@ -121,7 +121,7 @@ def entry_of(arm: Arm, parameter: Parameter) -> Table:
 
 @dataclass(frozen=True)
 class Redrive:
-    """How a record drives an arm whose effects on sensors are others.
+    """Drive of an arm by a record, given other effects on sensors.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ def varied(
     assembled: Callable[[Arm], _core.System],
     redrive: Redrive | None = None,
 ) -> tuple[list[_core.Varied], list[int]]:
-    """What the core differentiates by.
+    """Return the perturbed models of which the core takes derivatives.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def varied(
 def collected(
     wanted: tuple[Parameter, ...], places: Sequence[int], arrays: Mapping[str, Floats]
 ) -> Sensitivities:
-    """Derivatives by some of the wanted parameters, with zeros for those that move nothing.
+    """Return derivatives with respect to all wanted parameters, zero for those that move nothing.
 
     Parameters
     ----------

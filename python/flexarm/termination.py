@@ -1,4 +1,4 @@
-"""How a command leaves on Ctrl-C or SIGTERM: at once, with one line, and nothing half-written left behind.
+"""Termination by Ctrl-C or SIGTERM: at once, with one line, and without half-written output.
 
 The signal's handler ends the process itself. An exception would have to pass through libraries that catch
 it, and wait for threads that compute. Python calls a handler between two instructions of the main thread,
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 PATIENCE = 0.1
-"""How long the main thread has to leave by itself [s]."""
+"""Time that the main thread has to exit by itself [s]."""
 WAYS = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
 """Exit code and word of each signal."""
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexarm import Arm, InvalidParameter, NotConverged
 from flexarm.arm.effect import Effect
-from flexarm.residual_analysis.covariates import curve_share
+from flexarm.residual_analysis.covariates import correlation_ratio, intervals
 from gallery.experiments import FAST
 from gallery.gaps import Gap, bench, by_direction, slow_part, states
 from gallery.signatures import Signature, acting
@@ -69,4 +69,5 @@ def follows(signature: Signature) -> dict[str, float]:
     run = bench(FAST, signature.model)
     parts = np.stack(list(by_direction(run, signature.shown.gaps[FAST]).values()), axis=1)
     slow = slow_part(run, parts)
-    return {name: curve_share(slow_part(run, state), slow) for name, state in states(run).items()}
+    groups = {name: intervals(slow_part(run, state)) for name, state in states(run).items()}
+    return {name: correlation_ratio(each, slow) for name, each in groups.items()}

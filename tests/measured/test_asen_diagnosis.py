@@ -15,11 +15,11 @@ from flexarm.arm.motor_limits import stall_torque
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.cross_validation import missed
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.cross_validation import press_rms
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves.proposals import larger_fits
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.screening import probe
 
@@ -63,23 +63,23 @@ def bench(tests):
             for s in record.signals.values()
         ]
     )
-    observed = Observed(arm, {"test_3": few}, step=4e-3)
-    fitter = Fitter.nominal(observed, unknowns(observed))
-    return observed, fitter, {each.place: each for each in candidates(observed, fitter.unknowns.arm)}
+    problem = Problem(arm, {"test_3": few}, step=4e-3)
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    return problem, estimator, {each.place: each for each in candidates(problem, estimator.nuisance.arm)}
 
 
 @pytest.fixture(scope="module")
 def fits(bench):
     """Models with the offset and one effect more."""
-    observed, fitter, found = bench
+    problem, estimator, found = bench
     offset = found["sensor_offset", "tip"]
 
     def fitted(*members):
-        fit = fitter.fit(members)
-        return fitter.about(fit).fit(fit.members)
+        fit = estimator.fit(members)
+        return estimator.about(fit).fit(fit.members)
 
     names = ("motor_friction", "viscous_friction", "time_delay")
-    return observed, fitter.fit(()), {name: fitted(offset, found[name, "hub"]) for name in names}
+    return problem, estimator.fit(()), {name: fitted(offset, found[name, "hub"]) for name in names}
 
 
 def rms(arm, record):
@@ -110,12 +110,12 @@ def test_the_search_takes_the_offset_and_then_friction_of_the_motor(bench):
     nominal mass by twenty sigmas. A rate that is read late is worth most by noise and correlation, and closes
     no gap.
     """
-    _, fitter, found = bench
-    nearest = probe(fitter, [each for place, each in found.items() if place in NEAREST])
+    _, estimator, found = bench
+    nearest = probe(estimator, [each for place, each in found.items() if place in NEAREST])
     assert len({each.candidate.place for each in nearest}) == len(NEAREST)
-    null = fitter.fit(())
-    criteria = Criteria(fitter.observed, null)
-    one, about = best_of(fitter, larger_fits(fitter, nearest, null, criteria), null, criteria)
+    null = estimator.fit(())
+    criteria = Criteria(estimator.problem, null)
+    one, about = best_of(estimator, larger_fits(estimator, nearest, null, criteria), null, criteria)
     assert one.places == (("sensor_offset", "tip"),)
     two, _ = best_of(about, larger_fits(about, nearest, one, criteria), one, criteria)
     assert set(two.places) == {("sensor_offset", "tip"), ("motor_friction", "hub")}
@@ -123,9 +123,9 @@ def test_the_search_takes_the_offset_and_then_friction_of_the_motor(bench):
 
 def test_friction_foretells_what_is_left_out_and_a_late_reading_does_not(fits):
     """The tempting one: an angle that is read late explains more of the squared gap to first order."""
-    observed, null, found = fits
-    left = {name: missed(fit, observed) for name, fit in found.items()}
-    assert left["motor_friction"] < left["viscous_friction"] < 0.4 * missed(null, observed)
+    problem, null, found = fits
+    left = {name: press_rms(fit, problem) for name, fit in found.items()}
+    assert left["motor_friction"] < left["viscous_friction"] < 0.4 * press_rms(null, problem)
     assert left["viscous_friction"] < 0.9 * left["time_delay"]
 
 

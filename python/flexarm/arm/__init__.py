@@ -1,4 +1,4 @@
-"""What an arm is: the model file (TOML) as frozen, checked objects."""
+"""The model file (TOML) as frozen, checked objects."""
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.attachment import Payload, Point

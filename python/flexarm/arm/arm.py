@@ -42,7 +42,7 @@ Sigmas = Annotated[dict[str, Number], BeforeValidator(flat_keys), AfterValidator
 
 
 def _last_of_each(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    """An effect given twice at one place replaces the first."""
+    """Return the effects, the last of those with one name and place."""
     return tuple({(effect.name, effect.at): effect for effect in effects}.values())
 
 
@@ -98,7 +98,7 @@ class Arm(Table):
     @classmethod
     @takes(path=PATH)
     def from_toml(cls, path: str | Path) -> Self:
-        """The arm in a model file.
+        """Return the arm in a model file.
 
         Parameters
         ----------
@@ -122,7 +122,7 @@ class Arm(Table):
     @classmethod
     @takes(data=TABLES)
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The arm in a dictionary that holds what the TOML file would.
+        """Return the arm in a dictionary that holds what the TOML file would.
 
         Raises
         ------
@@ -132,18 +132,18 @@ class Arm(Table):
         return check_table(cls, with_urdf(data, Path()))
 
     def to_dict(self) -> dict[str, Any]:
-        """The dictionary that `from_dict` reads."""
+        """Return the dictionary that `from_dict` reads."""
         return {"format": self.format, "name": self.name, "gravity": list(self.gravity), **self.to_plain()}
 
     @takes(path=PATH)
     def to_toml(self, path: str | Path) -> None:
-        """Writes the model file; `from_toml` of it gives an equal arm."""
+        """Write the model file; `from_toml` of it gives an equal arm."""
         from flexarm.output import write_file
 
         write_file(path, self.toml_for(Path(path).parent))
 
     def toml_for(self, folder: Path) -> str:
-        """The text of a model file that shall lie in a folder."""
+        """Return the text of a model file that shall lie in a folder."""
         return toml_text(seen_from(self.to_dict(), folder))
 
     @property
@@ -154,7 +154,7 @@ class Arm(Table):
     # ---------------------------------------------------------------- effects
 
     def with_effect(self, effect: Effect) -> Self:
-        """The arm with an effect; one of the same name at the same place is replaced.
+        """Return the arm with an effect; one of the same name at the same place is replaced.
 
         Raises
         ------
@@ -164,7 +164,7 @@ class Arm(Table):
         return self.replace(effects=(*self.effects, effect))
 
     def without_effect(self, name: str, at: str) -> Self:
-        """The arm without the effect `name` at `at`.
+        """Return the arm without the effect `name` at `at`.
 
         Raises
         ------
@@ -177,18 +177,18 @@ class Arm(Table):
         return self.replace(effects=tuple(e for e in self.effects if (e.name, e.at) != (name, at)))
 
     def effect(self, name: str, at: str) -> Effect | None:
-        """The effect `name` at `at`, or None."""
+        """Return the effect `name` at `at`, or None."""
         return next((effect for effect in self.effects if (effect.name, effect.at) == (name, at)), None)
 
     def effects_at(self, at: str) -> tuple[Effect, ...]:
-        """All effects at a place, in the order in which they were given."""
+        """Return all effects at a place, in the order in which they were given."""
         return tuple(effect for effect in self.effects if effect.at == at)
 
     # ------------------------------------------------------------------- parts
 
     @takes(name=TEXT)
     def joint(self, name: str) -> Joint:
-        """The joint of that name.
+        """Return the joint of that name.
 
         Raises
         ------
@@ -199,17 +199,17 @@ class Arm(Table):
 
     @takes(name=TEXT)
     def link(self, name: str) -> Link:
-        """The link of that name; errors as `joint`."""
+        """Return the link of that name; errors as `joint`."""
         return _named("link", self.links, name)
 
     @takes(name=TEXT)
     def point(self, name: str) -> Point:
-        """The point of that name; errors as `joint`."""
+        """Return the point of that name; errors as `joint`."""
         return _named("point", self.points, name)
 
     @takes(name=TEXT)
     def payload(self, name: str) -> Payload:
-        """The payload of that name; errors as `joint`."""
+        """Return the payload of that name; errors as `joint`."""
         return _named("payload", self.payloads, name)
 
     @property
@@ -223,7 +223,7 @@ class Arm(Table):
 
     @property
     def warnings(self) -> tuple[Problem, ...]:
-        """What is allowed and looks wrong, such as a wall that contradicts the area."""
+        """Implausible values that are allowed, such as a wall that contradicts the area."""
         return tuple(validate(self))
 
     # -------------------------------------------------------------------- text
@@ -238,7 +238,7 @@ class Arm(Table):
     __str__ = __repr__
 
     def summary(self) -> str:
-        """What the arm is, in a few lines."""
+        """Return a description in a few lines."""
         from flexarm.arm.summary import summary
 
         return summary(self)

@@ -1,4 +1,4 @@
-"""What sits on a link: payloads, and the points that sensors see."""
+"""Payloads on links, and the points that sensors see."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def first_turning_joint(arm: Arm) -> Joint | None:
-    """The revolute joint nearest to the base, of several the first in the file; None if no joint turns."""
+    """Return the revolute joint nearest to the base, the first in the file if several; None if none."""
     return next((joint for joint in from_base(arm.joints) if joint.type == "revolute"), None)
 
 
 def base_axis(arm: Arm) -> Vector:
-    """That joint's axis at q = 0, base axes; of any length."""
+    """Return the axis of that joint at q = 0 in base axes; its length is arbitrary."""
     from flexarm.arm.places import place_in_link
     from flexarm.arm.rotation import chained
     from flexarm.arm.weight import link_frames

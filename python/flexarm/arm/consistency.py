@@ -1,4 +1,4 @@
-"""Do the parts of a model fit together: names, references, the tree of joints."""
+"""Consistency of the parts of a model: names, references, the tree of joints."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_LISTED = 50
 
 
 def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
-    """Pairs of place and sentence for all that does not fit."""
+    """Return pairs of place and sentence for all that does not fit."""
     found = [*_duplicates(arm), *_joint_ends(arm)]
     found += [] if found else [*_tree(arm)]
     return [*found, *_gears(arm), *_attachments(arm), *_sensors(arm), *_drives(arm), *_effects(arm)]
@@ -82,7 +82,7 @@ def _joint_ends(arm: Arm) -> Found:
 
 
 def _tree(arm: Arm) -> Found:
-    """Every link hangs on the base through exactly one chain of joints."""
+    """Yield links that do not hang on the base through exactly one chain of joints."""
     holder: dict[str, Joint] = {}
     for i, joint in enumerate(arm.joints):
         child = link_of(joint.child)
@@ -142,10 +142,7 @@ def _gears(arm: Arm) -> Found:
 
 
 def _coupled_twice(arm: Arm) -> Found:
-    """Gears must couple joints as a forest, and an output has one input.
-
-    A second path between two joints repeats the first or contradicts it.
-    """
+    """Yield gears that couple two joints by a second path, which repeats the first or contradicts it."""
     input_of: dict[str, Gear] = {}
     for i, gear in enumerate(arm.gears):
         others = arm.gears[:i]

@@ -1,4 +1,4 @@
-"""What gears couple: joints that move together, and how often a motor's shaft turns for what it drives."""
+"""Gears: joints that move together, and total ratios from a motor's shaft."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def coupled_joints(joints: Iterable[str], gears: Sequence[Gear]) -> set[str]:
-    """These joints and all that gears move along with them."""
+    """Return these joints and all that gears couple to them."""
     found = set(joints)
     for _ in gears:  # a chain has no more of them
         for gear in gears:
@@ -20,7 +20,7 @@ def coupled_joints(joints: Iterable[str], gears: Sequence[Gear]) -> set[str]:
 
 
 def shaft_ratio(joint: str | None, gears: Sequence[Gear]) -> float:
-    """Turns of a joint for one of the slowest that it drives by gears; 1 of a joint that drives none."""
+    """Return the turns of a joint for one turn of the slowest joint that it drives; 1 if it drives none."""
     found = 1.0
     for k, gear in enumerate(gears):
         if gear.input == joint:

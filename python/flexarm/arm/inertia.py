@@ -34,13 +34,13 @@ Inertia = Annotated[tuple[Number, ...], BeforeValidator(_three_or_six)]
 
 
 def inertia_matrix(inertia: tuple[float, ...]) -> Matrix:
-    """The tensor as a matrix [kg m2]."""
+    """Return the tensor as a matrix [kg m2]."""
     xx, yy, zz, xy, xz, yz = (*inertia, 0.0, 0.0, 0.0)[:6]
     return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
 
 
 def impossible(inertia: tuple[float, ...]) -> str | None:
-    """Why no body has this inertia, or None if one has."""
+    """Return why no body has this inertia, or None if one has."""
     xx, yy, zz, xy, xz, yz = (*inertia, 0.0, 0.0, 0.0)[:6]
     if min(xx, yy, zz) < 0:
         return f"moments of inertia must not be negative, got {list(inertia)} kg m2"

@@ -66,7 +66,7 @@ class Joint(Table):
 
     @property
     def moves(self) -> bool:
-        """Whether the joint has a coordinate."""
+        """True if the joint has a coordinate."""
         return self.type != "fixed"
 
 

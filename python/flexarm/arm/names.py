@@ -26,7 +26,7 @@ Place = Annotated[str, AfterValidator(_check_place)]
 
 
 def link_of(place: str) -> str:
-    """The link of a place: "hub" of "hub:output"."""
+    """Return the link of a place: "hub" of "hub:output"."""
     return place.partition(":")[0]
 
 

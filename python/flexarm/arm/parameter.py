@@ -62,19 +62,19 @@ class Path:
     component: int | None
 
     def owner(self, arm: Arm) -> Table:
-        """The table that holds the value."""
+        """Return the table that holds the value."""
         found: Any = getattr(arm, self.table)[self.index]
         for name in self.fields[:-1]:
             found = getattr(found, name)
         return found  # type: ignore[no-any-return]
 
     def get(self, arm: Arm) -> float:
-        """The value."""
+        """Return the value."""
         whole = getattr(self.owner(arm), self.fields[-1])
         return float(whole if self.component is None else whole[self.component])
 
     def put(self, arm: Arm, value: float) -> Arm:
-        """A copy of the arm with another value, of which only the table that holds it is checked."""
+        """Return a copy of the arm with another value, of which only the table that holds it is checked."""
         entries = getattr(arm, self.table)
         changed = self._put(entries[self.index], self.fields, value)
         return arm.model_copy(
@@ -91,7 +91,7 @@ class Path:
 
 
 def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
-    """The parameters that keys mean, vectors spelt out.
+    """Return the parameters that keys mean, vectors spelt out.
 
     Raises
     ------
@@ -106,17 +106,17 @@ def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
 
 
 def uncertain(arm: Arm) -> tuple[Parameter, ...]:
-    """All parameters to which the arm's `[uncertainty]` gives a sigma, vectors spelt out."""
+    """Return all parameters to which the arm's `[uncertainty]` gives a sigma, vectors spelt out."""
     return parameters(arm, arm.uncertainty)
 
 
 def path_of(arm: Arm, key: str) -> Path:
-    """Where the key of a `Parameter` leads."""
+    """Return the path of the key of a `Parameter`."""
     return _paths(arm, key)[0][1]
 
 
 def with_value(arm: Arm, key: str, value: float) -> Arm:
-    """A copy of the arm in which one parameter has another value.
+    """Return a copy of the arm in which one parameter has another value.
 
     Raises
     ------
@@ -129,9 +129,10 @@ def with_value(arm: Arm, key: str, value: float) -> Arm:
 def neighbours(
     arm: Arm, parameter: Parameter, step: float | None = None, part: float = _STEP
 ) -> tuple[tuple[Arm, float], tuple[Arm, float]]:
-    """The arm with the parameter up and down by a part of its size, or by a step, each with the change.
+    """Return the arm with the parameter changed up and down, each with the change.
 
-    At the limit of what is allowed one of them is the arm itself, with a change of zero.
+    The change is `step`, or `part` of the size of the parameter. At a limit one arm is the given one, with a
+    change of zero.
     """
     path = path_of(arm, parameter.key)
     arm = _with_fixed_axes(arm, path)
@@ -199,7 +200,7 @@ def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
 
 
 def _with_fixed_axes(arm: Arm, path: Path) -> Arm:
-    """The same arm, but a beam whose end moves keeps its section's axes: they would else jump with it.
+    """Return the arm in which a beam whose end moves keeps the axes of its section.
 
     Without `up` the axes lean to the base direction that is furthest from the beam.
     """
@@ -213,7 +214,7 @@ def _with_fixed_axes(arm: Arm, path: Path) -> Arm:
 
 
 def _size(arm: Arm, parameter: Parameter, path: Path) -> float:
-    """What counts as large for the parameter: itself, its vector, what is plausible, or one unit."""
+    """Return the scale of a parameter: its value, its vector, a plausible value, or one unit."""
     owner = path.owner(arm)
     whole = getattr(owner, path.fields[-1])
     if path.component is not None:

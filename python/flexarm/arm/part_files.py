@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def found_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Tables of a model with the files of its super-elements as absolute paths.
+    """Return tables of a model with the files of its super-elements as absolute paths.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def found_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def seen_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """The reverse: files relative to the folder in which the model shall lie."""
+    """Return tables of a model with the files relative to the folder in which it shall lie."""
     return _with_files(data, lambda file: Path(relpath(place_of(file), place_of(folder))).as_posix())
 
 
@@ -54,7 +54,7 @@ def _with_files(data: Mapping[str, Any], place: Any) -> dict[str, Any]:
 
 
 def load_part(file: str) -> SuperElement:
-    """The super-element in a file, read once until the file changes.
+    """Return the super-element in a file, read once until the file changes.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def _loaded(path: str, stamp: int) -> SuperElement:
 
 
 def part_problems(arm: Arm) -> Iterator[tuple[TablePath, str]]:
-    """Places and sentences for files that are missing and interfaces that their parts do not have."""
+    """Yield places and sentences for files that are missing and interfaces that their parts do not have."""
     interfaces: dict[str, tuple[str, ...]] = {}
     for i, link in enumerate(arm.links):
         if link.type != "superelement":

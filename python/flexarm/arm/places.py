@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def place_in_link(arm: Arm, place: str) -> tuple[Matrix, Vector]:
-    """Rotation and position [m] of a place in the frame of its link, undeformed.
+    """Return rotation and position [m] of a place in the frame of its link, undeformed.
 
     Raises
     ------

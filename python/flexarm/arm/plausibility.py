@@ -1,4 +1,4 @@
-"""What a model may say and yet looks wrong: each doubt with its place and what would agree."""
+"""Plausibility rules of models: values that are allowed and look wrong."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def validate(arm: Arm) -> Iterable[Problem]:
-    """All doubts about a model."""
+    """Yield implausible values of a model."""
     for link in arm.links:
         if isinstance(link, Beam):
             yield from _beam(link)
@@ -73,7 +73,7 @@ BEYOND = 2e-3
 
 
 def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
-    """Payloads and points whose projection lies outside their beam."""
+    """Yield payloads and points whose projection lies outside their beam."""
     beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
     for table in ("payloads", "points"):
         for entry in getattr(arm, table):
@@ -90,7 +90,7 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
 
 
 def _beside_the_beam(arm: Arm) -> Iterable[Problem]:
-    """Joints that stand at the far end of a beam and hang on its start, where `at` was left out."""
+    """Yield joints without `at` that stand at the far end of a beam and hang on its start."""
     beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
     for joint in arm.joints:
         beam = beams.get(joint.parent)
@@ -107,7 +107,7 @@ def _beside_the_beam(arm: Arm) -> Iterable[Problem]:
 
 
 def _unseen(arm: Arm) -> Iterable[Problem]:
-    """Effects at signals, clocks and frames that no sensor of the model has; records may have them."""
+    """Yield effects at signals, clocks and frames that no sensor of the model has; records may have them."""
     if not arm.sensors:
         return
     signals = [sensor.name for sensor in arm.sensors]
@@ -129,7 +129,7 @@ def _unseen(arm: Arm) -> Iterable[Problem]:
 
 
 def _counted_twice(arm: Arm) -> Iterable[Problem]:
-    """Positions on a super-element that repeat where its interface stands: they count from the interface."""
+    """Yield positions on a super-element that repeat the position of its interface, from which they count."""
     parts = {
         link.name for link in arm.links if isinstance(link, SuperElementLink) and Path(link.file).is_file()
     }

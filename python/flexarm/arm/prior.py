@@ -1,4 +1,4 @@
-r"""What is known of a parameter before anything is measured.
+r"""Prior distributions of parameters.
 
 A two-piece normal distribution [Wallis2014]_ of u, the value itself or its logarithm, about its mode m,
 
@@ -78,7 +78,7 @@ class Prior:
         return peak - (u - mode) ** 2 / (2 * sigma**2) - (u if self.scale == "log" else 0.0)  # eq. (1)
 
     def sample(self, rng: np.random.Generator) -> float:
-        """A random value."""
+        """Return a random value."""
         if self.scale == "uniform":
             return float(rng.uniform(self.low, self.high))
         mode, below, above = self._two_pieces()

@@ -22,7 +22,7 @@ def from_rpy(rpy: Vector) -> Matrix:
 
 
 def from_vector(v: Vector) -> Matrix:
-    """Rotation by |v| [rad] about v: R = 1 + sin a [n] + (1 - cos a) [n]^2 (Rodrigues)."""
+    """Return the rotation by |v| [rad] about v: R = 1 + sin a [n] + (1 - cos a) [n]^2 (Rodrigues)."""
     angle = hypot(*v)
     if angle == 0:
         return IDENTITY
@@ -36,7 +36,7 @@ def from_vector(v: Vector) -> Matrix:
 
 
 def from_axes(x: Vector, up: Vector) -> Matrix:
-    """Columns: unit x, y = z cross x, and z, the unit part of `up` normal to x."""
+    """Return the columns unit x, y = z cross x, and z, the unit part of `up` normal to x."""
     ex = scaled(1 / hypot(*x), x)
     along = dot(up, ex)
     part = (up[0] - along * ex[0], up[1] - along * ex[1], up[2] - along * ex[2])
@@ -56,7 +56,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def scaled(factor: float, a: Vector) -> Vector:
-    """A vector times a number."""
+    """Return a vector times a number."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
@@ -92,6 +92,6 @@ def chained(a: Frame, b: Frame) -> Frame:
 
 
 def inverted(rotation: Matrix, position: Vector) -> Frame:
-    """The parent seen from the frame."""
+    """Return the inverse frame: the parent relative to the frame."""
     back = transposed(rotation)
     return back, scaled(-1.0, rotated(back, position))

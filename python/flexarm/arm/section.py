@@ -97,7 +97,7 @@ class Rectangle(Table):
 
 
 def _pair(value: Any) -> Any:
-    """One number for both planes, or a list [y, z]."""
+    """Return one number for both planes, or a list [y, z]."""
     value = value.tolist() if hasattr(value, "tolist") else value
     return value if isinstance(value, list | tuple) else (value, value)
 
@@ -153,7 +153,7 @@ Section = Annotated[Round | Tube | Rectangle | General, Field(discriminator="sha
 
 
 def contradiction(section: General) -> str | None:
-    r"""What contradicts in a section's numbers, and what would agree; None if nothing does.
+    r"""Return a sentence on contradicting numbers of a section; None if they agree.
 
     Wall t and second moment I of a round tube give its mean diameter m and so its area:
 

@@ -1,4 +1,4 @@
-"""What a signal says about itself, measured or virtual, and the sensors of a model.
+"""Properties of a signal, measured or virtual, and the sensors of a model.
 
 `Measurement` holds the keys that a sensor of a model and a signal of a record share. Values are in `unit`
 where the file says one, else in SI.
@@ -30,7 +30,7 @@ Axes = Annotated[tuple[Literal["x", "y", "z"], ...], BeforeValidator(_as_tuple),
 
 
 class Measurement(Table):
-    """What is measured, where and how well.
+    """Quantity, place and noise of a signal.
 
     Parameters
     ----------

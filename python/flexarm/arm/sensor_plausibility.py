@@ -1,4 +1,4 @@
-"""Virtual sensors unlike any: noise beyond what moves, samples closer than any, stamps out of order.
+"""Plausibility rules of virtual sensors.
 
 noise    of a place a tenth of the reach of the arm, of an angle 0.2 rad: millimetres or degrees meant
 rate     `QUICKEST`: strain gauges and IMUs are sampled at some ten kHz at most
@@ -25,7 +25,7 @@ LATEST = 10.0
 
 
 def sensor_problems(sensor: Sensor, reach: float) -> Iterable[Problem]:
-    """All doubts about a sensor of an arm that reaches so far [m]."""
+    """Yield implausible values of a sensor of an arm with this reach [m]."""
     where = f"sensors.{sensor.name}"
     unit, factor = sensor.si
     noise = (sensor.noise_std or 0.0) * factor

@@ -44,7 +44,7 @@ WIDEST, SMALL = 3.0, 1.0
 
 
 def reach(arm: Arm) -> float:
-    """An upper bound of the distance from the base to any point [m]: all lengths added up."""
+    """Return an upper bound of the distance from the base to any point [m]: the sum of all lengths."""
     lengths = [hypot(*joint.origin.xyz) for joint in arm.joints]
     lengths += [link.length for link in arm.links if isinstance(link, Beam)]
     offsets = [hypot(*point.position) for point in arm.points]
@@ -52,7 +52,7 @@ def reach(arm: Arm) -> float:
 
 
 def size_problems(arm: Arm) -> Iterable[Problem]:
-    """All sizes of a model beyond those of machines, sigmas beyond the sizes, and sensors in other units."""
+    """Yield sizes beyond those of machines, sigmas beyond the sizes, and implausible sensors."""
     yield from implausible_sizes(arm)
     yield from _uncertainty(arm)
     for sensor in arm.sensors:
@@ -60,7 +60,7 @@ def size_problems(arm: Arm) -> Iterable[Problem]:
 
 
 def implausible_sizes(arm: Arm) -> Iterable[Problem]:
-    """Lengths, beams and payloads that no machine has."""
+    """Yield lengths, beams and payloads that no machine has."""
     yield from _lengths(arm)
     for link in arm.links:
         if isinstance(link, Beam):
@@ -102,13 +102,13 @@ def _beam(link: Beam, gravity: float) -> Iterable[Problem]:
 
 
 def mass_of_links(arm: Arm) -> float | None:
-    """Of all links together [kg]; None where some is not in the model, as of a super-element."""
+    """Return the mass of all links [kg]; None if the model does not hold it, as with super-elements."""
     masses = [_mass(link) for link in arm.links if isinstance(link, Beam | RigidLink)]
     return sum(masses) if len(masses) == len(arm.links) else None
 
 
 def _payloads(arm: Arm) -> Iterable[Problem]:
-    """Payloads too heavy for their arm, where the model has the mass of all its links, and too wide ones."""
+    """Yield payloads that are too heavy or too wide for their arm."""
     own = mass_of_links(arm)
     for load in arm.payloads:
         if own and load.mass > HEAVIEST * own:
@@ -132,7 +132,7 @@ def _mass(link: Beam | RigidLink) -> float:
 
 
 def _turns(arm: Arm) -> Iterable[Problem]:
-    """Frames of joints turned by more than a turn."""
+    """Yield frames of joints turned by more than a turn."""
     for joint in arm.joints:
         if max(map(abs, joint.origin.rpy)) > 2 * pi:
             what = f"is {list(joint.origin.rpy)} rad; write degrees as radians"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def summary(arm: Arm) -> str:
-    """What the arm is: joints, links, what they carry, effects, what is uncertain."""
+    """Return lines on joints, links, payloads, effects and uncertain values."""
     lines = [repr(arm).strip("<>")]
     for joint in arm.joints:
         ratio = f", ratio {joint.gear_ratio:g}" if joint.gear_ratio != 1 else ""
@@ -30,13 +30,13 @@ def summary(arm: Arm) -> str:
 
 
 def _effect(arm: Arm, effect: Effect) -> str:
-    """As it tells itself, in the units of its joint."""
+    """Return a line on an effect in the units of its joint."""
     here = parameters_in(effect, arm)
     return str(effect) if here == effect.parameters() else effect.told(here)
 
 
 def _uncertain(arm: Arm, key: str, sigma: float) -> str:
-    """A nominal value and 1 sigma of it, in its unit or relative."""
+    """Return a nominal value and 1 sigma of it, in its unit or relative."""
     place = owner_of(arm, key)
     value = ".".join((*place.prefix, place.field))
     return (

@@ -38,7 +38,7 @@ _TABLES = ("links", "joints", "gears", "payloads", "points", "motors", "effects"
 
 
 def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:
-    """The nominal value that a key of `[uncertainty]` means, and its 1 sigma in the value's own unit.
+    """Return the nominal value that a key of `[uncertainty]` means, and its 1 sigma in the value's own unit.
 
     A relative sigma of a vector is one number for each component, an absolute one a single number for all.
 
@@ -58,7 +58,7 @@ def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:
 
 
 def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
-    """Keys that mean nothing, and sigmas that are negative."""
+    """Yield keys that mean nothing, and sigmas that are negative."""
     for key, sigma in arm.uncertainty.items():
         if sigma < 0:
             yield ("uncertainty", key), f"1 sigma must not be negative, got {sigma:g}"
@@ -83,7 +83,7 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
 
 
 def flat_keys(given: Any) -> Any:
-    """Refuses tables within `[uncertainty]`, which TOML makes of dots without quotes; says what to write.
+    """Refuse tables within `[uncertainty]`, which TOML makes of dots without quotes.
 
     Raises
     ------
@@ -148,7 +148,7 @@ class Owner:
 
 
 def owner_of(arm: Arm, key: str) -> Owner:
-    """Where the value of a key is.
+    """Return the location of the value of a key.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def owner_of(arm: Arm, key: str) -> Owner:
 
 
 def _entry(arm: Arm, words: list[str]) -> tuple[int, list[str]]:
-    """Number of the entry in its table, and the words after its name."""
+    """Return the index of the entry in its table, and the words after its name."""
     table, name, *rest = words
     names = [_name(table, entry) for entry in getattr(arm, table)]
     if table == "effects" and rest:
@@ -183,7 +183,7 @@ def _entry(arm: Arm, words: list[str]) -> tuple[int, list[str]]:
 
 
 def _name(table: str, entry: Any) -> str:
-    """By what a key names an entry."""
+    """Return the name of an entry in keys."""
     if table == "effects":
         return f"{entry.name}.{entry.at}"
     return str(entry.joint if table == "motors" else entry.name)

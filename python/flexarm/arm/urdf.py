@@ -34,7 +34,7 @@ _NOT_TABLES = {"format", "name", "gravity", "uncertainty", "urdf"}
 
 
 def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Tables of a model with those of the URDF file that it names.
+    """Return tables of a model with those of the URDF file that it names.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _doubles(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Entries whose name stands before them already: kept, for the check of the model to refuse."""
+    """Return entries whose name stands before them already: kept, for the check of the model to refuse."""
     names = [entry["name"] for entry in entries]
     return [entry for i, entry in enumerate(entries) if entry["name"] in names[:i]]
 

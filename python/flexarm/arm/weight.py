@@ -54,12 +54,12 @@ class Body:
     inertia: Matrix
 
     def moved(self, rotation: Matrix, translation: Vector) -> Body:
-        """The same body seen from a frame in which its own stands at (rotation, translation)."""
+        """Return the body in a frame in which its own frame has this rotation and translation."""
         inertia = times(times(rotation, self.inertia), transposed(rotation))
         return Body(self.mass, added(translation, rotated(rotation, self.centre)), inertia)
 
     def scaled(self, factor: float) -> Body:
-        """The same body, `factor` times as heavy."""
+        """Return the same body, `factor` times as heavy."""
         rows = [scaled(factor, row) for row in self.inertia]
         return Body(factor * self.mass, self.centre, (rows[0], rows[1], rows[2]))
 
@@ -92,7 +92,7 @@ class WeightStatement:
 def weight_statement(
     arm: Arm, tilt: Matrix = IDENTITY, mass_scale: Mapping[str, float] = MappingProxyType({})
 ) -> WeightStatement:
-    """The weight statement of an arm without its effects; `flexarm.assembly.as_built` has one with them.
+    """Return the weight statement of an arm without its effects; see also `flexarm.assembly.as_built`.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def weight_statement(
 
 
 def body_of(link: Link) -> Body:
-    """Mass, centre and inertia of a link in its own frame."""
+    """Return mass, centre and inertia of a link in its own frame."""
     if isinstance(link, RigidLink):
         return Body(link.mass, link.com, inertia_matrix(link.inertia))
     return _part(link) if isinstance(link, SuperElementLink) else _beam(link)
@@ -150,7 +150,7 @@ def _beam(link: Beam) -> Body:
 
 
 def combined(bodies: Iterable[Body]) -> Body:
-    """Several bodies as one."""
+    """Return several bodies as one."""
     bodies = list(bodies)
     mass = sum(body.mass for body in bodies)
     if mass == 0:

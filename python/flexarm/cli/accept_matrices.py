@@ -25,7 +25,7 @@ def refuse_for_matrices(
     damping_ratio: float,
     recovery: bool,
 ) -> None:
-    """Refuses options that are for meshes only, and matrices whose points nobody states."""
+    """Refuse options that are for meshes only, and matrices whose points nobody states."""
     if grids is None:
         what = "is needed: a matrix holds no coordinates; name the bulk data or input deck with its points"
         raise InvalidFile(file, "--grids", what)
@@ -54,7 +54,7 @@ def accepted(
     mass: float | None,
     tolerance: float | None,
 ) -> SuperElement:
-    """The matrices as a super-element."""
+    """Return the matrices as a super-element."""
     from flexarm.superelement.foreign import accept_matrices
 
     assert grids is not None

@@ -48,9 +48,9 @@ Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no conve
 
 
 def app_for(arguments: list[str]) -> typer.Typer:
-    """The application with the command that is asked for; with all of them where that is none.
+    """Return the application with the command that is asked for; with all of them where that is none.
 
-    What the options of the other commands are costs 20 ms to find out.
+    Parsing the options of the other commands costs 20 ms.
     """
     return _app(arguments[:1] if arguments and arguments[0] in COMMANDS else COMMANDS)
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Told = tuple[dict[str, Any], list[str], list[Problem], list[Problem]]
 """For programs, in lines for a person, warnings, and errors beside which the rest is told."""
 Faults = list[tuple[Path, Problem]]
-"""What makes data unusable, by the file that is at fault."""
+"""Problems that make data unusable, each with its file."""
 _MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
 
 
@@ -74,7 +74,7 @@ def check(
 
 
 def _beside(path: Path, records: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
-    """Records beside a model, and the sensors at fault.
+    """Return records beside a model, and the sensors at fault.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def _model(path: Path) -> Told:
 
 
 def _weight(arm: Arm) -> WeightStatement:
-    """Of the arm with its effects; without any that changes weights the core need not be loaded."""
+    """Return the weight of the arm with its effects; the core is loaded only if one changes weights."""
     if not any(effect.place in ("payload", "link", "base") for effect in arm.effects):
         from flexarm.arm.weight import weight_statement
 
@@ -172,7 +172,7 @@ def _weight_lines(weight: WeightStatement) -> list[str]:
 
 
 def _small(value: float) -> float:
-    """Zero instead of rounding errors of rotations."""
+    """Return zero instead of rounding errors of rotations."""
     return 0.0 if abs(value) < 1e-12 else value
 
 
@@ -219,7 +219,7 @@ def _signal(record: Record, name: str) -> dict[str, Any]:
 
 
 def _carried(load: CarriedPayload) -> str:
-    """What a run carried, with units."""
+    """Return a text on a payload, with units."""
     said = []
     if load.mass is not None:
         said.append(f"{load.mass:g} kg")

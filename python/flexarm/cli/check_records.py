@@ -17,7 +17,7 @@ Faults = list[tuple[Path, Problem]]
 
 
 def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
-    """What the first step of a diagnosis finds, for programs, in lines for a person, and what is at fault.
+    """Return the findings of the sensor check as a dictionary, as lines, and the faults.
 
     Raises
     ------

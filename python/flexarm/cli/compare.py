@@ -30,7 +30,7 @@ def compare(
     step: Step = 2e-3,
     allow_outside: AllowOutside = False,
 ) -> None:
-    """The gap between a model and a record.
+    """Show the gap between a model and a record.
 
     The model is driven by the record's drive and seen at each signal's own instants. The gap [m, rad ...] is
     shown per signal, direction (tangential, radial, normal; x, y, z with several joints) and frequency band,

@@ -84,7 +84,7 @@ def diagnose(
 def _diagnosed(
     arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int, step: float
 ) -> Diagnosis:
-    """The diagnosis, which tells how far it is."""
+    """Return the diagnosis, which tells how far it is."""
     import flexarm
 
     with progress() as tell:

@@ -6,7 +6,7 @@ from flexarm.errors import InvalidFile
 
 
 def read_interfaces(interface: list[str] | None, form: str) -> dict[str, str]:
-    """WHAT by NAME of every --interface NAME=WHAT.
+    """Return WHAT by NAME of every --interface NAME=WHAT.
 
     Raises
     ------

@@ -40,7 +40,7 @@ def linearise(
     json: Json = False,
     force: Force = False,
 ) -> None:
-    """A, B, C, D about the equilibrium.
+    """Write A, B, C, D of the linear model about the equilibrium.
 
     Small motions x' = A x + B u, y = C x + D u about the equilibrium under gravity, the joints' drives held.
     Inputs u: by default the angle of every motor, output side; its acceleration, with angle and rate as
@@ -78,7 +78,7 @@ def linearise(
 
 
 def _pairs(given: list[str] | None) -> list[tuple[str, str]] | None:
-    """The values of --input."""
+    """Return the values of --input."""
     if not given:
         return None
     pairs = []

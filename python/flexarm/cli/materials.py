@@ -12,9 +12,8 @@ from collections.abc import Iterable
 
 from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile, Problem
+from flexarm.units import FACTORS, factor_to
 
-_STIFFNESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "N/m2": 1.0}
-_DENSITY = {"kg/m3": 1.0, "g/cm3": 1e3, "t/m3": 1e3, "t/mm3": 1e12, "kg/mm3": 1e9}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
 _FORM = "[GROUP:]E=..,nu=..,rho=.. such as E=210GPa,nu=0.3,rho=7850kg/m3"
 DENSEST = 3e4
@@ -24,7 +23,7 @@ STIFFEST = 2e12
 
 
 def read_materials(texts: Iterable[str], unit: str) -> tuple[dict[str, Material], list[Problem]]:
-    """Materials by group, "" for all cells without one, and what is to be said about them.
+    """Return materials by group, "" for all cells without one, and what is to be said about them.
 
     Raises
     ------
@@ -52,7 +51,7 @@ def _refused(what: str) -> InvalidFile:
 
 
 def _first(error: ValueError) -> str:
-    """What pydantic found, in one line."""
+    """Return the first error of pydantic in one line."""
     errors = getattr(error, "errors", None)
     if errors is None:
         return " ".join(str(error).split())
@@ -76,7 +75,7 @@ def _values(text: str, values: str) -> dict[str, tuple[float, str]]:
 
 def _in_si(text: str, given: dict[str, tuple[float, str]], unit: str) -> tuple[float, float, list[Problem]]:
     """E [Pa] and rho [kg/m3]."""
-    E, rho = _with_unit(text, *given["E"], _STIFFNESS), _with_unit(text, *given["rho"], _DENSITY)
+    E, rho = _with_unit(text, *given["E"], "Pa"), _with_unit(text, *given["rho"], "kg/m3")
     if unit == "mm" and E is None and rho is None:
         (young, _), (density, _) = given["E"], given["rho"]
         if 1e12 * density > DENSEST and 1e6 * young > STIFFEST:
@@ -90,10 +89,11 @@ def _in_si(text: str, given: dict[str, tuple[float, str]], unit: str) -> tuple[f
     return E, rho, []
 
 
-def _with_unit(text: str, value: float, unit: str, known: dict[str, float]) -> float | None:
-    """The value in SI, or None if it has no unit."""
+def _with_unit(text: str, value: float, unit: str, si: str) -> float | None:
+    """Return the value in SI, or None if it has no unit."""
     if not unit:
         return None
-    if unit not in known:
-        raise _refused(f"unit {unit!r} in {text!r} is not known; allowed are {', '.join(known)}")
-    return value * known[unit]
+    factor = factor_to(si, unit)
+    if factor is None:
+        raise _refused(f"unit {unit!r} in {text!r} is not known; allowed are {', '.join(FACTORS[si])}")
+    return value * factor

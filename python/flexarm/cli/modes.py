@@ -18,7 +18,7 @@ def modes(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Natural frequencies about the equilibrium.
+    """Compute natural frequencies about the equilibrium.
 
     Frequencies [Hz] and damping ratios about the equilibrium under gravity, the joints' drives held.
 

@@ -55,7 +55,7 @@ Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for t
 
 
 def load_arm(model: Path) -> Arm:
-    """The arm in a model file; its warnings go to standard error."""
+    """Return the arm in a model file; its warnings go to standard error."""
     from flexarm.arm import Arm
 
     arm = Arm.from_toml(model)
@@ -64,13 +64,13 @@ def load_arm(model: Path) -> Arm:
 
 
 def warn(file: Path, problems: Iterable[Problem]) -> None:
-    """Prints `warning: FILE: WHERE: ...` on standard error for each problem."""
+    """Print `warning: FILE: WHERE: ...` on standard error for each problem."""
     for problem in problems:
         print(printable(f"warning: {file}: {problem}"), file=sys.stderr)
 
 
 def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
-    """Prints `error: FILE: WHERE: ...` on standard error for each fault and ends with exit code 2 if any.
+    """Print `error: FILE: WHERE: ...` on standard error for each fault and ends with exit code 2 if any.
 
     For commands whose output is whole and says that the input is at fault.
     """
@@ -83,7 +83,7 @@ def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
 
 
 def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, float]:
-    """The values of --joint.
+    """Return the values of --joint.
 
     Raises
     ------
@@ -102,9 +102,9 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
                 f"must be NAME=RAD such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}",
             )
         if name not in joints:
-            raise InvalidFile(
-                model, "--joint", f"there is no moving joint {name!r}; there are {', '.join(joints)}"
-            )
+            from flexarm.arm.consistency import missing
+
+            raise InvalidFile(model, "--joint", missing("moving joint", name, joints))
         if name in values:
             raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
         values[name] = float(number)
@@ -137,7 +137,7 @@ def refuse_step(step: float) -> None:
 
 @contextmanager
 def blame(file: Path, record: Path | None = None) -> Iterator[None]:
-    """Names the file in errors that the library raises about what it holds.
+    """Name the file in errors that the library raises about what it holds.
 
     Parameters
     ----------

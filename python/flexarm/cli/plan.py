@@ -42,7 +42,7 @@ def plan(
     force: Force = False,
     allow_outside: AllowOutside = False,
 ) -> None:
-    """Which effects an experiment could tell apart, before it is run.
+    """Predict which effects an experiment could tell apart.
 
     Simulates the motions with the model's sensors, tries every effect at every place at a plausible size, and
     says how small an effect would still be seen, which effects would be taken for one another, and the
@@ -79,7 +79,7 @@ def plan(
 
 
 def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
-    """The plan, which tells how far it is."""
+    """Return the plan, which tells how far it is."""
     import flexarm
 
     with progress() as tell, blame(model):
@@ -88,7 +88,7 @@ def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: i
 
 
 def _names(paths: list[Path]) -> dict[str, Path]:
-    """Motions by the names of their files or directories.
+    """Return motions by the names of their files or directories.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def _names(paths: list[Path]) -> dict[str, Path]:
 
 
 def _motion(path: Path, arm: Arm) -> Motion | Record:
-    """What moves the joints."""
+    """Return the motion of the joints."""
     if path.is_dir() or path.name == "record.toml":
         from flexarm.record import Record
 

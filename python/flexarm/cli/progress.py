@@ -15,7 +15,7 @@ SECONDS = 10.0
 
 @contextmanager
 def progress() -> Iterator[Tell]:
-    """A function that tells how much is done and what is being done."""
+    """Yield a function that tells how much is done and what is being done."""
     if not sys.stderr.isatty():
         yield lines()
         return
@@ -26,7 +26,7 @@ def progress() -> Iterator[Tell]:
 
 
 def lines() -> Tell:
-    """A function that prints a line of progress at most every ten seconds."""
+    """Return a function that prints a line of progress at most every ten seconds."""
     began = told = monotonic()
 
     def tell(done: float, what: str) -> None:

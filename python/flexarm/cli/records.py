@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def record_names(paths: list[Path]) -> dict[str, Path]:
-    """Names of records: of their directories, with parents as far as two would be the same.
+    """Name of records: of their directories, with parents as far as two would be the same.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def record_names(paths: list[Path]) -> dict[str, Path]:
 
 
 def load_record(path: Path, arm: Arm) -> Record:
-    """A record; what looks wrong in it goes to standard error."""
+    """Return a record; what looks wrong in it goes to standard error."""
     from flexarm.record import Record
 
     record = Record.load(path)
@@ -46,7 +46,7 @@ def load_record(path: Path, arm: Arm) -> Record:
 
 @contextmanager
 def blame_one_of(model: Path, files: dict[str, Path], records: dict[str, Record], arm: Arm) -> Iterator[None]:
-    """Names the file in an error about a model or a record: that of the first record that fails alone."""
+    """Name the file in an error about a model or a record: that of the first record that fails alone."""
     try:
         yield
     except InvalidFile:

@@ -108,7 +108,7 @@ def reduce(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    r"""A solid part as a super-element.
+    r"""Reduce a solid part to a super-element.
 
     The part is reduced to the interfaces where it is joined, six freedoms each, and its internal modes with
     these held (Craig-Bampton). A model takes it as a link: type = "superelement", file = "hub.nc".
@@ -153,6 +153,6 @@ def reduce(
 
 
 def _inputs(mesh: Path, grids: Path | None, *texts: str | None) -> list[Path]:
-    """Files that are read; a list of freedoms is none, and a matrix may follow its file's name."""
+    """Return files that are read; a list of freedoms is none, and a matrix may follow its file's name."""
     named = [Path(name) for text in texts if text for name in (text, text.rpartition(":")[0]) if name]
     return [mesh, *([grids] if grids else []), *named]

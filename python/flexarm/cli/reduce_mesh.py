@@ -17,7 +17,7 @@ _FORM = "NAME=SET[:rigid|average]"
 
 
 def refuse_for_meshes(*given: object) -> None:
-    """Refuses options that are for matrices only."""
+    """Refuse options that are for matrices only."""
     names = ("--order", "--mass-matrix", "--damping-matrix", "--tolerance")
     for option in (name for name, value in zip(names, given, strict=True) if value is not None):
         raise InvalidFile("command line", option, "is for matrices of other programs, which need --grids")
@@ -55,7 +55,7 @@ def reduced(
     mass: float | None,
     recovery: bool,
 ) -> SuperElement:
-    """The part reduced to its interfaces."""
+    """Return the part reduced to its interfaces."""
     from flexarm.cli.progress import progress
     from flexarm.reduction import reduce_mesh
 
@@ -81,7 +81,7 @@ def reduced(
 
 
 def draw(solid: SolidMesh, element: SuperElement, interface: list[str] | None, path: Path) -> None:
-    """A picture of part and interfaces."""
+    """Draw part and interfaces."""
     from flexarm.reduction import InterfaceSet
     from flexarm.superelement.picture import picture, save_picture
 

@@ -9,7 +9,7 @@ from flexarm.cli.progress import progress
 
 
 def reproduce(out: Out = Path("results"), force: Force = False) -> None:
-    """The paper's figures and claims, made again.
+    """Reproduce the figures and claims of the paper.
 
     Meshes and reduces the hinge's solid parts, simulates, and writes figures 4, 6, 7, 8, 9 and 10 as
     figure-NN.png, .pdf and .csv, summary.json and index.html; the model with its super-elements beside them.

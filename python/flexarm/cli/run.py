@@ -16,7 +16,7 @@ INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED = 2, 3, 130
 
 
 def run(arguments: list[str]) -> int:
-    """Runs one command.
+    """Run one command.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ def _interrupted() -> int:
 
 
 def _mute_stdout() -> None:
-    """Lets what is left in the buffer of standard output vanish, so that leaving does not fail again."""
+    """Let what is left in the buffer of standard output vanish, so that leaving does not fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _report(error: Exception) -> int:
-    """Prints the error; anything that is not the user's or the numbers' fault is a bug and is raised."""
+    """Print the error; anything that is not the user's or the numbers' fault is a bug and is raised."""
     if type(error).__name__ == "Abort":
         return _interrupted()
     if isinstance(error, InvalidFile):
@@ -94,7 +94,7 @@ def _report(error: Exception) -> int:
 
 
 def _told(error: NotConverged) -> str:
-    """The message with time, iteration and residual, where they are known."""
+    """Return the message with time, iteration and residual, where they are known."""
     facts = [
         f"{name} = {value:.6g}{unit}"
         for name, value, unit in (

@@ -39,7 +39,7 @@ def simulate(
     force: Force = False,
     allow_outside: AllowOutside = False,
 ) -> None:
-    """Transient under a drive.
+    """Simulate a transient under a drive.
 
     Writes simulation.nc and a record of what the sensors saw. DRIVE is a record, whose signals are then
     simulated at their instants without noise, or a CSV file with time_s and one column per driven joint,
@@ -76,7 +76,7 @@ def simulate(
 
 
 def _record(drive: Path, arm: Arm) -> Record | None:
-    """The record that drives, or None for a CSV file."""
+    """Return the record that drives, or None for a CSV file."""
     if not drive.is_dir() and drive.name != "record.toml":
         return None
     from flexarm.record import Record
@@ -87,7 +87,7 @@ def _record(drive: Path, arm: Arm) -> Record | None:
 
 
 def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
-    """What moves the joints."""
+    """Return the motion of the joints."""
     from flexarm.drive import Drive as Motion
     from flexarm.drive.doubts import doubts
 
@@ -116,7 +116,7 @@ TURNS = {"orientation", "inclination", "angular_rate", "acceleration"}
 def _run(
     arm: Arm, motion: Motion, record: Record | None, step: float, alpha: float, forces: bool
 ) -> Simulation:
-    """The transient, with what the sensors need."""
+    """Return the transient, with what the sensors need."""
     from flexarm.cli.progress import progress
     from flexarm.simulation import simulate as solve
 

@@ -6,7 +6,7 @@ from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, l
 
 
 def static(model: Model, joint: JointValues = None, json: Json = False) -> None:
-    """Equilibrium under gravity.
+    """Compute the equilibrium under gravity.
 
     The joints' drives are held. Prints where points are and how far they moved from the rigid arm [m], the
     joints' torques [N m], the section forces of beams and the reaction of the base [N, N m].

@@ -9,7 +9,7 @@ from io import TextIOWrapper
 from typing import TextIO
 
 SIGNS = {"±": "+-", "µ": "u", "²": "2", "³": "3", "⁴": "4", "–": "-", "−": "-", "°": "deg"}
-"""What summaries and units print."""
+"""Signs in summaries and units, and their ASCII form."""
 
 
 class Patient(TextIOWrapper):
@@ -53,7 +53,7 @@ def prepare() -> None:
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:
-    """Characters that an encoding lacks: our own signs as one would type them, others as escapes."""
+    """Return characters that an encoding lacks: our own signs as one would type them, others as escapes."""
     assert isinstance(error, UnicodeEncodeError)
     signs = error.object[error.start : error.end]
     text = "".join(SIGNS.get(sign) or sign.encode("ascii", "backslashreplace").decode() for sign in signs)

@@ -24,7 +24,7 @@ CLOCK = "clock"
 
 
 def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Record:
-    """What the sensors of the model saw of a run.
+    """Return the readings of the sensors of the model in a run.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Recor
 
 
 def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
-    """The record that drove a run, with its signals as the run has them: its instants, without noise.
+    """Return the record that drove a run, with its signals as the run has them: its instants, without noise.
 
     Clocks and frames are as the record states them, offsets and poses included. Where a command drove, the
     motor's angle is added.
@@ -64,7 +64,7 @@ def simulated(record: Record, run: Simulation, arm: Arm) -> Record:
 
 
 def _again(signal: Signal, run: Simulation, record: Record, placement: Placement) -> Signal:
-    """A signal of the record as the simulation has it; what went into the simulation stays as it was."""
+    """Return a signal of the record as simulated; inputs of the simulation stay as they were."""
     if signal.quantity not in READINGS and signal.quantity not in FRAMED_READINGS:
         return signal
     if signal.name in record.drive and signal.quantity != "joint_angle":
@@ -73,7 +73,7 @@ def _again(signal: Signal, run: Simulation, record: Record, placement: Placement
 
 
 def _every_point(run: Simulation) -> Record:
-    """Positions of all points, by the one clock there is."""
+    """Return positions of all points, by the one clock there is."""
     signals = [_position(run, i, name) for i, name in enumerate(run.points)]
     return Record(signals={signal.name: signal for signal in signals}, clocks={CLOCK: Clock()})
 
@@ -94,7 +94,7 @@ def _position(run: Simulation, i: int, name: str) -> Signal:
 
 
 def _drive(run: Simulation, joint: str, taken: dict[str, Signal], clock: str = CLOCK) -> Signal:
-    """The drive of a joint: the motor's angle over the ratio at every step."""
+    """Return the drive of a joint: the motor's angle over the ratio at every step."""
     name = joint if joint not in taken else f"{joint}_drive"
     signal = Signal(
         name=name,
@@ -112,7 +112,7 @@ def _drive(run: Simulation, joint: str, taken: dict[str, Signal], clock: str = C
 
 
 def _shown(signal: Signal, run: Simulation) -> Signal:
-    """A signal of true values at true instants as the model's sensor, clock and frame show it."""
+    """Return a signal of true values at true instants as the model's sensor, clock and frame show it."""
     clock = effects_of(run.arm, signal).clock(EXACT, float(run.time[0]))
     late = signal.replace(time=clock.stamps(run.time))
     return late.replace(values=predict(run, late))

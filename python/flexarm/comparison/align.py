@@ -1,18 +1,16 @@
-"""Alignment: offsets of clocks and registrations of frames that bring a record closest to a simulation.
+"""Alignment of clocks and frames of a record with its simulation.
 
     sum over signals |(y - prediction(u))/sigma_y|^2 + sum_i ((u_i - c_i)/sigma_i)^2 -> min            (1)
 
-u are the unknowns with priors (c_i, sigma_i), y the measured values with noise sigma_y. Effects of the model
-on clocks and frames come on top of u, which so counts from them. The simulation is not repeated: predictions
-are read from it at shifted stamps. (1) is solved by Gauss-Newton; a step that does not lower (1) is halved.
-Gross outliers (see `flexarm.measurement.outliers`, and `pose_outliers` of poses) are left out, and those of
-`SMOOTH` quantities of the gap too, whether their clock and frame move or not; else squares count, not a
-robust loss. What the data do not determine keeps its prior, and is said: the standard deviation after
-alignment is then that of the prior (more than `KEPT` of it), or, without a prior, infinite.
+u are the alignment parameters with priors (c_i, sigma_i), y the measured values with noise sigma_y. Effects
+of the model on clocks and frames come on top of u. The simulation is not repeated: predictions are read from
+it at shifted stamps. (1) is solved by Gauss-Newton steps, halved until (1) falls. Gross outliers
+(`flexarm.measurement.outliers`, `pose_outliers`) are left out, those of `SMOOTH` quantities also from the
+gap. A parameter that the data do not determine keeps its prior and is reported: its standard deviation is
+then more than `KEPT` of the prior's, or infinite without a prior.
 
-A gap of the model much larger than the noise outweighs the priors: whatever of it looks like a shift in time
-or space is then aligned away, in measurement and in the report alike. `compare(..., align=False)` shows the
-gap without that.
+A gap much larger than the noise outweighs the priors. Any part of it that looks like a shift in time or space
+is then aligned away. `compare(..., align=False)` shows the gap without that.
 """
 
 from __future__ import annotations
@@ -50,20 +48,20 @@ FIRM = 1e-12
 
 @dataclass(frozen=True)
 class Alignment:
-    """Outcome of an alignment.
+    """Hold the result of an alignment.
 
     Attributes
     ----------
     placement : Placement
         Clocks and frames after it.
     parameters : tuple of AlignmentParameter
-        What was allowed to move.
+        Parameters that were estimated.
     values, std : ndarray
-        Where it ended and 1 sigma [s, m, rad]; the sigma counts noise and priors, not an error of the model.
+        Estimates and 1 sigma [s, m, rad], from noise and priors without errors of the model.
     outliers : dict of str to ndarray of bool, shape (n,)
-        Rows that were taken for gross outliers, by signal; of signals that have some.
+        Gross outliers by signal, of signals that have some.
     effective_parameters : tuple of EffectiveParameters
-        How many values of each clock and frame were aligned to how many readings.
+        Of each clock and frame.
     """
 
     placement: Placement
@@ -75,14 +73,14 @@ class Alignment:
 
     @property
     def beyond_prior(self) -> list[str]:
-        """What moved further than the record's sigma allows for."""
+        """Return parameters that moved beyond `FAR` sigma of their priors."""
         pairs = zip(self.parameters, self.values, strict=True)
         moves = [(u, abs(value - u.centre) / u.sigma) for u, value in pairs if np.isfinite(u.sigma)]
         return [f"{u} ({move:.0f} sigma)" for u, move in moves if move > FAR]
 
     @property
     def undetermined(self) -> list[str]:
-        """What the data say nothing about."""
+        """Return parameters that the data do not determine."""
         return [
             str(u)
             for u, std in zip(self.parameters, self.std, strict=True)
@@ -91,19 +89,19 @@ class Alignment:
 
     @property
     def overfitted(self) -> list[str]:
-        """Sentences on clocks and frames that were aligned to few readings."""
+        """Report clocks and frames that were aligned to few readings."""
         return [str(place) for place in self.effective_parameters if place.overfitted]
 
 
 def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
-    """Clocks and frames that minimise (1).
+    """Return clocks and frames that minimise (1).
 
     Parameters
     ----------
     simulated : SimulatedRecord
         Simulation and record.
     start : Placement
-        Where to start; clocks and frames without a prior must be near already.
+        Initial guess, close for clocks and frames without a prior.
     """
     parameters = alignment_parameters(simulated, start)
     places = {each.place for each in parameters}
@@ -128,10 +126,7 @@ def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
 def _gross_outliers(
     simulated: SimulatedRecord, start: Placement, places: set[str]
 ) -> dict[str, NDArray[np.bool_]]:
-    """Rows that are gross outliers, of signals that are aligned or cannot jump.
-
-    A stated noise tells those of motions, the other poses those of poses.
-    """
+    """Return gross outliers of signals that are aligned or cannot jump."""
     wanted = {
         name: signal
         for name, signal in simulated.evidence.items()
@@ -149,12 +144,12 @@ def _gross_outliers(
 
 
 def _depends_on(signal: Signal, places: set[str]) -> bool:
-    """Whether its clock or frame is among those that may move."""
+    """Return True if the clock or frame of a signal is among those aligned."""
     return signal.clock in places or signal.frame in places
 
 
 class _WeightedResiduals:
-    """Whitened residuals and priors of (1) as one vector; rows without a value, and outliers, are zero."""
+    """Compute whitened priors and residuals of (1) as one vector, zero for outliers and missing values."""
 
     def __init__(
         self,
@@ -172,11 +167,14 @@ class _WeightedResiduals:
         ]
         self.centre = np.array([each.centre for each in parameters])
         self.sigma = np.array([each.sigma for each in parameters])
-        self.out = [self._expected(signal) | gross.get(signal.name, False) for signal in self.signals]
+        self.out = [
+            simulated.outliers(signal, self._at_start(signal)) | gross.get(signal.name, False)
+            for signal in self.signals
+        ]
 
-    def _expected(self, signal: Signal) -> NDArray[np.bool_]:
-        """Rows that an effect `outliers` of the model explains."""
-        return self.simulated.outliers(signal, self.simulated.residual(signal, self.start, hold=True))
+    def _at_start(self, signal: Signal) -> Floats:
+        """Return the residual of a signal at the initial guess."""
+        return self.simulated.residual(signal, self.start, hold=True)
 
     def __call__(self, values: Floats) -> Floats:
         placement = move_placement(self.start, self.parameters, values)
@@ -189,7 +187,7 @@ class _WeightedResiduals:
         return found
 
     def effective_parameters(self, jacobian: Floats) -> tuple[EffectiveParameters, ...]:
-        """How many values were aligned to how many readings, by place; the first rows are priors."""
+        """Return the effective parameters of each clock and frame; the first rows are priors."""
         of_readings = jacobian[len(self.sigma) :] * _scales(self.parameters)
         square = of_readings.T @ of_readings
         prior = np.diag((_scales(self.parameters) / self.sigma) ** 2)
@@ -198,18 +196,13 @@ class _WeightedResiduals:
         for place in dict.fromkeys(each.place for each in self.parameters):
             values = float(sum(share[k] for k, each in enumerate(self.parameters) if each.place == place))
             of = [(s, out) for s, out in zip(self.signals, self.out, strict=True) if _depends_on(s, {place})]
-            readings = sum(self._readings(signal, out) for signal, out in of)
+            readings = sum(int(np.isfinite(self._at_start(s)[~out]).sum()) for s, out in of)
             found.append(EffectiveParameters(place, values, readings, tuple(signal.name for signal, _ in of)))
         return tuple(found)
 
-    def _readings(self, signal: Signal, out: NDArray[np.bool_]) -> int:
-        """Number of values that count."""
-        residual = self.simulated.residual(signal, self.start, hold=True)
-        return int(np.isfinite(residual[~out]).sum())
-
 
 def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[AlignmentParameter]) -> Floats:
-    """Central differences of the rows by the unknowns."""
+    """Return central differences of the residuals with respect to the parameters."""
     columns = []
     for i, each in enumerate(parameters):
         step = np.zeros(len(parameters))
@@ -222,7 +215,7 @@ def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[Alignme
 def _least_squares(
     jacobian: Floats, right: Floats, parameters: list[AlignmentParameter]
 ) -> tuple[Floats, Floats]:
-    """Return the least-squares step and standard deviations; what the data leave open keeps its prior's."""
+    """Return the least-squares step and standard deviations; undetermined parameters keep their priors'."""
     scale = _scales(parameters)
     scaled = jacobian * scale
     squares, axes = np.linalg.eigh(scaled.T @ scaled)
@@ -235,14 +228,14 @@ def _least_squares(
 
 
 def _scales(parameters: list[AlignmentParameter]) -> Floats:
-    """What unknowns are measured in: sigmas of their priors, or so many steps where there is none."""
+    """Return scales of the parameters: sigmas of their priors, or 100 steps without a prior."""
     return np.array([each.sigma if np.isfinite(each.sigma) else 100 * each.step for each in parameters])
 
 
 def _line_search(
     rows: _WeightedResiduals, values: Floats, residual: Floats, change: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """A step along `change`, halved until (1) falls; none if it never does."""
+    """Take a step along `change`, halved until (1) falls; none if it never does."""
     cost = residual @ residual
     for _ in range(12):
         there = rows(values + change)

@@ -1,4 +1,4 @@
-"""A record beside its simulation: the model is driven as the arm was, clocks and frames are aligned."""
+"""Simulation of a record: the model is driven as the arm was, and clocks and frames are aligned."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
 
 @dataclass(frozen=True, eq=False)
 class AlignedRecord:
-    """A record, its simulation, and how they were aligned.
+    """Hold a record, its simulation and their alignment.
 
     Attributes
     ----------
     simulated : SimulatedRecord
         Simulation and record; its arm carries what the record says.
     aligned : Alignment
-        Clocks and frames as they are used.
+        Clocks and frames.
     """
 
     simulated: SimulatedRecord
@@ -47,22 +47,22 @@ class AlignedRecord:
 
     @property
     def record(self) -> Record:
-        """What was measured."""
+        """Return the record."""
         return self.simulated.record
 
     @cached_property
     def modes(self) -> tuple[tuple[float, float], ...]:
-        """Frequency [Hz] and damping ratio of the first three modes that the sensors see; none for poses."""
+        """Return frequency [Hz] and damping ratio of the first three visible modes; none for poses."""
         return tuple(_modes(self)) if self.record.kind == "motion" else ()
 
     @property
     def modes_hz(self) -> tuple[float, ...]:
-        """Their frequencies [Hz]."""
+        """Return the frequencies of these modes [Hz]."""
         return tuple(frequency for frequency, _ in self.modes)
 
     @cached_property
     def joint(self) -> str | None:
-        """The one joint that the record drives, or that could move where nothing is driven; None: several."""
+        """Return the only joint that is driven, or that can move if none is driven; None for several."""
         moved = {self.record.signals[name].joint for name in self.record.drive}
         moved = moved or {joint.name for joint in self.simulated.simulation.arm.moving_joints}
         return moved.pop() if len(moved) == 1 else None
@@ -77,7 +77,7 @@ def simulate_record(
     step: float = 2e-3,
     alpha: float = -0.05,
 ) -> AlignedRecord:
-    """The simulation of a record, aligned with it; parameters and errors as of `compare`."""
+    """Simulate a record and align it; parameters and errors as of `compare`."""
     from flexarm.record import Record
 
     if not isinstance(record, Record):
@@ -95,7 +95,7 @@ def simulate_record(
 
 
 def _simulated(arm: Arm, record: Record, simulation: Any, step: float, alpha: float) -> SimulatedRecord:
-    """The simulation beside the record."""
+    """Return the record with its simulation."""
     if record.kind == "static":
         inputs = {
             name: "is an input of the poses"
@@ -109,7 +109,7 @@ def _simulated(arm: Arm, record: Record, simulation: Any, step: float, alpha: fl
 
 
 def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
-    """The record's drive through the model, up to the last stamp that a known clock gave."""
+    """Simulate the record's drive up to the last stamp of a known clock."""
     from flexarm.simulation import simulate
 
     quantities = {signal.quantity for signal in record.signals.values()}
@@ -126,7 +126,7 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
 
 
 def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
-    """Last instant that is needed: every stamp less what its clock is late, and three sigma more.
+    """Return the last instant of all stamps, less delays of their clocks, and three sigma more.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
 
 
 def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
-    """Modes of the arm at the middle of its motion; none if it has no equilibrium there."""
+    """Return modes of the arm at the middle of its motion; none if it has no equilibrium there."""
     from flexarm.modal import modes
 
     run, arm = pair.simulated.simulation, pair.simulated.arm
@@ -165,7 +165,7 @@ def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
 
 
 def _visible(pair: AlignedRecord, found: Modes) -> list[bool]:
-    """Which modes move a point along a measured axis; all where something else than positions is measured."""
+    """Return True for modes that move a point along a measured axis; for all without such axes."""
     simulated, largest = pair.simulated, np.zeros(len(found.frequency_hz))
     for signal in simulated.evidence.values():
         if signal.quantity == "position":

@@ -1,9 +1,9 @@
-"""What alignment may move: the offsets of clocks and the registrations of frames, as one vector.
+"""Alignment parameters: offsets of clocks and registrations of frames, as one vector.
 
     delay      of every clock but the drive's: Gaussian about its stated offset                      (1)
     (translation, rotation) of every frame: Gaussian about zero, per axis                            (2)
 
-Sigmas are those of the record; zero means exact and is not moved, "unknown" means no prior.
+Sigmas are those of the record. Zero means exact and gives no parameter; "unknown" means no prior.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SEEN_IN_FRAMES = ("position", "orientation")
 
 @dataclass(frozen=True)
 class AlignmentParameter:
-    """One number that alignment may move.
+    """Describe one parameter of an alignment.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class AlignmentParameter:
 
     @property
     def unit(self) -> str:
-        """Its unit."""
+        """Return its unit."""
         return {"delay": "s", "translation": "m", "rotation": "rad"}[self.kind]
 
     def __str__(self) -> str:
@@ -58,18 +58,18 @@ class AlignmentParameter:
 
 
 def drive_clock(record: Record) -> str:
-    """The clock of the drive, whose time is the simulation's; the reference where nothing drives."""
+    """Return the clock of the drive, whose time is the simulation's; the reference without a drive."""
     return next((record.signals[name].clock for name in record.drive), record.reference_clock)
 
 
 def is_unknown_clock(record: Record, clock: str) -> bool:
-    """Whether nothing is stated of a clock against that of the drive."""
+    """Return True if the offset between a clock and that of the drive is not stated."""
     own = drive_clock(record)
     return clock != own and (record.clocks[clock].unknown or record.clocks[own].unknown)
 
 
 def stated_placement(record: Record) -> Placement:
-    """Clocks and frames as the record states them."""
+    """Return clocks and frames as the record states them."""
     own = record.clocks[drive_clock(record)].offset
     clocks = {name: ClockError(delay=clock.offset - own) for name, clock in record.clocks.items()}
     frames = {name: Registration(origin=frame.xyz, rpy=frame.rpy) for name, frame in record.frames.items()}
@@ -77,7 +77,7 @@ def stated_placement(record: Record) -> Placement:
 
 
 def alignment_parameters(simulated: SimulatedRecord, start: Placement) -> list[AlignmentParameter]:
-    """Everything that may move and that a compared signal depends on."""
+    """Return the alignment parameters of all compared signals."""
     record = simulated.record
     signals = [signal for signal in simulated.evidence.values() if has_noise(signal.noise_std)]
     found: list[AlignmentParameter] = []
@@ -101,7 +101,7 @@ def alignment_parameters(simulated: SimulatedRecord, start: Placement) -> list[A
 
 
 def uncertain_clock_and_frame(record: Record, signal: Signal) -> tuple[str, ...]:
-    """Clock and frame of a signal that the record does not state exactly, in words."""
+    """Return as text the clock and frame of a signal that are not stated exactly."""
     found = []
     own = drive_clock(record)
     if record.kind == "motion" and signal.clock != own:
@@ -115,12 +115,12 @@ def uncertain_clock_and_frame(record: Record, signal: Signal) -> tuple[str, ...]
 
 
 def has_noise(noise_std: float | None) -> bool:
-    """Whether a signal can be weighed: its noise is stated and not zero."""
+    """Return True if a noise is stated and not zero, so that the signal has a weight."""
     return noise_std is not None and noise_std > 0
 
 
 def move_placement(start: Placement, parameters: list[AlignmentParameter], values: Floats) -> Placement:
-    """Clocks and frames at given values of the unknowns."""
+    """Return clocks and frames at given values of the parameters."""
     clocks, frames = dict(start.clocks), dict(start.frames)
     moved: dict[tuple[str, str], Floats] = {}
     for each, value in zip(parameters, values, strict=True):

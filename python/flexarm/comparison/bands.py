@@ -1,17 +1,14 @@
-"""How much of a gap lies in which band of frequencies, from samples taken when they were.
+"""Energy of samples in bands of frequencies, also for unequal spacing.
 
 Samples at times t_i, of a length T, are projected on the cosines
 
     c_k(t) = cos(pi k (t - t_0 + dt/2)/T),   frequency k/(2 T),   k = 0, 1, 2, ...                    (1)
 
-made orthogonal one after another, so that the energies of bands add up to the energy of the samples whatever
-their spacing. At equal spacing (1) is the discrete cosine transform, and is computed as such; else block by
-block of at most `BLOCK` samples. The last band is what the others leave. With a few per cent of drop-outs or
-jitter as much of a tone leaks into other bands. Half of the sampling rate (Nyquist) is the highest edge:
-faster motion appears below it (aliases), in measurement and prediction alike.
-
-Cosines have no jump at the ends of a block as sines and cosines of period T would, so a slow gap leaks little
-into higher bands.
+made orthogonal one after another, so that the energies of bands add up to the energy of the samples. At equal
+spacing (1) is the discrete cosine transform; else it is computed in blocks of at most `BLOCK` samples. The
+last band is the rest. With a few per cent of drop-outs or jitter as much of a tone leaks into other bands.
+Cosines have no jump at the ends of a block, so a slow gap leaks little. The highest edge is the Nyquist
+frequency; faster motion appears below it (aliasing), in measurement and prediction alike.
 """
 
 from __future__ import annotations
@@ -33,7 +30,7 @@ EVEN = 1e-3
 
 @dataclass(frozen=True)
 class Band:
-    """A band of frequencies and what of a gap lies in it.
+    """Hold a band of frequencies and the part of a gap in it.
 
     Attributes
     ----------
@@ -49,7 +46,7 @@ class Band:
 
 
 def band_edges(time: Floats, modes_hz: Sequence[float], inner: Sequence[float] | None = None) -> list[float]:
-    """Edges [Hz]: quasi-static below half of the first mode, around the first mode, the rest up to Nyquist.
+    """Return edges [Hz]: half and twice the first mode, between 0 and Nyquist.
 
     Parameters
     ----------
@@ -69,12 +66,12 @@ def band_edges(time: Floats, modes_hz: Sequence[float], inner: Sequence[float] |
 
 
 def alias(frequency: float, rate: float) -> float:
-    """Frequency [Hz] at which samples at `rate` [Hz] show a motion of `frequency`."""
+    """Return the frequency [Hz] at which samples at `rate` [Hz] show a motion of `frequency`."""
     return abs(frequency - rate * round(frequency / rate))
 
 
 def band_split(time: Floats, values: Floats, edges: Sequence[float]) -> list[Band]:
-    """Root mean square of samples in each band; their squares add up to the mean square of the samples.
+    """Return the rms of samples in each band; squares add up to the mean square of the samples.
 
     Parameters
     ----------
@@ -92,7 +89,7 @@ def band_split(time: Floats, values: Floats, edges: Sequence[float]) -> list[Ban
 
 
 def band_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Floats, Floats]:
-    """Samples as a sum of one part a band; parts are orthogonal to each other.
+    """Split samples into orthogonal parts, one a band.
 
     Parameters
     ----------
@@ -124,7 +121,7 @@ def band_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Fl
 
 
 def _block_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Floats, Floats]:
-    """Parts of one block, by Householder's QR of its cosines; the last band is what the others leave."""
+    """Split one block by Householder's QR of its cosines; the last band is the rest."""
     step = float(np.median(np.diff(time))) if len(time) > 1 else 1.0
     length = float(time[-1] - time[0]) + step
     ends = _ends(edges, length, len(time))
@@ -135,13 +132,13 @@ def _block_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[
 
 
 def _ends(edges: Sequence[float], length: float, count: int) -> list[tuple[int, int]]:
-    """First and last-but-one number k of the cosines of each band: k/(2 T) < edge."""
+    """Return the range of numbers k of the cosines of each band: k/(2 T) < edge."""
     inner = [min(int(np.ceil(2 * length * edge)), count) for edge in edges[1:-1]]
     return list(zip([0, *inner], [*inner, count], strict=True))
 
 
 def _energies(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
-    """Sum of squares in each band."""
+    """Return the sum of squares in each band."""
     steps = np.diff(time)
     if len(steps) and np.ptp(steps) < EVEN * steps.min():
         from scipy.fft import dct
@@ -155,13 +152,13 @@ def _energies(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
 
 
 def _summed(powers: Floats, total: float, edges: Sequence[float], length: float) -> Floats:
-    """Powers of the cosines of (1) summed in all bands but the last, which gets the rest of the total."""
+    """Sum powers of the cosines (1) by band; the last band gets the rest of the total."""
     inner = [float(powers[i:j].sum()) for i, j in _ends(edges, length, len(powers))[:-1]]
     return np.array([*inner, total - sum(inner)])
 
 
 def _block_energy(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
-    """Sum of squares of one block; Cholesky's factor of their overlaps makes the cosines orthogonal."""
+    """Return the sums of squares of one block; the Cholesky factor of overlaps makes cosines orthogonal."""
     from scipy.linalg import cholesky, solve_triangular
 
     step = float(np.median(np.diff(time))) if len(time) > 1 else 1.0

@@ -1,4 +1,4 @@
-"""The gap between a model and a record: the model is driven as the arm was, and seen as the arm was seen."""
+"""Comparison of a model with a record."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
+    from flexarm.record import Record
 
 
 @takes(
@@ -46,7 +46,7 @@ def compare(
     bands: Sequence[float] | None = None,
     check_step: bool = False,
 ) -> Comparison:
-    """The gap between a model and a record, per signal, direction and band, against the noise.
+    """Compare a model with a record: the gap by signal, direction and band, and the noise.
 
     The record's drive, smoothed by its stated noise, drives the model, with the model's effects on its sensor
     taken back; what the run carried and where undriven joints stood comes from the record. Every other signal
@@ -59,9 +59,9 @@ def compare(
     arm : Arm
         The model.
     record : Record
-        What was measured.
+        Measured data.
     align : bool
-        Whether to align clocks and frames; False takes them as stated, and all rows.
+        Align clocks and frames; False takes them as stated, and all rows.
     simulation : Simulation, optional
         A run of this model along this record, to be used instead of a new one. Effects on sensors, clocks and
         frames count as `arm` has them; those on signals that drive must be those of the run.
@@ -90,12 +90,11 @@ def compare(
     pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
     simulated, aligned = pair.simulated, pair.aligned
     modes_hz = pair.modes_hz if bands is None else ()
-    gaps = {
-        name: signal_gap(
-            simulated, signal, aligned.placement, pair.joint, modes_hz, bands, _gross(signal, aligned)
-        )
-        for name, signal in simulated.signals.items()
-    }
+    gaps = {}
+    for name, signal in simulated.signals.items():
+        outliers = aligned.outliers.get(name) if signal.quantity in SMOOTH else None
+        gaps[name] = signal_gap(simulated, signal, aligned.placement, pair.joint, modes_hz, bands, outliers)
+    unplaced = [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, simulated.arm)]
     steps = step_notes(arm, pair, step, alpha) if check_step else ()
     return Comparison(
         arm.name,
@@ -104,14 +103,14 @@ def compare(
         aligned,
         dict(simulated.skipped),
         modes_hz,
-        (*_about_effects(simulated.arm, record), *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        (*unplaced, *_notes(record, gaps, modes_hz, aligned, align), *steps),
     )
 
 
 def _notes(
     record: Record, gaps: dict[str, SignalGap], modes_hz: Sequence[float], aligned: Alignment, wanted: bool
 ) -> list[str]:
-    """What a reader of the numbers should know."""
+    """Return notes on the numbers."""
     found = _about_drives(record)
     if aligned.undetermined:
         found.append(f"not determined by the data, left as stated: {', '.join(aligned.undetermined)}")
@@ -138,7 +137,7 @@ def _notes(
 
 
 def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
-    """Which clocks and frames signals without a stated noise leave as they are stated."""
+    """Report clocks and frames that signals without a stated noise do not align."""
     found: dict[tuple[str, ...], list[str]] = {}
     for name in unweighed:
         if places := uncertain_clock_and_frame(record, record.signals[name]):
@@ -149,13 +148,8 @@ def _about_noise(record: Record, unweighed: Sequence[str]) -> list[str]:
     ]
 
 
-def _gross(signal: Signal, aligned: Alignment) -> NDArray[np.bool_] | None:
-    """Rows of a signal that no number counts: outliers of what cannot jump."""
-    return aligned.outliers.get(signal.name) if signal.quantity in SMOOTH else None
-
-
 def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
-    """What became of the gross outliers of a signal."""
+    """Describe the use of the gross outliers of a signal."""
     if gap.gross:
         many = len(gap.gross) > 1
         return (
@@ -165,13 +159,8 @@ def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
     return f"{int(rows.sum())} outliers of {gap.name} were not used to align, but count in these numbers"
 
 
-def _about_effects(arm: Arm, record: Record) -> list[str]:
-    """Effects whose place the record has not."""
-    return [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, arm)]
-
-
 def _about_drives(record: Record) -> list[str]:
-    """What may ring the model and not the arm."""
+    """Report causes of ringing of the model but not of the arm."""
     found = []
     if record.initial == "moving":
         found.append(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """The gap between a model and a record.
+    """Hold the gap between a model and a record.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Comparison:
     modes_hz : tuple of float
         Frequencies of the arm that set the bands [Hz].
     notes : tuple of str
-        What a reader should know: aliasing, what alignment could not determine.
+        Notes, such as on aliasing and undetermined parameters.
     """
 
     arm: str
@@ -46,11 +46,11 @@ class Comparison:
 
     @property
     def evidence(self) -> dict[str, SignalGap]:
-        """Gaps that say something about the model: those of all signals that do not drive it."""
+        """Return gaps of all signals but the drives."""
         return {name: gap for name, gap in self.signals.items() if not gap.is_drive}
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The object of `flexarm compare --json`: `signals`, and beside it what led to them."""
+        """Return the object of `flexarm compare --json`."""
         return {
             "signals": {name: gap.to_json_dict() for name, gap in self.signals.items()},
             "drives": [name for name, gap in self.signals.items() if gap.is_drive],
@@ -73,7 +73,7 @@ class Comparison:
         }
 
     def summary(self) -> str:
-        """Tables that a person reads: the gap, its bands, the alignment."""
+        """Return tables of the gap, its bands and the alignment as text."""
         title = f"gap between {self.arm!r} and " + (repr(self.record) if self.record else "the record")
         lines = [title, "", *self._gap_table(), "", *self._band_table()]
         if self.aligned.parameters:
@@ -89,7 +89,7 @@ class Comparison:
         return "\n".join(lines)
 
     def _gap_table(self) -> list[str]:
-        """Root mean square by direction, the noise and the greatest gap."""
+        """Return lines of rms by direction, noise and greatest gap."""
         names = list(dict.fromkeys(key for gap in self.signals.values() for key in gap.rms if key != "total"))
         columns = [*names, "total", "noise", "max"]
         lines = [f"{'rms':<18}{'unit':<7}" + "".join(f"{name:>12}" for name in columns)]
@@ -100,7 +100,7 @@ class Comparison:
         return lines
 
     def _band_table(self) -> list[str]:
-        """Root mean square of the total by band."""
+        """Return lines of the total rms by band."""
         lines = []
         for gap in self.evidence.values():
             parts = [f"{band.low:.3g}-{band.high:.3g} Hz: {band.rms:.3e}" for band in gap.bands]
@@ -109,14 +109,14 @@ class Comparison:
         return lines
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
-        """The gap of a signal over time, by direction, and the noise (2 sigma) as a band.
+        """Plot the gap of a signal over time, by direction, with the noise (2 sigma) as a band.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
             Where to draw.
         signal : str, optional
-            Which signal; default: the first that does not drive.
+            Name of the signal; default: the first that does not drive.
         """
         import matplotlib.pyplot as plt
 
@@ -148,7 +148,7 @@ def _sigma(std: float, infinite: str) -> str:
 
 
 def _rounded_to(value: float, std: float) -> str:
-    """Four digits, or as many as its deviation needs: what a clock is late by may be copied into a record."""
+    """Return four digits, or as many as the deviation needs to copy a delay into a record."""
     if abs(value) < 1 or not 0 < std < 1e-3 * abs(value):
         return f"{value:.3e}"
     return f"{value:.{max(1 - math.floor(math.log10(std)), 0)}f}"

@@ -1,4 +1,4 @@
-"""Along which directions the gap of a position is shown.
+"""Directions along which the gap of a position is shown.
 
 With one moving joint, about the axis a through o, at the rigid position p of the point for the drive's angle,
 
@@ -26,14 +26,14 @@ SPAN = 0.02
 
 
 def base_directions(count: int) -> dict[str, Floats]:
-    """x, y, z of the base at `count` instants, each of shape (count, 3)."""
+    """Return x, y, z of the base at `count` instants, each of shape (count, 3)."""
     return {axis: np.broadcast_to(np.eye(3)[i], (count, 3)) for i, axis in enumerate("xyz")}
 
 
 def joint_directions(
     arm: Any, joint: str, point: str, values: Mapping[str, Floats]
 ) -> dict[str, Floats] | None:
-    """Tangential, radial and normal (1)-(2) at the point's rigid positions, each of shape (n, 3).
+    """Return tangential, radial and normal (1)-(2) at the point's rigid positions, each of shape (n, 3).
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def joint_directions(
 def project(
     residual: Floats, axes: Sequence[str] | None, frame: Registration, directions: Mapping[str, Floats]
 ) -> dict[str, Floats | None]:
-    """Parts of a measured residual along directions given in the base.
+    """Project a measured residual on directions given in the base.
 
     Parameters
     ----------

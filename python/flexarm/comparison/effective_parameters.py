@@ -1,11 +1,12 @@
-"""How many values of a clock or a frame were aligned to how many readings: few show little of a model.
+"""Effective number of parameters of a clock or frame after an alignment.
 
-Whitened readings with derivatives J by the unknowns, and their priors, determine the unknown i by the share
+Whitened readings with the Jacobian J with respect to the alignment parameters, and their priors, determine
+the parameter i by the share
 
     R_ii,   R = (J^T J + diag(1/sigma^2))^-1 J^T J                                                     (1)
 
 which is 0 where its prior holds it and 1 where the readings do [MacKay1992]. With p the sum of (1) over the
-unknowns of a place, N readings that are noise leave sqrt(1 - p/N) of themselves.
+parameters of one clock or frame, N readings that are noise leave sqrt(1 - p/N) of themselves.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class EffectiveParameters:
-    """A clock or frame after an alignment.
+    """Hold the effective parameters of a clock or frame.
 
     Attributes
     ----------
@@ -42,7 +43,7 @@ class EffectiveParameters:
 
     @property
     def overfitted(self) -> bool:
-        """Whether so few readings were aligned that what is left says little of a model."""
+        """Return True if so few readings were aligned that their residual says little of a model."""
         return self.readings < FEW * self.count * (1 - ROUNDING)
 
     def __str__(self) -> str:

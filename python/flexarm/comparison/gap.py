@@ -1,11 +1,10 @@
-"""The gap of one signal: measured minus predicted, by direction and by band, beside the noise.
+"""The gap of one signal: measured minus predicted, by direction and by band, with its noise.
 
     rms_d = sqrt(mean r_d^2),   total = sqrt(sum over measured channels of rms^2)                    (1)
     noise^2 = sum over measured channels of noise_std^2 + jitter_std^2 mean |rate|^2                 (2)
 
-A stamp that is off by a jitter shows the motion of that time. A model without a gap has a total of about (2).
-Rows that an effect `outliers` of the model explains are removed, and gross outliers that an alignment left
-out of what cannot jump (`flexarm.measurement.outliers`).
+A perfect model has a total of about (2). Rows that an effect `outliers` of the model explains are removed,
+and gross outliers that the alignment left out (`flexarm.measurement.outliers`).
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ JITTER_STEP = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SignalGap:
-    """Residual of one signal and its measures.
+    """Hold the residual of one signal and its measures.
 
     Attributes
     ----------
@@ -49,7 +48,7 @@ class SignalGap:
     noise_rms : float or None
         Eq. (2); None where no noise is stated.
     is_drive : bool
-        Whether the signal drives the simulation: then the gap says nothing about the model.
+        True if the signal drives the simulation: its gap says nothing about the model.
     removed : int
         Number of rows that an effect `outliers` of the model explains.
     gross : tuple of int
@@ -70,7 +69,7 @@ class SignalGap:
     gross: tuple[int, ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The signal's object of `compare --json`."""
+        """Return the signal's object of `compare --json`."""
         return {
             "unit": self.unit,
             "rms": dict(self.rms),
@@ -89,7 +88,7 @@ def signal_gap(
     edges: Sequence[float] | None = None,
     gross: NDArray[np.bool_] | None = None,
 ) -> SignalGap:
-    """The gap of a signal.
+    """Compute the gap of a signal.
 
     Parameters
     ----------
@@ -140,23 +139,23 @@ def signal_gap(
 
 
 def _noise(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> float:
-    """Noise of the total, eq. (2)."""
+    """Return the noise of the total, eq. (2)."""
     square = float(np.sum(simulated.noise(signal) ** 2))
     if signal.jitter_std > 0 and simulated.record.kind == "motion":
+        clock, clocks = placement.clock(signal), placement.clocks
         ahead, behind = (
-            simulated.residual(signal, _shifted(placement, signal, shift), hold=True)
+            simulated.residual(
+                signal,
+                replace(
+                    placement, clocks={**clocks, signal.clock: replace(clock, delay=clock.delay + shift)}
+                ),
+                hold=True,
+            )
             for shift in (-JITTER_STEP, JITTER_STEP)
         )
         rate = (behind - ahead) / (2 * JITTER_STEP)
         square += signal.jitter_std**2 * float(np.nanmean(np.sum(rate**2, axis=1)))
     return float(np.sqrt(square))
-
-
-def _shifted(placement: Placement, signal: Signal, shift: float) -> Placement:
-    """The placement with the signal's clock later by `shift` [s]."""
-    clock = placement.clock(signal)
-    moved = replace(clock, delay=clock.delay + shift)
-    return Placement({**placement.clocks, signal.clock: moved}, placement.frames)
 
 
 def _parts(
@@ -167,7 +166,7 @@ def _parts(
     instants: Floats,
     residual: Floats,
 ) -> dict[str, Floats | None]:
-    """Residual along the directions of the signal: of the arm for positions, of its own axes else."""
+    """Return the residual along directions of the arm for positions, else along its own axes."""
     if signal.quantity == "position":
         directions = directions_of(simulated, signal, joint, instants)
         return project(residual, signal.axes, simulated.frame(signal, placement), directions)
@@ -180,7 +179,7 @@ def _parts(
 def directions_of(
     simulated: SimulatedRecord, signal: Signal, joint: str | None, instants: Floats
 ) -> dict[str, Floats]:
-    """Unit vectors in the base along which a position's gap is shown: those of the joint, else x, y, z."""
+    """Return unit vectors along which a position's gap is shown: those of the joint, else x, y, z."""
     directions = None
     if joint is not None and signal.point is not None:
         angles = drive_angles(simulated, instants)
@@ -189,7 +188,7 @@ def directions_of(
 
 
 def drive_angles(simulated: SimulatedRecord, instants: Floats) -> dict[str, Floats]:
-    """Drive angles of all joints at the instants."""
+    """Return drive angles of all joints at the instants."""
     run = simulated.simulation
     values = sample(run.time, np.asarray(run.drive_angle), instants, np.asarray(run.drive_rate))
     return {name: values[:, j] for j, name in enumerate(run.joints)}

@@ -1,18 +1,18 @@
-"""Where an alignment starts when a clock or a frame is unknown.
+"""Initial guess of unknown clocks and frames.
 
 A clock: the delay at which measured and simulated speeds correlate best,
 
     delay = argmax corr(|y(t_{i+1}) - y(t_i)|, |x(t_{i+1} - delay) - x(t_i - delay)|)                 (1)
 
 over all delays for which a quarter of the samples falls into the run, refined by the parabola through the
-best and its neighbours. Speeds do not depend on where a frame is. A frame: the rigid motion that brings the
-measured points closest to the simulated ones [Kabsch1976],
+best and its neighbours. Speeds do not depend on frames. A frame: the rigid motion that brings the measured
+points closest to the simulated ones [Kabsch1976],
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
 
-with centred y and p. A clock or a frame of several records is one: (1) is then the correlation of all their
+with centred y and p. Records share the clock or frame of one name: (1) then is the correlation of all their
 steps, over the noise, and (2) is over the points of all. Effects of the model on sensors, clocks and frames
-are taken back from what was measured or put on what was simulated, so that guesses count from them.
+are taken back, so that guesses count from them.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ FINEST = 0.05
 
 
 def initial_guess(simulated: SimulatedRecord, start: Placement) -> Placement:
-    """`start` with unknown clocks (1) and frames (2) replaced by guesses from the data."""
+    """Return `start` with unknown clocks (1) and frames (2) replaced by guesses from the data."""
     return initial_guesses([simulated], [start])[0]
 
 
 def initial_guesses(simulations: Sequence[SimulatedRecord], starts: Sequence[Placement]) -> list[Placement]:
-    """The same of several records: what bears one name is one clock and one frame.
+    """Return the same for several records, which share clocks and frames of one name.
 
-    What one of them knows is where it starts in all.
+    A clock or frame that one record knows starts there in all.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def initial_guesses(simulations: Sequence[SimulatedRecord], starts: Sequence[Pla
 
 
 def _with_frames(simulations: Sequence[SimulatedRecord], starts: Sequence[Placement]) -> list[Placement]:
-    """Unknown frames by (2), with clocks as they are."""
+    """Replace unknown frames by (2), with clocks as they are."""
     found = list(starts)
     for name in dict.fromkeys(name for simulated in simulations for name in simulated.record.frames):
         there = [k for k, simulated in enumerate(simulations) if name in simulated.record.frames]
@@ -90,27 +90,26 @@ def _with_frames(simulations: Sequence[SimulatedRecord], starts: Sequence[Placem
     return found
 
 
-def _usable(simulated: SimulatedRecord, signal: Signal) -> bool:
-    """Whether enough rows tell a true value in every channel."""
-    known = np.isfinite(simulated.effects(signal).true(signal.values)).all(axis=1)
-    return int(known.sum()) > 3
-
-
 def _signal_to_noise(signal: Signal) -> float:
-    """How far a signal's motion stands out of its noise."""
+    """Return the signal-to-noise ratio of the motion of a signal."""
     spread = float(np.nanmax(np.nanstd(signal.values, axis=0)))
     return spread / (signal.noise_std or 1e-3 * spread or 1.0)
 
 
 def _highest_snr(simulated: SimulatedRecord, clock: str) -> Signal | None:
-    """Of the signals of a clock the one whose motion shows best."""
-    signals = [s for s in simulated.evidence.values() if s.clock == clock and _usable(simulated, s)]
+    """Return the signal of a clock with the highest signal-to-noise ratio."""
+    signals = [
+        signal
+        for signal in simulated.evidence.values()
+        if signal.clock == clock
+        and np.isfinite(simulated.effects(signal).true(signal.values)).all(axis=1).sum() > 3
+    ]
     return max(signals, key=_signal_to_noise, default=None)
 
 
 @dataclass(frozen=True)
 class _Speeds:
-    """How far a signal went between its stamps, beside its simulation, over its noise."""
+    """Hold measured steps between stamps, and the simulated signal, both over the noise."""
 
     stamps: Floats
     steps: Floats
@@ -128,7 +127,7 @@ class _Speeds:
         return cls(stamps, steps, time, read(simulated.simulation, signal, time) / noise)
 
     def pairs(self, delay: float) -> tuple[Floats, Floats] | None:
-        """Measured and simulated steps of (1) at one delay, less their means; None of too few in the run."""
+        """Return centred measured and simulated steps of (1) at one delay; None if too few lie in the run."""
         instants = self.stamps - delay
         inside = (instants >= self.time[0]) & (instants <= self.time[-1])
         both = inside[1:] & inside[:-1]
@@ -140,7 +139,7 @@ class _Speeds:
 
 
 def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> float:
-    """Delay of (1), of all records."""
+    """Return the delay (1) over all records."""
     tracks = [_Speeds.of(simulated, signal) for simulated, signal in moving]
     step = min(FINEST, *(float(np.median(np.diff(track.stamps))) for track in tracks))
     least = max(track.stamps[0] - track.time[-1] for track in tracks)
@@ -158,7 +157,7 @@ def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> floa
 
 
 def _correlation(tracks: Sequence[_Speeds], delay: float) -> float:
-    """Correlation of (1) over all records at one delay; -1 where too few samples fall into a run."""
+    """Return the correlation of (1) at one delay; -1 where too few samples fall into a run."""
     pairs = [pair for track in tracks if (pair := track.pairs(delay)) is not None]
     if len(pairs) < len(tracks):
         return -1.0
@@ -168,7 +167,7 @@ def _correlation(tracks: Sequence[_Speeds], delay: float) -> float:
 
 
 def _parabola_peak(scores: Floats) -> float:
-    """Where a parabola through three values is highest, from the middle one, in steps; 0 at an end."""
+    """Return the peak of the parabola through three values, from the middle, in steps; 0 at an end."""
     if len(scores) < 3 or scores.min() <= -1.0:
         return 0.0
     below, here, above = scores
@@ -177,7 +176,7 @@ def _parabola_peak(scores: Floats) -> float:
 
 
 def _points(simulated: SimulatedRecord, placement: Placement, frame: str) -> tuple[Floats, Floats]:
-    """Points as measured in a frame and as simulated in the base, (n, 3) each; axes not measured are zero."""
+    """Return points measured in a frame, zero along axes not measured, and simulated in the base."""
     measured, predicted = [np.empty((0, 3))], [np.empty((0, 3))]
     for signal in simulated.evidence.values():
         if signal.frame != frame or signal.quantity != "position":
@@ -195,7 +194,7 @@ def _points(simulated: SimulatedRecord, placement: Placement, frame: str) -> tup
 
 
 def kabsch(measured: Floats, base: Floats) -> Registration:
-    """The frame in which points of the base, shape (n, 3), are seen where they were measured: eq. (2)."""
+    """Return the frame (2) that maps measured points to points of the base, shape (n, 3)."""
     from scipy.spatial.transform import Rotation
 
     if len(base) == 0:

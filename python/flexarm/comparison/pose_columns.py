@@ -1,8 +1,8 @@
-"""What the gaps of poses may be made of where a sensor is in order, as columns of a linear model.
+"""Linear model of the gaps of poses, for a sensor in order.
 
 A nominal model that lacks something misses smoothly in the pose. To first order the gap of a point at p is
 
-    sum over base axes a of (d_a a + r_a a x p)     where its frame is, how that or the base is turned  (1)
+    sum over base axes a of (d_a a + r_a a x p)     shift and rotation of its frame or of the base      (1)
     + z (p - p_rigid)                               links softer, or loads heavier, than stated         (2)
     + sum over joints J_j (o_j + s_j q_j + k_j T_j) zeros, scales and springs of joints                 (3)
 
@@ -42,13 +42,13 @@ ANGLES = ("joint_angle", "inclination", "orientation")
 
 
 def pose_columns(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
-    """Columns for every row of a signal, shape (n, channels, k)."""
+    """Return columns for every row of a signal, shape (n, channels, k)."""
     of = _of_point if signal.quantity == "position" else _of_channels
     return np.stack([column for column in of(simulated, signal, placement) if np.any(column)], axis=2)
 
 
 def _of_point(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Iterator[Floats]:
-    """(1) to (3) of a point, along the measured axes."""
+    """Yield (1) to (3) of a point, along the measured axes."""
     arm, instants, axes = (
         simulated.arm,
         simulated.instants(signal, placement),
@@ -72,7 +72,7 @@ def _of_point(simulated: SimulatedRecord, signal: Signal, placement: Placement) 
 
 
 def _of_channels(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Iterator[Floats]:
-    """The same of other quantities."""
+    """Yield the columns of other quantities."""
     predicted = simulated.predicted(signal, placement, hold=True)
     channels = simulated.residual(signal, placement, hold=True).shape[1]
     size = TURN if signal.quantity in ANGLES else float(np.max(np.abs(predicted), initial=0.0))
@@ -85,7 +85,7 @@ def _of_channels(simulated: SimulatedRecord, signal: Signal, placement: Placemen
 
 
 def _states(simulated: SimulatedRecord, joint: str, instants: Floats) -> list[Floats]:
-    """Angle and torque of a joint over their greatest."""
+    """Return angle and torque of a joint over their greatest values."""
     run = simulated.simulation
     torque = sample(run.time, np.asarray(run.motor_torque)[:, run.joints.index(joint)], instants)
     return [_over_greatest(drive_angles(simulated, instants)[joint]), _over_greatest(torque)]

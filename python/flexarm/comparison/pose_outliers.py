@@ -1,23 +1,20 @@
-"""Gross outliers among poses: a slipped decimal point, a mistaken digit, a reflector caught elsewhere.
+"""Gross outliers among poses: a slipped decimal point, a mistaken digit, another reflector.
 
-Poses have no neighbours. A row of a signal is laid beside what the other rows foretell of its gap: gaps y are
-fitted by columns A of what a nominal model may miss smoothly (`pose_columns`), with coefficients of size 1,
+Poses have no neighbours. Each row is compared with its prediction by the other rows: gaps y are fitted by the
+columns A of `pose_columns`, with coefficients of size 1,
 
     y_i = A_i x + e_i,    x ~ N(0, 1),    e_i ~ N(0, s^2)                                              (1)
 
-first with Cauchy's weights, from x = 0, as a model that is worth a diagnosis is nearly right, then by the
-rows near that fit. The scale s is median |e|/0.6745, for N values that determine p coefficients times
-sqrt(N/(N - p)), and no less than the noise. With P the covariance of x, a row that counted in the fit is off
-what the others foretell by
+first with Cauchy's weights from x = 0, then by the rows near that fit. The scale s is median |e|/0.6745, for
+N values that determine p coefficients times sqrt(N/(N - p)), and no less than the noise. With P the
+covariance of x, a row that counted in the fit has the PRESS residual
 
     e_i' = (1 - H_i)^-1 e_i,    covariance s^2 (1 - H_i)^-1,    H_i = A_i P A_i^T/s^2                  (2)
 
-and one that did not by e_i, covariance s^2 (1 + H_i). It is an outlier if, in any channel, it is off by more
-than `SPREAD` sigma of that, `NOISE` times the noise, and `FAR`; of quantities that the columns describe in
-part only if its gap is also beyond twice the range of all others. Where a pose alone tells something, as the
-only one with a load, the others foretell little, and (2) says so. Of a frame of which nothing is stated the
-rigid fit is made anew without the outliers. What many rows show alike, at the end of a range or frozen, is no
-slip and is left to whoever judges sensors. Source: [Cook1982], chapter 2.
+and one that did not has e_i, covariance s^2 (1 + H_i). It is an outlier if, in any channel, it exceeds
+`SPREAD` sigma of that, `NOISE` times the noise, and `FAR`. Quantities that the columns describe in part also
+need a gap beyond twice the range of all others. An unknown frame is fitted again without the outliers. Values
+that many rows share are a plateau, which the validation judges. Source: [Cook1982], chapter 2.
 """
 
 from __future__ import annotations
@@ -40,7 +37,7 @@ if TYPE_CHECKING:
     from flexarm.record import Signal
 
 LEAST_POSES = 5
-"""Poses of a signal below which none is called an outlier: three others foretell too little of one."""
+"""Fewest poses of a signal that may have an outlier: three others predict too little of one."""
 MOST = 0.15
 """Share of the rows above which they are no outliers but what the signal shows; one row may always be."""
 SPREAD, NOISE = 12.0, 15.0
@@ -65,14 +62,14 @@ TINY = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PoseOutliers:
-    """Outliers of one signal: which rows, and how far every row is from what the others foretell [unit]."""
+    """Hold outliers of one signal: their rows, and distances of all rows from their predictions [unit]."""
 
     rows: NDArray[np.bool_]
     size: Floats
 
 
 def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, PoseOutliers]:
-    """Outliers of a static record by signal, of those that have some.
+    """Return outliers of a static record by signal, of those that have some.
 
     Parameters
     ----------
@@ -96,7 +93,7 @@ def _row_numbers(found: Mapping[str, PoseOutliers]) -> dict[str, list[int]]:
 
 
 def _without(simulated: SimulatedRecord, found: Mapping[str, PoseOutliers]) -> SimulatedRecord:
-    """The signals with these rows lost."""
+    """Return the record without these rows."""
     signals = dict(simulated.signals)
     for name, far in found.items():
         values = np.where(far.rows[:, None], np.nan, signals[name].values)
@@ -105,7 +102,7 @@ def _without(simulated: SimulatedRecord, found: Mapping[str, PoseOutliers]) -> S
 
 
 def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> PoseOutliers | None:
-    """Of one signal; None if there are none, or so many that they are none."""
+    """Return the outliers of one signal; None if there are none, or too many."""
     gap = simulated.residual(signal, placement, hold=True)
     known = np.isfinite(gap).all(axis=1)
     if len(np.unique(np.asarray(signal.pose)[known])) < LEAST_POSES:
@@ -126,7 +123,7 @@ def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement)
 
 
 def _repeated(values: Floats, noise: float) -> NDArray[np.bool_]:
-    """Readings that `ALIKE` rows of a channel share, exactly or, the greatest and the least, to the noise."""
+    """Return True at readings that `ALIKE` rows share, exactly or, at the ends of the range, to the noise."""
     found = np.zeros(values.shape, dtype=bool)
     for channel, column in zip(found.T, values.T, strict=True):
         _, number, count = np.unique(column, return_inverse=True, return_counts=True)
@@ -138,7 +135,7 @@ def _repeated(values: Floats, noise: float) -> NDArray[np.bool_]:
 
 
 def prediction_residuals(columns: Floats, gap: Floats, noise: Floats) -> tuple[Floats, Floats]:
-    """How far each row is from what the others foretell, and 1 sigma of that: (2), shapes (n, channels).
+    """Return PRESS residuals (2) and their standard deviations, shapes (n, channels).
 
     Parameters
     ----------
@@ -170,7 +167,7 @@ def prediction_residuals(columns: Floats, gap: Floats, noise: Floats) -> tuple[F
 def _fit(
     columns: Floats, gap: Floats, weight: Floats, scale: float, least: float
 ) -> tuple[Floats, float, Floats]:
-    """What (1) leaves with weights of the rows, its scale, and H of (2), shape (n, channels, channels)."""
+    """Return the residual of (1) with weights, its scale, and H of (2), shape (n, channels, channels)."""
     n, channels, k = columns.shape
     A, root = columns.reshape(-1, k) / scale, np.sqrt(np.repeat(weight, channels))
     Q, R = np.linalg.qr(np.vstack([root[:, None] * A, np.eye(k)]))

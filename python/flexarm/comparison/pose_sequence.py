@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats, frozen
-from flexarm.measurement.states import StateSnapshots
+from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.sensitivity import Sensitivities
 from flexarm.statics.batch import StaticSolution
 
@@ -28,7 +28,7 @@ SEEN = ("position", "rotation", "joint_torque", "link_angle", "section_forces")
 
 @dataclass(frozen=True, eq=False)
 class PoseSequence(StateSnapshots):
-    """Equilibria of an arm, one a pose: nothing moves, and torques are the drives', output side [N m].
+    """Hold equilibria of an arm, one a pose, at rest; torques are the drives', output side [N m].
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class PoseSequence(StateSnapshots):
 
 
 def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
-    """The equilibria as one sequence."""
+    """Return the equilibria as one sequence."""
     from scipy.spatial.transform import Rotation
 
     arrays = {name: np.array([held.arrays[name] for held in found]) for name in SEEN}
@@ -64,7 +64,7 @@ def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
 
 
 def slopes_of(arm: Arm, run: PoseSequence, slopes: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Derivatives of a sequence's arrays, parameters last, from those of `SEEN` and of the drives' angles."""
+    """Return derivatives of a sequence's arrays, parameters last, from those of `SEEN` and drive angles."""
     gravity, turning = np.asarray(arm.gravity), slopes["rotation"]
     arrays = {
         "position": slopes["position"],
@@ -79,7 +79,7 @@ def slopes_of(arm: Arm, run: PoseSequence, slopes: Mapping[str, Floats]) -> dict
 
 
 def _turning(quaternion: Floats, rotation: Floats) -> Floats:
-    """Derivatives of quaternions, shape (n, point, 4, k), from those of their matrices: eq. (1)."""
+    """Return derivatives (1) of quaternions, shape (n, point, 4, k), from those of their matrices."""
     from scipy.spatial.transform import Rotation
 
     x, y, z, real = np.moveaxis(quaternion, -1, 0)[..., None]

@@ -1,9 +1,9 @@
-"""Static records: every pose an equilibrium, together a sequence that reads like a simulation.
+"""Static records: every pose is an equilibrium, and all together read like a simulation.
 
-The number of the pose takes the place of time, so sensors read poses as they read instants. Inputs of a pose
-are its joint angles (drive signals, of motor or link as their side says; other joints stand where the record
-says), forces at points and payload masses. Rows of one pose are repeated measurements: inputs are their
-means, outputs are compared row by row. Effects of the model on sensors of inputs are taken back first.
+The number of the pose takes the place of time. Inputs of a pose are its joint angles (drive signals, of motor
+or link as their side says; other joints stand where the record says), forces at points and payload masses.
+Rows of one pose are repeated measurements: inputs are their means, outputs are compared row by row. Effects
+of the model on sensors of inputs are taken back first.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 
 def is_input(record: Record, signal: Signal) -> bool:
-    """Whether a signal of a static record says what the arm was told, not how it answered."""
+    """Return True if a signal of a static record is an input, not a response."""
     return signal.name in record.drive or signal.quantity in INPUTS
 
 
 def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) -> PoseSequence:
-    """The equilibrium of every pose of a static record.
+    """Solve the equilibrium of every pose of a static record.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) 
     record : Record
         Its poses.
     sensitivities : iterable of str
-        Keys of parameters by which the arrays are differentiated, as in `simulate`.
+        Keys of parameters of the derivatives, as in `simulate`.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) 
 
 @dataclass(frozen=True)
 class _PoseInputs:
-    """What one pose was told: angles [rad, m], forces [N] and weighed payloads [kg]."""
+    """Hold the inputs of one pose: angles [rad, m], forces [N] and weighed payloads [kg]."""
 
     angles: Mapping[str, float]
     forces: Mapping[str, Floats]
@@ -71,7 +71,7 @@ class _PoseInputs:
 
 
 class _StaticModel:
-    """The arm of a static record, assembled once for every set of payloads that its poses carry."""
+    """Assemble the arm of a static record once for every set of payloads that its poses carry."""
 
     def __init__(self, arm: Arm, record: Record, wanted: tuple[Parameter, ...]) -> None:
         self.arm, self.record, self.wanted = arm, record, wanted
@@ -89,7 +89,7 @@ class _StaticModel:
         }
 
     def readings(self, arm: Arm) -> dict[str, Floats]:
-        """True values of the inputs, an arm's effects on their sensors taken back."""
+        """Return true values of the inputs, with an arm's effects on their sensors taken back."""
         return {
             name: effects_of(arm, signal).true(signal.values)
             for name, signal in self.record.signals.items()
@@ -97,18 +97,42 @@ class _StaticModel:
         }
 
     def inputs(self, pose: str, true: Mapping[str, Floats] | None = None) -> _PoseInputs:
-        """What a pose was told, from the true values of its signals."""
-        return _pose_inputs(self.record, pose, self.true if true is None else true)
+        """Return the inputs of a pose from the true values of its signals."""
+        true = self.true if true is None else true
+        angles: dict[str, float] = {}
+        forces: dict[str, Floats] = {}
+        masses: dict[str, float] = {}
+        for signal in self.record.signals.values():
+            if signal.pose is None or not is_input(self.record, signal):
+                continue
+            values = true[signal.name]
+            rows = values[(signal.pose == pose) & np.isfinite(values).all(axis=1)]
+            if not len(rows):
+                if signal.name in self.record.drive:
+                    raise InvalidParameter(
+                        f"holds no value for the pose {pose!r}; "
+                        "a drive needs one for every pose of the record",
+                        where=f"signals.{signal.name}",
+                    )
+                continue
+            mean = rows.mean(axis=0)
+            if signal.quantity == "force" and signal.point is not None:
+                forces.setdefault(signal.point, np.zeros(3))[columns(signal.axes)] += mean
+            elif signal.quantity == "payload_mass" and signal.payload is not None:
+                masses[signal.payload] = float(mean[0])
+            elif signal.joint is not None:
+                angles[signal.joint] = float(mean[0])
+        return _PoseInputs(angles, forces, masses)
 
     def quantity_read_by(self, parameter: Parameter) -> str | None:
-        """What the sensor measures to which a parameter belongs; None if it is none of an input."""
+        """Return the quantity of the input sensor to which a parameter belongs, else None."""
         entry = entry_of(self.arm, parameter)
         if not isinstance(entry, SignalEffect) or entry.at not in self.true:
             return None
         return self.record.signals[entry.at].quantity
 
     def turning(self, pose: str) -> dict[str, DriveVariation]:
-        """The angles of a pose that other parameters of the encoders would mean."""
+        """Return the angles of a pose at perturbed parameters of the encoders."""
         found = {}
         for key, sides in self._turning.items():
             (above, up), (below, down) = (
@@ -120,7 +144,7 @@ class _StaticModel:
     def held(
         self, inputs: _PoseInputs, turning: Mapping[str, DriveVariation] | None = None
     ) -> StaticSolution:
-        """The equilibrium."""
+        """Solve the equilibrium of one pose."""
         load = tuple(sorted(inputs.masses.items()))
         if load not in self._arms:
             carried = with_payload_masses(self.arm, inputs.masses)
@@ -130,7 +154,7 @@ class _StaticModel:
 
 
 def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[StaticSolution]) -> Sensitivities:
-    """Derivatives of a sequence: of its equilibria, and by sensors of forces through what these read."""
+    """Return derivatives of a sequence, also with respect to parameters of force sensors."""
     slopes = {
         name: np.stack([held.sensitivities[name] for held in found if held.sensitivities])
         for name in (*SEEN, "drive_angle")
@@ -143,7 +167,7 @@ def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[StaticSol
 
 
 def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, Floats]:
-    """Derivatives by the sensor of a force, whose true value is another one: two more equilibria a pose."""
+    """Return derivatives with respect to a force sensor, from two more equilibria a pose."""
     (above, up), (below, down) = neighbours(model.arm, parameter)
     bare = _StaticModel(model.arm, model.record, ())
     sides = []
@@ -157,7 +181,7 @@ def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, F
 
 
 def pose_numbers(record: Record) -> dict[str, Floats]:
-    """The number of the pose of every row, by signal."""
+    """Return the number of the pose of every row, by signal."""
     number = {pose: float(i) for i, pose in enumerate(record.poses)}
     return {
         name: np.array([number[str(pose)] for pose in signal.pose])
@@ -165,30 +189,3 @@ def pose_numbers(record: Record) -> dict[str, Floats]:
         else signal.time
         for name, signal in record.signals.items()
     }
-
-
-def _pose_inputs(record: Record, pose: str, true: Mapping[str, Floats]) -> _PoseInputs:
-    """Joint angles, forces and payload masses of one pose, from the true values of their signals."""
-    angles: dict[str, float] = {}
-    forces: dict[str, Floats] = {}
-    masses: dict[str, float] = {}
-    for signal in record.signals.values():
-        if signal.pose is None or not is_input(record, signal):
-            continue
-        values = true[signal.name]
-        rows = values[(signal.pose == pose) & np.isfinite(values).all(axis=1)]
-        if not len(rows):
-            if signal.name in record.drive:
-                raise InvalidParameter(
-                    f"holds no value for the pose {pose!r}; a drive needs one for every pose of the record",
-                    where=f"signals.{signal.name}",
-                )
-            continue
-        mean = rows.mean(axis=0)
-        if signal.quantity == "force" and signal.point is not None:
-            forces.setdefault(signal.point, np.zeros(3))[columns(signal.axes)] += mean
-        elif signal.quantity == "payload_mass" and signal.payload is not None:
-            masses[signal.payload] = float(mean[0])
-        elif signal.joint is not None:
-            angles[signal.joint] = float(mean[0])
-    return _PoseInputs(angles, forces, masses)

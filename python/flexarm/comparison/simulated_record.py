@@ -1,8 +1,8 @@
-"""What is compared: a simulation, and the signals of a record that it predicts.
+"""A record with its simulation: the signals that the simulation predicts, and their residuals.
 
-Predictions are those of the model's imperfect sensors (`flexarm.measurement.effects_of`), but for two: steps
-of an encoder are not rounded and count as noise, step/sqrt(12), and outliers, which nothing predicts, are
-taken out of the record.
+Predictions are those of the model's imperfect sensors (`flexarm.measurement.effects_of`), with two
+exceptions: steps of an encoder are not rounded but count as noise, step/sqrt(12), and outliers are removed
+from the record.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Placement:
-    """Clocks and frames of a record, as stated or as aligned.
+    """Hold clocks and frames of a record, as stated or as aligned.
 
     Attributes
     ----------
@@ -45,24 +45,24 @@ class Placement:
     frames: Mapping[str, Registration] = field(default_factory=dict)
 
     def clock(self, signal: Signal) -> ClockError:
-        """The clock of a signal."""
+        """Return the clock of a signal."""
         return self.clocks.get(signal.clock, ClockError())
 
     def frame(self, signal: Signal) -> Registration:
-        """The frame of a signal."""
+        """Return the frame of a signal."""
         return self.frames.get(signal.frame, IDENTITY)
 
 
 @dataclass(frozen=True)
 class SimulatedRecord:
-    """A simulation beside a record.
+    """Hold a record with its simulation.
 
     Attributes
     ----------
     simulation : Simulation
         The motion, or a sequence of poses whose time is the number of the pose.
     record : Record
-        What was measured.
+        Measured data.
     stamps : dict of str to ndarray, shape (n,)
         Stamp of every row, by signal: its time, or the number of its pose.
     signals : dict of str to Signal
@@ -82,34 +82,34 @@ class SimulatedRecord:
 
     @property
     def evidence(self) -> dict[str, Signal]:
-        """Signals that say something about the model: all that do not drive it."""
+        """Return the predicted signals that do not drive the model."""
         return {name: signal for name, signal in self.signals.items() if name not in self.record.drive}
 
     def effects(self, signal: Signal) -> SensorEffects:
-        """Effects of the model on a signal."""
+        """Return effects of the model on a signal."""
         return effects_of(self.arm, signal)
 
     def clock(self, signal: Signal, placement: Placement) -> ClockError:
-        """The clock of a signal, effects of the model included; numbers of poses are no stamps."""
+        """Return the clock of a signal with effects of the model; poses have none."""
         if self.record.kind == "static":
             return EXACT
         return self.effects(signal).clock(placement.clock(signal), float(self.simulation.time[0]))
 
     def frame(self, signal: Signal, placement: Placement) -> Registration:
-        """The frame of a signal, effects of the model included."""
+        """Return the frame of a signal with effects of the model."""
         return self.effects(signal).registration(placement.frame(signal))
 
     def axes(self, signal: Signal, placement: Placement) -> Floats:
-        """Measured axes of a signal that is seen in a frame, as columns in the base, shape (3, axes)."""
+        """Return measured axes of a signal seen in a frame, as columns in the base, shape (3, axes)."""
         frame = self.frame(signal, placement)
         return np.asarray((frame.error_rotation.T @ frame.frame_axes)[:, columns(signal.axes)])
 
     def instants(self, signal: Signal, placement: Placement) -> Floats:
-        """Time of the simulation at every row of a signal."""
+        """Return the time of the simulation at every row of a signal."""
         return self.clock(signal, placement).instants(self.stamps[signal.name])
 
     def predicted(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
-        """What the simulation says of a signal, shape (n, channels); with `hold` its end lasts for ever."""
+        """Predict a signal, shape (n, channels); `hold` extends the end of the simulation."""
         instants = self.instants(signal, placement)
         if hold:
             instants = np.minimum(instants, self.simulation.time[-1])
@@ -117,22 +117,20 @@ class SimulatedRecord:
         return self.effects(signal).reading(true, rounded=False)
 
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
-        """Measured minus predicted, shape (n, channels); of orientations the rotation vector between them."""
+        """Return measured minus predicted, shape (n, channels); for orientations a rotation vector."""
         values = self.predicted(signal, placement, hold)
-        return (
-            rotation_between(signal.values, values)
-            if signal.quantity == "orientation"
-            else signal.values - values
-        )
+        if signal.quantity == "orientation":
+            return rotation_between(signal.values, values)
+        return signal.values - values
 
     def noise(self, signal: Signal) -> Floats:
-        """1 sigma of the residual by component, 0 where not stated; a quaternion turns by half the angle."""
+        """Return 1 sigma of the residual by component, 0 if not stated."""
         if signal.quantity == "orientation":
             return np.full(3, 2.0 * (signal.noise_std or 0.0))
         return self.effects(signal).noise(signal.noise_std or 0.0)
 
     def outliers(self, signal: Signal, residual: Floats) -> NDArray[np.bool_]:
-        """Rows of a residual that an effect `outliers` of the model explains, shape (n,)."""
+        """Return rows of a residual that an effect `outliers` of the model explains, shape (n,)."""
         effect = self.effects(signal).outliers()
         if effect is None:
             return np.zeros(len(residual), dtype=bool)
@@ -140,7 +138,7 @@ class SimulatedRecord:
 
 
 def rotation_between(measured: Floats, predicted: Floats) -> Floats:
-    """Rotation vector [rad] from the predicted to the measured orientation, frame axes, shape (n, 3)."""
+    """Return the rotation vector [rad] from predicted to measured orientation, frame axes, shape (n, 3)."""
     from scipy.spatial.transform import Rotation
 
     known = np.isfinite(measured).all(axis=1) & np.isfinite(predicted).all(axis=1)
@@ -158,14 +156,14 @@ def pair_record(
     inputs: Mapping[str, str] | None = None,
     arm: Any = None,
 ) -> SimulatedRecord:
-    """The signals of a record that a simulation predicts, and why not the others.
+    """Pair a record with a simulation: its predicted signals, and reasons for the others.
 
     Parameters
     ----------
     simulation : Simulation
         The motion.
     record : Record
-        What was measured.
+        Measured data.
     stamps : dict, optional
         Stamps by signal; default: their times.
     inputs : dict of str to str, optional
@@ -180,7 +178,9 @@ def pair_record(
         if name in skipped:
             continue
         if not signal.valid.any():
-            skipped[name] = _empty(signal)
+            skipped[name] = "no row holds a value in every channel"
+            if 0 < len(signal.empty) < signal.values.shape[1]:
+                skipped[name] += f", {', '.join(signal.empty)} holds none; leave it out of axes and channels"
             continue
         try:
             read(simulation, signal, stamps[name][:1])
@@ -189,11 +189,3 @@ def pair_record(
         else:
             kept[name] = signal
     return SimulatedRecord(simulation, record, stamps, kept, skipped, simulation.arm if arm is None else arm)
-
-
-def _empty(signal: Signal) -> str:
-    """Why a signal is not compared of which no row is whole, and what to do where a channel is to blame."""
-    found = "no row holds a value in every channel"
-    if 0 < len(signal.empty) < signal.values.shape[1]:
-        return f"{found}, {', '.join(signal.empty)} holds none; leave it out of axes and channels"
-    return found

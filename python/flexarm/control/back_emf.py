@@ -14,17 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.controller import Controller
 from flexarm.arrays import read_only
-from flexarm.control.actuator import actuator_of
-from flexarm.control.dual import value_of
 from flexarm.effects import MotorFriction
 from flexarm.simulation.simulation import Simulation
-
-
-def losses_of(arm: Arm, controllers: Mapping[str, Controller]) -> dict[str, float]:
-    """Return c of each joint [N m s/rad]; zero where a current loop sets the torque."""
-    return {name: value_of(actuator_of(arm, each).back_emf) for name, each in controllers.items()}
 
 
 def with_losses(arm: Arm, losses: Mapping[str, float]) -> Arm:

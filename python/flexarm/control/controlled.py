@@ -16,7 +16,9 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.controller import Controller
 from flexarm.assembly import assemble, joint_values
-from flexarm.control.back_emf import losses_of, with_losses
+from flexarm.control.actuator import actuator_of
+from flexarm.control.back_emf import with_losses
+from flexarm.control.dual import value_of
 from flexarm.control.sensing import Sensing
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -68,8 +70,8 @@ class ControlledArm:
 
     @cached_property
     def losses(self) -> dict[str, float]:
-        """Back-EMF of each commanded joint as friction [N m s/rad]."""
-        return losses_of(self.arm, self.controllers)
+        """Back-EMF of each commanded joint as friction [N m s/rad]; zero under a current loop."""
+        return {name: value_of(actuator_of(self.arm, c).back_emf) for name, c in self.controllers.items()}
 
     @cached_property
     def system(self) -> _core.System:

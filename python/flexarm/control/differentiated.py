@@ -26,7 +26,7 @@ from flexarm.arrays import Floats
 from flexarm.control.actuator import actuator_of, differentiated
 from flexarm.control.controlled import ControlledArm
 from flexarm.control.dual import Dual, Real
-from flexarm.control.loop import Loop, joint_number
+from flexarm.control.loop import Loop
 from flexarm.control.plant import DifferentiatedPlant
 from flexarm.control.sensing import DifferentiatedSensing, Sensing
 from flexarm.drive import Drive
@@ -116,17 +116,13 @@ class Differentiation:
         torques = _core.motor_torques(self._task.held, self._equilibrium.state, False)
         slopes = self._holding_slopes()
         for name, controller in self._task.controllers.items():
-            joint = joint_number(arm, controller)
-            motors = [
-                (actuator_of(above, controller), actuator_of(below, controller))
-                for above, below in self._arms
-            ]
+            sensing = DifferentiatedSensing(arm, controller, self._arms, self._spreads)
+            motors = [tuple(actuator_of(other, controller) for other in pair) for pair in self._arms]
             found[name] = Loop(
-                joint,
                 lambda time, controller=controller: controller,  # type: ignore[misc]
-                DifferentiatedSensing(arm, controller, self._arms, self._spreads),
-                differentiated(actuator_of(arm, controller), motors, self._spreads),
-                Dual(float(torques[joint]), slopes[:, joint]),
+                sensing,
+                differentiated(actuator_of(arm, controller), motors, self._spreads),  # type: ignore[arg-type]
+                Dual(float(torques[sensing.joint]), slopes[:, sensing.joint]),
             )
         return found
 

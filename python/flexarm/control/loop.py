@@ -19,8 +19,6 @@ class Loop:
 
     Parameters
     ----------
-    joint : int
-        Number of the joint in the arm.
     controller : callable
         The controller at a time [s].
     sensing : Sensing
@@ -33,13 +31,12 @@ class Loop:
 
     def __init__(
         self,
-        joint: int,
         controller: Callable[[float], Controller],
         sensing: Sensing,
         actuator: Actuator,
         holding: Real,
     ) -> None:
-        self.joint = joint
+        self.joint = sensing.joint
         self._at = controller
         self._sensing = sensing
         self._actuator = actuator
@@ -57,14 +54,9 @@ class Loop:
 
         `holding` are the torques that hold the arm at the start, one a joint [N m].
         """
-        joint = joint_number(arm, controller)
-        return cls(
-            joint,
-            schedule or (lambda time: controller),
-            Sensing(arm, controller),
-            actuator_of(arm, controller),
-            float(holding[joint]),
-        )
+        sensing = Sensing(arm, controller)
+        at = schedule or (lambda time: controller)
+        return cls(at, sensing, actuator_of(arm, controller), float(holding[sensing.joint]))
 
     def sample(self, plant: Plant, command: Real) -> tuple[Real, Real]:
         """Return the voltage [V] and torque to hold [N m] of this sample."""
@@ -75,8 +67,3 @@ class Loop:
         voltage, torque = self._actuator.hold(wanted, reading.rate)
         self._law.settle(limited=torque != wanted)
         return voltage, torque
-
-
-def joint_number(arm: Arm, controller: Controller) -> int:
-    """Return the index of the joint that a controller drives."""
-    return [joint.name for joint in arm.joints].index(controller.joint)

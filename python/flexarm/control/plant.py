@@ -16,13 +16,7 @@ from flexarm.control.dual import Dual, Real, slopes_of, value_of
 
 
 class Plant:
-    """An arm that moves under held torques.
-
-    Parameters
-    ----------
-    run : SampledRun
-        Of the core.
-    """
+    """An arm that moves under held torques."""
 
     n_parameters = 0
 

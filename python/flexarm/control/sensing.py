@@ -50,7 +50,7 @@ class Sensing:
 
     def __init__(self, arm: Arm, controller: Controller) -> None:
         self._arm = arm
-        self._joint = [joint.name for joint in arm.joints].index(controller.joint)
+        self.joint = [joint.name for joint in arm.joints].index(controller.joint)
         self._angle = _sensor(arm, controller.joint, "joint_angle")
         self._rate = _sensor(arm, controller.joint, "joint_rate")
         self._deflection = _deflection(arm, controller)
@@ -68,13 +68,13 @@ class Sensing:
 
     def read(self, plant: Plant) -> Reading:
         """Read the sensors at this instant; differences (1) are zero at the first one."""
-        angle = self._shown(self._angle, plant.angle(self._joint, _output(self._angle)))
+        angle = self._shown(self._angle, plant.angle(self.joint, _output(self._angle)))
         deflection = self._shown(self._deflection, self._bent(plant))
         last_angle, last_deflection = self._last or (angle, deflection)
         self._last = angle, deflection
         rate = (angle - last_angle) / self._period  # eq. (1)
         if self._rate or not self._angle:
-            rate = self._shown(self._rate, plant.rate(self._joint, _output(self._rate)))
+            rate = self._shown(self._rate, plant.rate(self.joint, _output(self._rate)))
         return Reading(angle, rate, deflection, (deflection - last_deflection) / self._period)
 
     def true_angle(self, shown: float) -> float:

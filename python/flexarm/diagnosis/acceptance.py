@@ -37,11 +37,11 @@ from math import inf
 
 import numpy as np
 
-from flexarm.diagnosis.cross_validation import foretells_better, missed, odds_lost
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, worth
+from flexarm.diagnosis.cross_validation import log_odds_lost, predicts_better, press_rms
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, variance_inflation
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -50,19 +50,19 @@ class Criteria:
 
     Attributes
     ----------
-    observed : Observed
+    problem : Problem
         The records, and the policy.
     null : Fit
         The model without effects.
     """
 
-    observed: Observed
+    problem: Problem
     null: Fit
 
     @property
     def policy(self) -> SelectionPolicy:
         """Thresholds."""
-        return self.observed.policy
+        return self.problem.policy
 
     def accepts(self, new: Fit, old: Fit) -> bool:
         """Return True if the evidence for a larger model is strong and what it explains is significant."""
@@ -70,25 +70,27 @@ class Criteria:
         if self.as_stated(new, old) or not (self.significant(new, old) or resolves):
             return False
         enough = self.policy.relief_evidence if resolves else self.policy.strong_evidence
-        strong = log_bayes_factor(new, old, self.observed, worth(new.rest, self.observed)) > enough
+        strong = (
+            log_bayes_factor(new, old, self.problem, variance_inflation(new.projected, self.problem)) > enough
+        )
         if not self.leaves_gap(new):
             return strong
         if not self.reduces(new, old):
             return False
         if strong:
-            return missed(new, self.observed) < missed(old, self.observed)
-        return foretells_better(new, old, self.observed) or self.far_more_plausible(new, old)
+            return press_rms(new, self.problem) < press_rms(old, self.problem)
+        return predicts_better(new, old, self.problem) or self.far_more_plausible(new, old)
 
     def far_more_plausible(self, new: Fit, old: Fit) -> bool:
         """Return True if the odds of (6) are strong, alone and with those of cross-validation."""
         gained = implausibility(old) - implausibility(new)
-        lost, least = odds_lost([new, old], self.observed)
+        lost, least = log_odds_lost([new, old], self.problem)
         strong = self.policy.strong_evidence
         return gained > strong and gained + least - lost > strong
 
     def as_stated(self, new: Fit, old: Fit) -> bool:
         """Return True if the added effect is a clock or frame shift within its stated uncertainty."""
-        stated = {u.key: u for u in old.unknowns.each}
+        stated = {u.key: u for u in old.nuisance.parameters}
         pulls = [
             abs(value - stated[key].centre) / stated[key].sigma
             for member in new.members
@@ -101,8 +103,8 @@ class Criteria:
     def significant(self, new: Fit, old: Fit) -> bool:
         """Return True if a larger model explains enough of the gap in some channel, eq. (1)."""
         first, policy = self._above_noise(self.null), self.policy
-        for each, where in self.observed.channels():
-            square = float(np.mean(old.rest[where] ** 2) - np.mean(new.rest[where] ** 2))
+        for each, where in self.problem.channels():
+            square = float(np.mean(old.projected[where] ** 2) - np.mean(new.projected[where] ** 2))
             least = policy.significant_share * first[each.record, each.signal, each.channel]
             if np.sqrt(max(square, 0.0)) > max(policy.significant_noise, least):  # eq. (1)
                 return True
@@ -173,12 +175,12 @@ class Criteria:
         return least if least == inf else alike + part * max(without.cost - least, 0.0)
 
     def _above_noise(self, fit: Fit) -> dict[tuple[str, str, int], float]:
-        return above_noise(fit.rest, self.observed, fit.has_corners)
+        return above_noise(fit.projected, self.problem, fit.non_smooth)
 
 
 def conflict(fit: Fit, policy: SelectionPolicy) -> float:
     """Return the prior-data conflict of a model [sigma], eq. (2)."""
-    z = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    z = np.abs(fit.projection.solve(fit.residual)) / fit.nuisance.sigma
     return float(np.sum(np.maximum(z - policy.pull, 0.0)))  # eq. (2)
 
 
@@ -189,6 +191,6 @@ def beyond_noise(fit: Fit) -> float:
 
 def implausibility(fit: Fit) -> float:
     """Return U, the log density of the values of a model below that of their modes, eq. (6)."""
-    known = [float(z) for c, z in zip(fit.coordinates, fit.z, strict=True) if c.prior.scale != "uniform"]
-    unknown = fit.projection.best(fit.residual) / fit.unknowns.sigma
+    known = [float(z) for c, z in zip(fit.parameters, fit.z, strict=True) if c.prior.scale != "uniform"]
+    unknown = fit.projection.solve(fit.residual) / fit.nuisance.sigma
     return float(2.0 * np.sum(np.log1p(np.square([*known, *unknown]) / 3.0)))  # eq. (6)

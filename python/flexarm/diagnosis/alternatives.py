@@ -23,14 +23,14 @@ import numpy as np
 from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries
-from flexarm.diagnosis.cross_validation import foretells_better
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.cross_validation import predicts_better
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
-from flexarm.diagnosis.fit import FAILED, Fit
-from flexarm.diagnosis.minimisers import foretold
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.minimisers import predicted_decrease
 from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import ROUNDS, further
 from flexarm.diagnosis.screening import Probed, screen, sharpened
 
@@ -75,7 +75,7 @@ def rivals_of(
     k: int,
     best: Fit,
     criteria: Criteria,
-    fitter: Fitter,
+    estimator: Estimator,
     probed: Sequence[Probed],
     tried: Sequence[Fit],
     value: Mapping[Channel, float],
@@ -86,19 +86,19 @@ def rivals_of(
     Beside a model that explains everything none is fitted that promises far less than the first. A spring
     that another effect stands on has none.
     """
-    observed, null, policy = fitter.observed, criteria.null, criteria.policy
+    problem, null, policy = estimator.problem, criteria.null, criteria.policy
     open_gap = criteria.leaves_gap(best)
     chosen = best.members[k]
     others = tuple(m for i, m in enumerate(best.members) if i != k)
     if carries(others, chosen):
         return []
-    fewer = without(others, fitter, (null, *tried))
+    fewer = without(others, estimator, (null, *tried))
     if fewer is None:
         return []
     known = _known(best, {m.place for m in others}, tried)
-    wanted = _promising(chosen, fewer, fitter, probed, open_gap)
+    wanted = _promising(chosen, fewer, estimator, probed, open_gap)
     if not open_gap:
-        wanted += _near(known, wanted, best, observed, value)
+        wanted += _near(known, wanted, best, problem, value)
         wanted += _sticking(chosen, wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _soft_elsewhere(known, wanted, best, before, probed, policy.halfway)
@@ -107,24 +107,24 @@ def rivals_of(
     found = []
     for candidate in wanted:
         try:
-            fit = known.get(candidate.place) or fitter.trial((candidate, *others), best, limit)
+            fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
             if (alike := candidate.acting_as(chosen)) is not None:
-                fit = min(fit, fitter.trial((alike, *others), best, limit), key=lambda f: f.cost)
-            fit, behind = _caught_up(fit, best, peer, fitter, value, open_gap)
-        except FAILED:
+                fit = min(fit, estimator.trial((alike, *others), best, limit), key=lambda f: f.cost)
+            fit, behind = _caught_up(fit, best, peer, estimator, value, open_gap)
+        except FIT_ERRORS:
             continue
-        found.append(_rival(candidate, fit, best, behind, observed, value, open_gap))
+        found.append(_rival(candidate, fit, best, behind, problem, value, open_gap))
     return sorted(found, key=lambda rival: rival.behind)
 
 
 def _promising(
-    chosen: Candidate, fewer: Fit, fitter: Fitter, probed: Sequence[Probed], open_gap: bool
+    chosen: Candidate, fewer: Fit, estimator: Estimator, probed: Sequence[Probed], open_gap: bool
 ) -> list[Candidate]:
     """Effects that promise most of what the chosen one explains; beside a gap however little that is."""
-    shares = [s for s in screen(fitter, probed, fewer) if s.members[0].place != chosen.place]
-    policy = fitter.observed.policy
+    shares = [s for s in screen(estimator, probed, fewer) if s.members[0].place != chosen.place]
+    policy = estimator.problem.policy
     most = policy.proposals // 2 if open_gap else policy.proposals
-    sharp = sharpened(fitter, one_variant(shares, 2 * most), fewer)[:most]
+    sharp = sharpened(estimator, one_variant(shares, 2 * most), fewer)[:most]
     return [s.members[0] for s in sharp if open_gap or s.share >= policy.faint * sharp[0].share]
 
 
@@ -133,24 +133,24 @@ def _rival(
     fit: Fit,
     best: Fit,
     behind: float,
-    observed: Observed,
+    problem: Problem,
     value: Mapping[Channel, float],
     open_gap: bool,
 ) -> Rival:
     """What is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
     member = next(m for m in fit.members if m.place == candidate.place)
-    told = not open_gap or not foretells_better(best, fit, observed)
-    if open_gap and not foretells_better(fit, best, observed):
+    told = not open_gap or not predicts_better(best, fit, problem)
+    if open_gap and not predicts_better(fit, best, problem):
         behind = max(behind, 0.0)
-    fits_behind = log_likelihood_ratio(best, fit, observed, value)
-    return Rival(member, fit, behind, fits_behind, told, observed.policy.reach)
+    fits_behind = log_likelihood_ratio(best, fit, problem, value)
+    return Rival(member, fit, behind, fits_behind, told, problem.policy.reach)
 
 
-def without(others: tuple[Candidate, ...], fitter: Fitter, tried: Sequence[Fit]) -> Fit | None:
+def without(others: tuple[Candidate, ...], estimator: Estimator, tried: Sequence[Fit]) -> Fit | None:
     """The model without the chosen effect; one that was tried, if any, where it cannot be fitted."""
     try:
-        return fitter.fit(others)
-    except FAILED:
+        return estimator.fit(others)
+    except FIT_ERRORS:
         places = {member.place for member in others}
         return next((f for f in reversed(tried) if set(f.places) == places), None)
 
@@ -173,7 +173,7 @@ def _near(
     known: Mapping[tuple[str, str], Fit],
     wanted: Sequence[Candidate],
     best: Fit,
-    observed: Observed,
+    problem: Problem,
     value: Mapping[Channel, float],
 ) -> list[Candidate]:
     """Effects that came close when they were tried, though screening, to first order, sees little in them."""
@@ -181,7 +181,7 @@ def _near(
     return [
         next(m for m in fit.members if m.place == place)
         for place, fit in known.items()
-        if place not in there and log_bayes_factor(best, fit, observed, value) < observed.policy.close
+        if place not in there and log_bayes_factor(best, fit, problem, value) < problem.policy.close
     ]
 
 
@@ -220,27 +220,29 @@ def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[P
 
 
 def _caught_up(
-    fit: Fit, best: Fit, peer: Fit, fitter: Fitter, value: Mapping[Channel, float], open_gap: bool
+    fit: Fit, best: Fit, peer: Fit, estimator: Estimator, value: Mapping[Channel, float], open_gap: bool
 ) -> tuple[Fit, float]:
     """A rival's model after as many steps as could bring it near the chosen one, and its ln Z behind that.
 
     A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
     """
-    observed, policy = fitter.observed, fitter.observed.policy
-    behind = log_bayes_factor(best, fit, observed, value)
-    if behind >= policy.close and log_bayes_factor(peer, fit, observed, value) >= policy.close:
+    problem, policy = estimator.problem, estimator.problem.policy
+    behind = log_bayes_factor(best, fit, problem, value)
+    if behind >= policy.close and log_bayes_factor(peer, fit, problem, value) >= policy.close:
         return fit, behind
-    about = fitter.about(fit)
-    fit = about.fit(fit.members, nearby=fit) if open_gap else about.evaluated(fit.members)
-    behind = log_bayes_factor(best, fit, observed, value)
+    about = estimator.about(fit)
+    fit = about.fit(fit.members, nearby=fit) if open_gap else about.linearised(fit.members)
+    behind = log_bayes_factor(best, fit, problem, value)
     for _ in range(0 if open_gap else ROUNDS):
-        if foretold(fit) / 2 < max(NEARER, behind - policy.within_sight):  # no step would bring it near
+        if predicted_decrease(fit) / 2 < max(
+            NEARER, behind - policy.within_sight
+        ):  # no step would bring it near
             break
         try:
             fit, about = further(fit, about, anew=False)
-        except FAILED:
+        except FIT_ERRORS:
             break
-        before, behind = behind, log_bayes_factor(best, fit, observed, value)
+        before, behind = behind, log_bayes_factor(best, fit, problem, value)
         if before - behind < max(NEARER, behind - policy.within_sight):  # nor another one like this
             break
     return fit, behind

@@ -14,10 +14,11 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from flexarm.arm import Arm
+from flexarm.arm.gears import coupled_joints
 from flexarm.arm.link import Beam, RigidLink
 from flexarm.arm.sensor_effect import ClockEffect, SignalEffect
 from flexarm.comparison.alignment_parameters import drive_clock
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.record import Record
 
 if TYPE_CHECKING:
@@ -51,12 +52,8 @@ def cardan_joints(arm: Arm, driven: Iterable[str]) -> dict[str, str]:
 
 def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
     """Joints that a drive turns in some record, or that a gear couples to one of them."""
-    found = {record.signals[name].joint for record in records for name in record.drive}
-    for _ in arm.gears:  # trains of gears
-        for gear in arm.gears:
-            if found & {gear.input, gear.output}:
-                found |= {gear.input, gear.output}
-    return {name for name in found if name is not None}
+    driven = {record.signals[name].joint for record in records for name in record.drive}
+    return coupled_joints((name for name in driven if name is not None), arm.gears)
 
 
 def causes(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
@@ -70,11 +67,11 @@ def _weightless(arm: Arm, name: str) -> bool:
     return isinstance(link, RigidLink) and link.mass == 0
 
 
-def places_of(kind: type[Effect], observed: Observed, arm: Arm) -> list[str]:
+def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     """Where an effect can act and be seen."""
-    records = observed.records.values()
-    evidence = dict.fromkeys((row.record, row.signal) for row in observed.rows)
-    signals = [observed.records[record].signals[signal] for record, signal in evidence]
+    records = problem.records.values()
+    evidence = dict.fromkeys((row.record, row.signal) for row in problem.rows)
+    signals = [problem.records[record].signals[signal] for record, signal in evidence]
     if kind.place == "joint":
         joints = [joint.name for joint in arm.joints if joint.moves]
         if kind.torque_at == "motor":
@@ -96,7 +93,7 @@ def places_of(kind: type[Effect], observed: Observed, arm: Arm) -> list[str]:
         seen = [s.frame for s in signals if s.quantity in ("position", "orientation")]
         return [frame for frame in dict.fromkeys(seen) if frame != "base"]
     if issubclass(kind, ClockEffect):
-        return _late(kind, observed)
+        return _late(kind, problem)
     assert issubclass(kind, SignalEffect)
     if kind.of_drives:
         signals = [record.signals[name] for record in records for name in record.drive]
@@ -109,30 +106,30 @@ def commanded(records: Iterable[Record]) -> set[str | None]:
     return {signal.joint for signal in drives if signal.quantity == "joint_command"}
 
 
-def late_commands(observed: Observed) -> list[str]:
+def late_commands(problem: Problem) -> list[str]:
     """Commands that may act late: of records with evidence on the same clock, which moves along otherwise."""
     found: dict[str, None] = {}
-    for row in observed.rows:
-        record = observed.records[row.record]
+    for row in problem.rows:
+        record = problem.records[row.record]
         clock = record.signals[row.signal].clock
         drives = [record.signals[name] for name in record.drive]
         found |= {s.name: None for s in drives if s.quantity == "joint_command" and s.clock == clock}
     return list(found)
 
 
-def _late(kind: type[ClockEffect], observed: Observed) -> list[str]:
+def _late(kind: type[ClockEffect], problem: Problem) -> list[str]:
     """Clocks but the drives', signals of a clock that has several, and commands."""
     clocks: dict[str, set[str]] = {}
-    for row in observed.rows:
-        record = observed.records[row.record]
+    for row in problem.rows:
+        record = problem.records[row.record]
         if record.kind == "motion":
             clocks.setdefault(record.signals[row.signal].clock, set()).add(row.signal)
-    own = {drive_clock(record) for record in observed.records.values()}
+    own = {drive_clock(record) for record in problem.records.values()}
     found = [clock for clock in clocks if clock not in own]
     for clock, names in clocks.items():
         if clock in own or len(names) > 1:
             found += [signal for signal in sorted(names) if signal not in found]
-    return found + (late_commands(observed) if kind.of_commands else [])
+    return found + (late_commands(problem) if kind.of_commands else [])
 
 
 def weighed(record: Record, payload: str) -> bool:

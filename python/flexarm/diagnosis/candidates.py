@@ -25,20 +25,20 @@ from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, nulls
 from flexarm.diagnosis.candidate_places import late_commands, places_of
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects.external_vibration import ExternalVibration
 from flexarm.errors import InvalidParameter
 from flexarm.residual_analysis.spectrum import periodogram
 
 
 def candidates(
-    observed: Observed, arm: Arm, rhythm: Sequence[float] = (), softer: Sequence[float] = (1.0,)
+    problem: Problem, arm: Arm, rhythm: Sequence[float] = (), softer: Sequence[float] = (1.0,)
 ) -> list[Candidate]:
     """All that can act on these records in a model, variants of one effect one after the other.
 
     Parameters
     ----------
-    observed : Observed
+    problem : Problem
         The records.
     arm : Arm
         The model.
@@ -48,12 +48,12 @@ def candidates(
         How much softer than typical springs are probed, such as `SpringEffect.softer`.
     """
     found: list[Candidate] = []
-    poses = all(record.kind == "static" for record in observed.records.values())
+    poses = all(record.kind == "static" for record in problem.records.values())
     for kind in map(effect_class, KNOWN_EFFECTS):
         if not kind.competes or (poses and kind.only_in_motion()):
             continue
-        for at in places_of(kind, observed, arm):
-            found += _at_place(kind, at, observed, arm, rhythm, softer)
+        for at in places_of(kind, problem, arm):
+            found += _at_place(kind, at, problem, arm, rhythm, softer)
     return [_of_poses(candidate) for candidate in found] if poses else found
 
 
@@ -65,13 +65,13 @@ def _of_poses(candidate: Candidate) -> Candidate:
 def _at_place(
     kind: type[Effect],
     at: str,
-    observed: Observed,
+    problem: Problem,
     arm: Arm,
     rhythm: Sequence[float],
     softer: Sequence[float],
 ) -> Iterator[Candidate]:
     """Variants of an effect at a place; none where the model refuses it."""
-    without, stated = arm.effect(kind.name, at), _stated(kind, at, arm, observed)
+    without, stated = arm.effect(kind.name, at), _stated(kind, at, arm, problem)
     needs: Effect | None = None
     if kind.requires is not None:
         required = arm.effect(kind.requires, at)
@@ -94,16 +94,16 @@ def _at_place(
             yield Candidate(effect, free, steps, null, without, needs, stated)
 
 
-def _stated(kind: type[Effect], at: str, arm: Arm, observed: Observed) -> dict[str, Prior]:
+def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str, Prior]:
     """Priors that follow from the records, and of springs from the model."""
     if issubclass(kind, SignalEffect) and not kind.of_drives:
-        rows = [row for row in observed.rows if row.signal == at]
-        signals = [observed.records[row.record].signals[at] for row in rows]
+        rows = [row for row in problem.rows if row.signal == at]
+        signals = [problem.records[row.record].signals[at] for row in rows]
         readings = [np.abs(s.values[:, row.channel]) for s, row in zip(signals, rows, strict=True)]
         greatest = max(float(np.nanmax(each)) for each in readings)
         return kind.priors_from(greatest, max(row.sigma for row in rows), signals[0].unit)
     if issubclass(kind, ClockEffect):
-        return kind.command_priors() if at in late_commands(observed) else {}
+        return kind.command_priors() if at in late_commands(problem) else {}
     spring = arm.effect(kind.name, at)
     return spring.stated_priors(arm) if isinstance(spring, SpringEffect) else {}
 
@@ -119,10 +119,10 @@ FINE = 4.0
 """Frequencies a width of a peak, which is one over the length of the record."""
 
 
-def rhythms(rest: Floats, observed: Observed, most: int = 3) -> list[float]:
+def rhythms(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
     """The `most` frequencies [Hz] at which a residual swings most, the strongest first."""
-    motions = [each for each in observed.rows if observed.records[each.record].kind == "motion"]
-    length = observed.seconds
+    motions = [each for each in problem.rows if problem.records[each.record].kind == "motion"]
+    length = problem.seconds
     if length <= 0:
         return []
     lowest, highest = ExternalVibration.band_hz

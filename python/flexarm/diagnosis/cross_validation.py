@@ -42,60 +42,60 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit, Projection
-from flexarm.diagnosis.generalised_least_squares import Normal, joint_slopes
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
+from flexarm.diagnosis.problem import Problem
 
 
-def left_out(fit: Fit, observed: Observed) -> Floats:
+def press_residuals(fit: Fit, problem: Problem) -> Floats:
     """e of (1): of every row, over the noise, what is missed if its group is left out; shape (n,)."""
-    slopes, residual, prior = joint_slopes(fit)
-    normal = Normal.of(slopes, prior)
+    jacobian, residual, prior = joint_jacobian(fit)
+    normal = NormalEquations.of(jacobian, prior)
     found = residual.copy()
-    for rows in groups(observed):
-        own = slopes[rows]
+    for rows in folds(problem):
+        own = jacobian[rows]
         found[rows] += own @ normal.without(own).solved(own.T @ residual[rows])  # eq. (1)
     return found
 
 
-def missed(fit: Fit, observed: Observed) -> float:
+def press_rms(fit: Fit, problem: Problem) -> float:
     """Rms of e of (1), over the noise."""
-    return float(np.sqrt(np.mean(left_out(fit, observed) ** 2)))
+    return float(np.sqrt(np.mean(press_residuals(fit, problem) ** 2)))
 
 
-def foretells_better(one: Fit, other: Fit, observed: Observed) -> bool:
+def predicts_better(one: Fit, other: Fit, problem: Problem) -> bool:
     """Whether a model foretells what is left out clearly better than another one."""
-    ratio = missed(other, observed) / max(missed(one, observed), 1e-300)
-    odds = len(groups(observed)) * log(max(ratio, 1e-300))  # eq. (2)
-    policy = observed.policy
+    ratio = press_rms(other, problem) / max(press_rms(one, problem), 1e-300)
+    odds = len(folds(problem)) * log(max(ratio, 1e-300))  # eq. (2)
+    policy = problem.policy
     return ratio * (1.0 - policy.predictive_share) > 1.0 and odds > policy.predictive_evidence
 
 
-def odds_lost(fits: Sequence[Fit], observed: Observed) -> list[float]:
+def log_odds_lost(fits: Sequence[Fit], problem: Problem) -> list[float]:
     """For each of some models, ln B of (2) over it of the one that foretells best."""
-    misses = [max(missed(f, observed), 1e-300) for f in fits]
-    return [len(groups(observed)) * log(each / min(misses)) for each in misses]
+    misses = [max(press_rms(f, problem), 1e-300) for f in fits]
+    return [len(folds(problem)) * log(each / min(misses)) for each in misses]
 
 
-def groups(observed: Observed) -> list[NDArray[np.int_]]:
+def folds(problem: Problem) -> list[NDArray[np.int_]]:
     """Rows of each group."""
     records: dict[str, list[NDArray[np.int_]]] = {}
-    for each, where in observed.channels():
-        if observed.records[each.record].kind == "static":
+    for each, where in problem.channels():
+        if problem.records[each.record].kind == "static":
             records.setdefault(each.record, []).append(np.arange(where.start, where.stop))
     whole = {name: np.concatenate(parts) for name, parts in records.items()} if len(records) > 1 else {}
     if not whole:
-        return blocks(observed)
+        return time_blocks(problem)
     taken = np.concatenate(list(whole.values()))
-    return [*whole.values(), *(rows for rows in blocks(observed) if not np.isin(rows, taken).any())]
+    return [*whole.values(), *(rows for rows in time_blocks(problem) if not np.isin(rows, taken).any())]
 
 
-def blocks(observed: Observed) -> list[NDArray[np.int_]]:
+def time_blocks(problem: Problem) -> list[NDArray[np.int_]]:
     """Rows of each block: a stretch of one record, all channels."""
-    count = observed.policy.blocks
+    count = problem.policy.blocks
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         index = np.arange(where.start, where.stop)
-        record = [row.time for row in observed.rows if row.record == each.record]
+        record = [row.time for row in problem.rows if row.record == each.record]
         first, last = min(t[0] for t in record), max(t[-1] for t in record)
         number = np.minimum((count * (each.time - first) / max(last - first, 1e-12)).astype(int), count - 1)
         for j in np.unique(number):
@@ -107,7 +107,7 @@ PARTS = 5
 """Of a single record."""
 
 
-def carried(fit: Fit, null: Fit, stated: Floats, observed: Observed) -> float:
+def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem) -> float:
     """Eq. (2) over all parts; 0 or less where one part is predicted worse than by the model as stated.
 
     Parameters
@@ -116,19 +116,19 @@ def carried(fit: Fit, null: Fit, stated: Floats, observed: Observed) -> float:
         With effects and without.
     stated : ndarray, shape (n,)
         Residual of the model without effects, nominal values where they are stated.
-    observed : Observed
+    problem : Problem
         The training.
     """
-    slopes, residual, held = joint_slopes(fit)
-    best = np.concatenate([np.zeros(len(fit.z)), fit.projection.best(fit.residual)])
+    jacobian, residual, held = joint_jacobian(fit)
+    best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])
     centred = np.where(np.arange(len(best)) < len(fit.z), 0.0, best)  # effects are held where the fit is
     after, before = [], []
-    for rows in parts(observed):
-        other = np.setdiff1d(np.arange(len(observed)), rows)
-        gradient = slopes[other].T @ residual[other] + held * centred
-        moved = best - Normal.of(slopes[other], held).solved(gradient)  # eq. (1)
+    for rows in parts(problem):
+        other = np.setdiff1d(np.arange(len(problem)), rows)
+        gradient = jacobian[other].T @ residual[other] + held * centred
+        moved = best - NormalEquations.of(jacobian[other], held).solved(gradient)  # eq. (1)
         model = ~_placed(fit)
-        there = fit.residual[rows] + slopes[np.ix_(rows, np.flatnonzero(model))] @ moved[model]
+        there = fit.residual[rows] + jacobian[np.ix_(rows, np.flatnonzero(model))] @ moved[model]
         after.append(_aligned(there, fit, rows))
         before.append(_aligned(stated[rows], null, rows))
     if any(a >= b for a, b in zip(after, before, strict=True)):
@@ -136,13 +136,13 @@ def carried(fit: Fit, null: Fit, stated: Floats, observed: Observed) -> float:
     return 1.0 - float(np.sqrt(sum(after) / sum(before)))  # eq. (2)
 
 
-def parts(observed: Observed) -> list[NDArray[np.int_]]:
+def parts(problem: Problem) -> list[NDArray[np.int_]]:
     """Rows of each part."""
-    names = list(observed.records)
+    names = list(problem.records)
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         index = np.arange(where.start, where.stop)
-        times = [row.time for row in observed.rows if row.record == each.record]
+        times = [row.time for row in problem.rows if row.record == each.record]
         first, last = min(t[0] for t in times), max(t[-1] for t in times)
         count = PARTS if len(names) == 1 else 1
         number = np.minimum(count * (each.time - first) / max(last - first, 1e-12), count - 1).astype(int)
@@ -153,12 +153,14 @@ def parts(observed: Observed) -> list[NDArray[np.int_]]:
 
 def _placed(fit: Fit) -> NDArray[np.bool_]:
     """Which unknowns are clocks and frames, after the parameters of the effects."""
-    return np.array([False] * len(fit.z) + [u.kind != "nominal" for u in fit.unknowns.each], dtype=bool)
+    return np.array([False] * len(fit.z) + [u.kind != "nominal" for u in fit.nuisance.parameters], dtype=bool)
 
 
 def _aligned(residual: Floats, fit: Fit, rows: NDArray[np.int_]) -> float:
     """Sum of squares that clocks and frames within their priors leave."""
     placed = _placed(fit)[len(fit.z) :]
-    own = Projection(fit.projection.slopes[np.ix_(rows, np.flatnonzero(placed))], fit.unknowns.sigma[placed])
-    rest = own.rest(residual)[: len(rows)]
+    own = Projection(
+        fit.projection.jacobian[np.ix_(rows, np.flatnonzero(placed))], fit.nuisance.sigma[placed]
+    )
+    rest = own.project(residual)[: len(rows)]
     return float(rest @ rest)

@@ -21,12 +21,12 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, with_members
-from flexarm.diagnosis.fit import FAILED, Fit, Projection
-from flexarm.diagnosis.generalised_least_squares import tempered
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
+from flexarm.diagnosis.generalised_least_squares import gls_nuisance
 from flexarm.diagnosis.least_squares import EVALUATIONS, TOLERANCE, LeastSquares
-from flexarm.diagnosis.nuisance import Unknowns
-from flexarm.diagnosis.parameters import coordinates_of
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.nuisance import NuisanceModel
+from flexarm.diagnosis.parameters import transformed_parameters
+from flexarm.diagnosis.problem import Problem
 
 LIKELY = 2.0
 """Sigmas within which nominal values are centred."""
@@ -39,16 +39,16 @@ FORETOLD = 0.1
 
 
 @dataclass(eq=False)
-class Fitter:
+class Estimator:
     """What all fits share: records, unknowns, and derivatives by these at the nominal model.
 
     Attributes
     ----------
-    observed : Observed
+    problem : Problem
         The records.
-    unknowns : Unknowns
+    nuisance : NuisanceModel
         Clocks, frames, nominal values; its `arm` is the nominal model.
-    slopes : ndarray
+    jacobian : ndarray
         Derivatives of the residual by them, at `at`.
     at : ndarray
         Where the unknowns are, from the centres of their priors.
@@ -60,68 +60,70 @@ class Fitter:
         Effects of the model that derivatives are taken about.
     """
 
-    observed: Observed
-    unknowns: Unknowns
-    slopes: Floats
+    problem: Problem
+    nuisance: NuisanceModel
+    jacobian: Floats
     at: Floats
     correction: Floats
     corrected: Floats
     members: tuple[Candidate, ...] = ()
 
     def __post_init__(self) -> None:
-        self._projections: dict[frozenset[str], tuple[Unknowns, Projection]] = {}
-        centres = np.array([u.centre for u in self.unknowns.each])
-        self.start = self.unknowns.put(self.unknowns.arm, centres + self.at)
+        self._projections: dict[frozenset[str], tuple[NuisanceModel, Projection]] = {}
+        centres = np.array([u.centre for u in self.nuisance.parameters])
+        self.arm = self.nuisance.put(self.nuisance.arm, centres + self.at)
 
     @classmethod
-    def nominal(cls, observed: Observed, unknowns: Unknowns) -> Fitter:
+    def nominal(cls, problem: Problem, nuisance: NuisanceModel) -> Estimator:
         """About the nominal model."""
-        arm = unknowns.arm
-        slopes = observed.slopes(arm, unknowns.keys, unknowns.steps(arm))
-        nothing = np.zeros(len(unknowns.each))
-        return cls(observed, unknowns, slopes, nothing, observed.correction(arm), observed.residual(arm))
+        arm = nuisance.arm
+        jacobian = problem.jacobian(arm, nuisance.keys, nuisance.steps(arm))
+        nothing = np.zeros(len(nuisance.parameters))
+        return cls(problem, nuisance, jacobian, nothing, problem.correction(arm), problem.residual(arm))
 
-    def about(self, fit: Fit, part: float = 1.0) -> Fitter:
+    def about(self, fit: Fit, part: float = 1.0) -> Estimator:
         """The same about a fitted model, where derivatives are those of the model with its effects.
 
         Unknowns go `part` of the way to where the fit has them.
         """
         return self._moved(self._found_at(fit, part), fit.members)
 
-    def towards(self, fit: Fit, part: float = 1.0) -> Fitter:
+    def towards(self, fit: Fit, part: float = 1.0) -> Estimator:
         """The same about a fit of the same effects; with derivatives as they are, where these foretell it.
 
         What they miss must be nothing, a sigma of a single value, or a small part of what they move.
         """
         if {m.place for m in fit.members} != {m.place for m in self.members}:
             return self.about(fit, part)
-        at = np.where(self.slopes.any(axis=0), self._found_at(fit, part), 0.0)
+        at = np.where(self.jacobian.any(axis=0), self._found_at(fit, part), 0.0)
         there = replace(self, at=at, members=fit.members)
-        missed, move = there.residual(fit.members) - fit.residual, self.slopes @ (at - self.at)
+        missed, move = there.residual(fit.members) - fit.residual, self.jacobian @ (at - self.at)
         if float(missed @ missed) > max(1.0, FORETOLD**2 * float(move @ move)):
             return self.about(fit, part)
         return there._corrected()
 
     def _found_at(self, fit: Fit, part: float = 1.0) -> Floats:
         """Where a fit has the unknowns, or part of the way there."""
-        best = dict(zip(fit.unknowns.keys, tempered(fit), strict=True))
-        found = np.array([unknown.kept(best.get(unknown.key, 0.0)) for unknown in self.unknowns.each])
+        best = dict(zip(fit.nuisance.keys, gls_nuisance(fit), strict=True))
+        found = np.array([unknown.kept(best.get(unknown.key, 0.0)) for unknown in self.nuisance.parameters])
         return np.asarray(self.at + part * (found - self.at))
 
-    def moved_to(self, values: Mapping[str, float]) -> Fitter:
+    def moved_to(self, values: Mapping[str, float]) -> Estimator:
         """The same with some unknowns elsewhere, from their centres; derivatives stay."""
-        at = [values.get(unknown.key, x) for unknown, x in zip(self.unknowns.each, self.at, strict=True)]
+        at = [
+            values.get(unknown.key, x) for unknown, x in zip(self.nuisance.parameters, self.at, strict=True)
+        ]
         return replace(self, at=np.array(at))
 
-    def as_they_are(self) -> Floats:
+    def nominal_residual(self) -> Floats:
         """Residual of the model without effects, all unknowns at the centres of their priors."""
-        return self.moved_to(dict.fromkeys(self.unknowns.keys, 0.0)).residual(())
+        return self.moved_to(dict.fromkeys(self.nuisance.keys, 0.0)).residual(())
 
-    def as_stated(self, keys: Iterable[str], members: Sequence[Candidate]) -> Fitter:
+    def as_stated(self, keys: Iterable[str], members: Sequence[Candidate]) -> Estimator:
         """The same about a model with effects, some unknowns of which are at the centres of their priors."""
         return self._moved(self.moved_to(dict.fromkeys(keys, 0.0)).at, tuple(members))
 
-    def _moved(self, at: Floats, members: tuple[Candidate, ...]) -> Fitter:
+    def _moved(self, at: Floats, members: tuple[Candidate, ...]) -> Estimator:
         """The same with unknowns elsewhere; those that an effect overrules, such as a mass, where they were.
 
         Otherwise they would have moved, at no cost, in a model without that effect.
@@ -129,25 +131,25 @@ class Fitter:
         there = replace(self, at=at)
         arm = there.with_effects(members)
         keys = self.eliminated(members)[0].keys
-        slopes = self.slopes.copy()
-        slopes[:, [self.unknowns.keys.index(key) for key in keys]] = self.observed.slopes(
-            arm, keys, self.unknowns.steps(arm)
+        jacobian = self.jacobian.copy()
+        jacobian[:, [self.nuisance.keys.index(key) for key in keys]] = self.problem.jacobian(
+            arm, keys, self.nuisance.steps(arm)
         )
-        acting = np.where(slopes.any(axis=0), at, 0.0)
-        return replace(self, at=acting, slopes=slopes, members=members)._corrected()
+        acting = np.where(jacobian.any(axis=0), at, 0.0)
+        return replace(self, at=acting, jacobian=jacobian, members=members)._corrected()
 
-    def _corrected(self) -> Fitter:
+    def _corrected(self) -> Estimator:
         """The same with what steps miss of its own model, unless that of another one is as good.
 
         What they miss is a small part of a motion, and moves as the motion does.
         """
         arm = self.with_effects(self.members)
-        here = self.observed.residual(arm)
+        here = self.problem.residual(arm)
         if np.mean((here - self.corrected) ** 2) < NEARBY**2:
             return self
-        return replace(self, correction=self.observed.correction(arm), corrected=here)
+        return replace(self, correction=self.problem.correction(arm), corrected=here)
 
-    def centred(self) -> Fitter:
+    def centred(self) -> Estimator:
         """The same about nominal values that fit better, for those that act otherwise than in proportion.
 
         Clocks and frames stay: effects may take their places. Values go no further than is likely, and the
@@ -156,15 +158,15 @@ class Fitter:
         values stay.
         """
         there, fit = self, self.fit(())
-        nominal = np.array([unknown.kind == "nominal" for unknown in self.unknowns.each])
-        reach = np.where(nominal, LIKELY * self.unknowns.sigma, np.inf)
+        nominal = np.array([unknown.kind == "nominal" for unknown in self.nuisance.parameters])
+        reach = np.where(nominal, LIKELY * self.nuisance.sigma, np.inf)
         for _ in range(CENTRED):
-            best = fit.projection.best_within(fit.residual, reach)
-            kept = [u.kept(float(x)) for u, x in zip(self.unknowns.each, best, strict=True)]
+            best = fit.projection.solve_within(fit.residual, reach)
+            kept = [u.kept(float(x)) for u, x in zip(self.nuisance.parameters, best, strict=True)]
             try:
                 about = there._moved(np.where(nominal, kept, 0.0), fit.members)
                 better = about.fit(())
-            except FAILED:
+            except FIT_ERRORS:
                 break
             if better.cost > LESS * fit.cost:
                 break
@@ -173,30 +175,30 @@ class Fitter:
 
     def residual(self, members: Sequence[Candidate]) -> Floats:
         """Eq. (1) for a set of effects."""
-        raw = self.observed.residual(self.with_effects(members)) + self.correction
+        raw = self.problem.residual(self.with_effects(members)) + self.correction
         taken = self.taken(members)
         at = np.array(
-            [0.0 if u.key in taken else x for u, x in zip(self.unknowns.each, self.at, strict=True)]
+            [0.0 if u.key in taken else x for u, x in zip(self.nuisance.parameters, self.at, strict=True)]
         )
-        return raw - self.slopes @ at if at.any() else raw  # eq. (1)
+        return raw - self.jacobian @ at if at.any() else raw  # eq. (1)
 
     def taken(self, members: Sequence[Candidate]) -> frozenset[str]:
         """Unknowns that are effects of a set."""
         fitted = {(member.name, member.at) for member in members}
         return frozenset(
-            u.key for u in self.unknowns.each if u.key.startswith("effects.") and u.place in fitted
+            u.key for u in self.nuisance.parameters if u.key.startswith("effects.") and u.place in fitted
         )
 
-    def eliminated(self, members: Sequence[Candidate]) -> tuple[Unknowns, Projection]:
+    def eliminated(self, members: Sequence[Candidate]) -> tuple[NuisanceModel, Projection]:
         """Unknowns that a set of effects leaves: a clock or a zero that is an effect is none of them."""
         return self.without(self.taken(members))
 
-    def without(self, taken: frozenset[str]) -> tuple[Unknowns, Projection]:
+    def without(self, taken: frozenset[str]) -> tuple[NuisanceModel, Projection]:
         """All unknowns but some, and what eliminates them."""
         if taken not in self._projections:
-            left = self.unknowns.without(set(taken))
-            keep = [k for k, u in enumerate(self.unknowns.each) if u.key not in taken]
-            self._projections[taken] = (left, Projection(self.slopes[:, keep], left.sigma))
+            left = self.nuisance.without(set(taken))
+            keep = [k for k, u in enumerate(self.nuisance.parameters) if u.key not in taken]
+            self._projections[taken] = (left, Projection(self.jacobian[:, keep], left.sigma))
         return self._projections[taken]
 
     def fit(
@@ -217,10 +219,10 @@ class Fitter:
         NotConverged, InvalidParameter
             If not even the start can be simulated.
         """
-        problem = self.problem(tuple(members), nearby)
-        z = problem.solved(problem.z_of(members), evaluations, tolerance, limit)
-        slopes = problem.slopes_at(z) if problem.given_up else problem.differences(z)
-        return self._found(problem, z, problem.members_at(z), slopes)
+        solver = self.solver(tuple(members), nearby)
+        z = solver.solve(solver.z_of(members), evaluations, tolerance, limit)
+        jacobian = solver.jacobian_at(z) if solver.given_up else solver.differences(z)
+        return self._found(solver, z, solver.members_at(z), jacobian)
 
     def trial(self, members: Sequence[Candidate], nearby: Fit, limit: float = inf) -> Fit:
         """A fit that is one of several: its derivatives are those that led there.
@@ -230,27 +232,29 @@ class Fitter:
         NotConverged, InvalidParameter
             If not even the start can be simulated.
         """
-        problem = self.problem(tuple(members), nearby)
-        z = problem.solved(problem.z_of(members), limit=limit)
-        return self._found(problem, z, problem.members_at(z), problem.slopes_at(z))
+        solver = self.solver(tuple(members), nearby)
+        z = solver.solve(solver.z_of(members), limit=limit)
+        return self._found(solver, z, solver.members_at(z), solver.jacobian_at(z))
 
-    def evaluated(self, members: Sequence[Candidate]) -> Fit:
+    def linearised(self, members: Sequence[Candidate]) -> Fit:
         """A model with effects as they are, and its derivatives."""
-        problem = self.problem(tuple(members))
-        z = problem.z_of(members)
-        return self._found(problem, z, problem.members, problem.differences(z))
+        solver = self.solver(tuple(members))
+        z = solver.z_of(members)
+        return self._found(solver, z, solver.members, solver.differences(z))
 
-    def problem(self, members: tuple[Candidate, ...], nearby: Fit | None = None) -> LeastSquares:
+    def solver(self, members: tuple[Candidate, ...], nearby: Fit | None = None) -> LeastSquares:
         """The least squares of a set of effects."""
-        coordinates = coordinates_of(members, self.with_effects(members))
-        return LeastSquares(self, members, coordinates, self.eliminated(members)[1], nearby)
+        parameters = transformed_parameters(members, self.with_effects(members))
+        return LeastSquares(self, members, parameters, self.eliminated(members)[1], nearby)
 
-    def _found(self, problem: LeastSquares, z: Floats, members: tuple[Candidate, ...], slopes: Floats) -> Fit:
+    def _found(
+        self, solver: LeastSquares, z: Floats, members: tuple[Candidate, ...], jacobian: Floats
+    ) -> Fit:
         """The fit at z, which `members` have, with derivatives there."""
-        residual, projection = problem.raw(z), problem.projection
-        rest, left = projection.rest(residual), self.eliminated(members)[0]
-        return Fit(members, problem.coordinates, z, residual, rest, slopes, left, projection)
+        residual, projection = solver.residual(z), solver.projection
+        rest, left = projection.project(residual), self.eliminated(members)[0]
+        return Fit(members, solver.parameters, z, residual, rest, jacobian, left, projection)
 
     def with_effects(self, members: Sequence[Candidate]) -> Arm:
         """The nominal model with effects, and with what they need."""
-        return with_members(self.start, members)
+        return with_members(self.arm, members)

@@ -18,7 +18,7 @@ What is left *above the noise* in a channel, over the noise, is
 .. math:: s_c^2 = \min(\gamma_0 - 1 - d_c, \max_{1 \le l \le L} |\gamma_l|)/(1 + d_c), \quad
           \text{at least } 0                                                                         (3)
 
-with what noise of the drives and finer time steps move there, d (`diagnosis.noise_model`, `step_errors`): the
+with what noise of the drives and finer time steps move there, d (`diagnosis.noise_model`, `noise_model`): the
 smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no order
 in time, but those of one record share what the model lacks there. With gamma_0 and gamma_w the mean square
 and the mean product of two different poses of a record, over all static records of a signal, n_c poses are
@@ -54,8 +54,8 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.generalised_least_squares import weighed
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.generalised_least_squares import gls_estimate
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import Rows
 
 Channel = tuple[str, str, int]
@@ -75,11 +75,11 @@ def autocovariance(values: Floats, lags: int) -> Floats:
     return found
 
 
-def worth(rest: Floats, observed: Observed) -> dict[Channel, float]:
+def variance_inflation(rest: Floats, problem: Problem) -> dict[Channel, float]:
     """T_c of (2), of poses of (2a), for every channel."""
-    found = _worth_of_poses(rest, observed)
-    for each, where in observed.channels():
-        if not _in_time(each, observed):
+    found = _worth_of_poses(rest, problem)
+    for each, where in problem.channels():
+        if not _in_time(each, problem):
             continue
         values = rest[where]
         lags = max(1, int(WINDOW * len(values)))
@@ -91,11 +91,11 @@ def worth(rest: Floats, observed: Observed) -> dict[Channel, float]:
     return found
 
 
-def _worth_of_poses(rest: Floats, observed: Observed) -> dict[Channel, float]:
+def _worth_of_poses(rest: Floats, problem: Problem) -> dict[Channel, float]:
     """T_c of (2a) for the channels of static records."""
     groups: dict[tuple[str, int], dict[Channel, Floats]] = {}
-    for each, where in observed.channels():
-        if not _in_time(each, observed):
+    for each, where in problem.channels():
+        if not _in_time(each, problem):
             key = (each.record, each.signal, each.channel)
             groups.setdefault(key[1:], {})[key] = rest[where]
     found = {}
@@ -110,60 +110,62 @@ def _worth_of_poses(rest: Floats, observed: Observed) -> dict[Channel, float]:
     return found
 
 
-def _in_time(rows: Rows, observed: Observed) -> bool:
+def _in_time(rows: Rows, problem: Problem) -> bool:
     """Whether neighbouring rows follow one another in time."""
-    return observed.records[rows.record].kind == "motion"
+    return problem.records[rows.record].kind == "motion"
 
 
-def above_noise(rest: Floats, observed: Observed, corners: bool = False) -> dict[Channel, float]:
+def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dict[Channel, float]:
     """s_c of (3) for every channel, over the noise, of a model whose laws may have corners."""
     from scipy.special import chdtri
 
     found = {}
-    for each, where in observed.channels():
-        values, no_gap = rest[where], each.no_gap(corners)
+    for each, where in problem.channels():
+        values, explained_square = rest[where], each.explained_square(non_smooth)
         gamma = autocovariance(values, min(LAGS, len(values) - 1))
-        square = gamma[0] - 1.0 - no_gap
-        if _in_time(each, observed):
+        square = gamma[0] - 1.0 - explained_square
+        if _in_time(each, problem):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
-        elif len(values) * gamma[0] / (1 + no_gap) < chdtri(len(values), observed.policy.chance):
+        elif len(values) * gamma[0] / (1 + explained_square) < chdtri(len(values), problem.policy.chance):
             square = 0.0
-        found[each.record, each.signal, each.channel] = float(np.sqrt(max(square, 0.0) / (1 + no_gap)))
+        found[each.record, each.signal, each.channel] = float(
+            np.sqrt(max(square, 0.0) / (1 + explained_square))
+        )
     return found
 
 
-def log_bayes_factor(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
+def log_bayes_factor(one: Fit, other: Fit, problem: Problem, value: Mapping[Channel, float]) -> float:
     """ln Z of one model over another one's, eq. (1) with (4)."""
-    weight = _weights(observed, value)
-    return log_likelihood_ratio(one, other, observed, value) + occam(one, weight) - occam(other, weight)
+    weight = _weights(problem, value)
+    return log_likelihood_ratio(one, other, problem, value) + occam(one, weight) - occam(other, weight)
 
 
-def log_likelihood_ratio(one: Fit, other: Fit, observed: Observed, value: Mapping[Channel, float]) -> float:
+def log_likelihood_ratio(one: Fit, other: Fit, problem: Problem, value: Mapping[Channel, float]) -> float:
     """The first term of (4): how much better one model fits, whatever is plausible."""
-    n, weight = len(observed), _weights(observed, value)
-    (left, _), (left_by_other, _) = weighed(one, weight), weighed(other, weight)
+    n, weight = len(problem), _weights(problem, value)
+    (left, _), (left_by_other, _) = gls_estimate(one, weight), gls_estimate(other, weight)
     gain = weight @ (left_by_other[:n] ** 2 - left[:n] ** 2)
     v = np.abs(left[:n] - left_by_other[:n])
     spread = float(np.sum(v**2)) * float(weight @ v**2) / max(float(np.sum(v**4)), 1e-300)
     asked = float(np.sum(left_by_other[n:] ** 2) - np.sum(left[n:] ** 2))
-    corners = one.has_corners or other.has_corners
-    delta = float(v**2 @ discrepancies(observed, corners) ** 2) / max(float(np.sum(v**2)), 1e-300)
+    non_smooth = one.non_smooth or other.non_smooth
+    delta = float(v**2 @ discrepancies(problem, non_smooth) ** 2) / max(float(np.sum(v**2)), 1e-300)
     return float(gain) / 2 / (1 + delta * spread) + asked / 2  # eq. (4)
 
 
-def discrepancies(observed: Observed, corners: bool) -> Floats:
+def discrepancies(problem: Problem, non_smooth: bool) -> Floats:
     """delta of (4) of each row, shape (n,): what simulations err by, of laws with corners or without them."""
-    found = np.empty(len(observed))
-    for each, where in observed.channels():
-        error = float(np.sqrt(each.unsteady)) if corners else 0.0
-        found[where] = max(observed.policy.discrepancy, error)
+    found = np.empty(len(problem))
+    for each, where in problem.channels():
+        error = float(np.sqrt(each.discretisation_error)) if non_smooth else 0.0
+        found[where] = max(problem.policy.discrepancy, error)
     return found
 
 
-def _weights(observed: Observed, value: Mapping[Channel, float]) -> Floats:
+def _weights(problem: Problem, value: Mapping[Channel, float]) -> Floats:
     """W of (1), shape (n,)."""
-    weight = np.ones(len(observed))
-    for each, where in observed.channels():
+    weight = np.ones(len(problem))
+    for each, where in problem.channels():
         weight[where] = 1.0 / value[each.record, each.signal, each.channel]
     return weight
 
@@ -178,11 +180,11 @@ def occam(fit: Fit, weight: Floats) -> float:
     if k == 0:
         return -cost
     needed = {(n.name, n.at) for m in fit.members if (n := m.needs) is not None}
-    slopes = fit.projection.rest(fit.slopes)
-    weights = np.concatenate([weight, np.ones(len(slopes) - len(weight))])
-    hessian = slopes.T @ (weights[:, None] * slopes) + np.eye(k)
+    jacobian = fit.projection.project(fit.jacobian)
+    weights = np.concatenate([weight, np.ones(len(jacobian) - len(weight))])
+    hessian = jacobian.T @ (weights[:, None] * jacobian) + np.eye(k)
     prior = sum(
-        c.log_density(float(z)) for c, z in zip(fit.coordinates, weighed(fit, weight)[1], strict=True)
+        c.log_density(float(z)) for c, z in zip(fit.parameters, gls_estimate(fit, weight)[1], strict=True)
     )
     laplace = k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
     return prior + laplace - len(needed - set(fit.places)) * log(2) - cost
@@ -191,6 +193,6 @@ def occam(fit: Fit, weight: Floats) -> float:
 def _eliminated(fit: Fit, weight: Floats) -> float:
     """ln|H|/2 of (1) for clocks, frames and nominal values, in their sigmas; none without a prior."""
     known = np.isfinite(fit.projection.sigma)
-    slopes = fit.projection.slopes[:, known] * fit.projection.sigma[known]
-    hessian = slopes.T @ (weight[:, None] * slopes) + np.eye(slopes.shape[1])
+    jacobian = fit.projection.jacobian[:, known] * fit.projection.sigma[known]
+    hessian = jacobian.T @ (weight[:, None] * jacobian) + np.eye(jacobian.shape[1])
     return float(np.linalg.slogdet(hessian)[1]) / 2

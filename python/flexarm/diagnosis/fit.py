@@ -26,9 +26,9 @@ from numpy.linalg import LinAlgError
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.nuisance import Unknowns
-from flexarm.diagnosis.parameters import Coordinate
-from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.diagnosis.nuisance import NuisanceModel
+from flexarm.diagnosis.parameters import TransformedParameter
+from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.errors import InvalidParameter, NotConverged
 
 
@@ -37,35 +37,35 @@ class Projection:
 
     Parameters
     ----------
-    slopes : ndarray, shape (n, k)
+    jacobian : ndarray, shape (n, k)
         J of (1).
     sigma : ndarray, shape (k,)
         Of the priors; infinite: none.
     """
 
-    def __init__(self, slopes: Floats, sigma: Floats) -> None:
-        count = slopes.shape[1]
+    def __init__(self, jacobian: Floats, sigma: Floats) -> None:
+        count = jacobian.shape[1]
         known = np.isfinite(sigma)
-        norm = np.linalg.norm(slopes, axis=0)
+        norm = np.linalg.norm(jacobian, axis=0)
         self.scale = np.where(known, sigma, 1.0 / np.where(norm > 0, norm, 1.0))
-        rows = np.vstack([slopes * self.scale, np.diag(known.astype(float))])
+        rows = np.vstack([jacobian * self.scale, np.diag(known.astype(float))])
         self.q, self.r = np.linalg.qr(rows)
-        self.slopes, self.sigma = slopes, sigma
+        self.jacobian, self.sigma = jacobian, sigma
         self.added = count
 
-    def rest(self, residual: Floats) -> Floats:
+    def project(self, residual: Floats) -> Floats:
         """b - Q Q^T b of (2), shape (n + k, ...): its square is C of (1)."""
         b = np.concatenate([residual, np.zeros((self.added, *residual.shape[1:]))])
         found: Floats = b - self.q @ (self.q.T @ b)
         return found
 
-    def best(self, residual: Floats) -> Floats:
+    def solve(self, residual: Floats) -> Floats:
         """x of (2), shape (k,)."""
         b = np.concatenate([residual, np.zeros(self.added)])
         found: Floats = -self.scale * np.linalg.lstsq(self.r, self.q.T @ b, rcond=None)[0]
         return found
 
-    def best_within(self, residual: Floats, reach: Floats) -> Floats:
+    def solve_within(self, residual: Floats, reach: Floats) -> Floats:
         """x of (1) with |x| <= reach, shape (k,); infinite reach is no bound."""
         from scipy.optimize import lsq_linear
 
@@ -81,7 +81,7 @@ class Projection:
         return found
 
 
-FAILED = (InvalidParameter, NotConverged, LinAlgError)
+FIT_ERRORS = (InvalidParameter, NotConverged, LinAlgError)
 """Where there is no fit: of models that cannot be simulated, and of least squares without a solution."""
 
 
@@ -93,36 +93,36 @@ class Fit:
     ----------
     members : tuple of Candidate
         The effects, each at its optimum.
-    coordinates, z : tuple of Coordinate and ndarray, shape (k,)
+    parameters, z : tuple of TransformedParameter and ndarray, shape (k,)
         What was fitted, in sigmas of the priors.
     residual : ndarray, shape (n,)
-        Of that model, eq. (1) of `observed`.
-    rest : ndarray, shape (n + m,)
+        Of that model, eq. (1) of `problem`.
+    projected : ndarray, shape (n + m,)
         Of which clocks, frames and nominal values explain nothing more.
-    slopes : ndarray, shape (n, k)
+    jacobian : ndarray, shape (n, k)
         Derivatives of `residual` by z.
-    unknowns, projection
+    nuisance, projection
         What was eliminated.
     """
 
     members: tuple[Candidate, ...]
-    coordinates: tuple[Coordinate, ...]
+    parameters: tuple[TransformedParameter, ...]
     z: Floats
     residual: Floats
-    rest: Floats
-    slopes: Floats
-    unknowns: Unknowns
+    projected: Floats
+    jacobian: Floats
+    nuisance: NuisanceModel
     projection: Projection
 
     @property
     def cost(self) -> float:
         """C of (1)."""
-        return float(self.rest @ self.rest)
+        return float(self.projected @ self.projected)
 
     @property
-    def has_corners(self) -> bool:
+    def non_smooth(self) -> bool:
         """Whether some law of the model has corners."""
-        return has_corners(self.unknowns.arm) or not all(member.effect.smooth for member in self.members)
+        return is_non_smooth(self.nuisance.arm) or not all(member.effect.smooth for member in self.members)
 
     @property
     def places(self) -> tuple[tuple[str, str], ...]:
@@ -131,5 +131,5 @@ class Fit:
 
     def key(self, k: int) -> tuple[str, str, str]:
         """Name and place of the effect of coordinate k, and its parameter."""
-        coordinate = self.coordinates[k]
-        return (*self.members[coordinate.candidate].place, coordinate.name)
+        parameter = self.parameters[k]
+        return (*self.members[parameter.candidate].place, parameter.name)

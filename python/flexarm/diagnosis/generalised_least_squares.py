@@ -40,7 +40,7 @@ ROUNDED = 1e-10
 
 
 @dataclass(frozen=True)
-class Normal:
+class NormalEquations:
     """H of (1): `hessian` is S H S, `scale` the diagonal of S, `unknown` as `UNKNOWN`."""
 
     hessian: Floats
@@ -49,18 +49,18 @@ class Normal:
 
     @classmethod
     def of(
-        cls, slopes: Floats, prior: Floats, weight: Floats | None = None, unknown: float = UNKNOWN
-    ) -> Normal:
+        cls, jacobian: Floats, prior: Floats, weight: Floats | None = None, unknown: float = UNKNOWN
+    ) -> NormalEquations:
         """From J of shape (n, m), the diagonals of Lambda and of W, all ones if not given."""
-        weighed = slopes if weight is None else weight[:, None] * slopes
-        scale = 1.0 / np.sqrt(np.maximum(np.sum(slopes * weighed, axis=0) + prior, 1e-300))
-        hessian = (slopes * scale).T @ (weighed * scale) + np.diag(prior * scale**2)
+        weighted = jacobian if weight is None else weight[:, None] * jacobian
+        scale = 1.0 / np.sqrt(np.maximum(np.sum(jacobian * weighted, axis=0) + prior, 1e-300))
+        hessian = (jacobian * scale).T @ (weighted * scale) + np.diag(prior * scale**2)
         return cls(hessian, scale, unknown)
 
-    def without(self, slopes: Floats) -> Normal:
+    def without(self, jacobian: Floats) -> NormalEquations:
         """The same less rows of which these are J."""
-        own = slopes * self.scale
-        return Normal(self.hessian - own.T @ own, self.scale, ROUNDED)
+        own = jacobian * self.scale
+        return NormalEquations(self.hessian - own.T @ own, self.scale, ROUNDED)
 
     def solved(self, gradient: Floats) -> Floats:
         """H^-1 times vectors of shape (m, ...)."""
@@ -82,41 +82,43 @@ class Normal:
         return found
 
 
-def joint_slopes(fit: Fit) -> tuple[Floats, Floats, Floats]:
+def joint_jacobian(fit: Fit) -> tuple[Floats, Floats, Floats]:
     """J, the residuals that unknowns leave, and the diagonal of Lambda, at the optimum of a fit."""
-    x = fit.projection.best(fit.residual)
-    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
-    residual = fit.residual + fit.projection.slopes @ x
-    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.coordinates]
-    return slopes, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
+    x = fit.projection.solve(fit.residual)
+    jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
+    residual = fit.residual + fit.projection.jacobian @ x
+    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.parameters]
+    return jacobian, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
 
 
 NO_WEIGHT = 1e-12
 """Of `Normal`: what rows of little weight and no prior hardly know stays where it is."""
 
 
-def weighed(fit: Fit, weight: Floats) -> tuple[Floats, Floats]:
+def gls_estimate(fit: Fit, weight: Floats) -> tuple[Floats, Floats]:
     """What a fit leaves, as `rest` of `diagnosis.fit`, and its z, where rows have weights of shape (n,)."""
     if (weight == 1.0).all():
-        return fit.rest, fit.z
-    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
-    step = _least(fit, slopes, weight) - _least(fit, slopes, np.ones_like(weight))
+        return fit.projected, fit.z
+    jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
+    step = _least(fit, jacobian, weight) - _least(fit, jacobian, np.ones_like(weight))
     k = len(fit.z)
     in_sigmas = step[k:] / fit.projection.sigma
-    return fit.rest + np.concatenate([slopes @ step, in_sigmas]), fit.z + step[:k]
+    return fit.projected + np.concatenate([jacobian @ step, in_sigmas]), fit.z + step[:k]
 
 
-def tempered(fit: Fit) -> Floats:
+def gls_nuisance(fit: Fit) -> Floats:
     """x of a fit, shape (m,), where rows are worth what it leaves of them in the mean."""
     each = np.full(len(fit.residual), 1.0 / max(1.0, fit.cost / len(fit.residual)))
-    slopes = np.column_stack([fit.slopes, fit.projection.slopes])
-    step = _least(fit, slopes, each) - _least(fit, slopes, np.ones_like(each))
-    return fit.projection.best(fit.residual) + step[len(fit.z) :]
+    jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
+    step = _least(fit, jacobian, each) - _least(fit, jacobian, np.ones_like(each))
+    return fit.projection.solve(fit.residual) + step[len(fit.z) :]
 
 
-def _least(fit: Fit, slopes: Floats, weight: Floats) -> Floats:
+def _least(fit: Fit, jacobian: Floats, weight: Floats) -> Floats:
     """Where (1) is least: dz and x."""
-    rows, bends = prior_rows(fit.coordinates, fit.z)
+    rows, bends = prior_rows(fit.parameters, fit.z)
     held = np.concatenate([bends**2, 1.0 / fit.projection.sigma**2])
     pull = np.concatenate([bends * rows, np.zeros_like(fit.projection.sigma)])
-    return -Normal.of(slopes, held, weight, NO_WEIGHT).solved(slopes.T @ (weight * fit.residual) + pull)
+    return -NormalEquations.of(jacobian, held, weight, NO_WEIGHT).solved(
+        jacobian.T @ (weight * fit.residual) + pull
+    )

@@ -18,21 +18,21 @@ import numpy as np
 
 from flexarm.diagnosis.evidence import Channel
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.generalised_least_squares import Normal, joint_slopes
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
+from flexarm.diagnosis.problem import Problem
 
 
-def constancy(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> list[dict[str, Any]]:
+def constancy(fit: Fit, problem: Problem, value: Mapping[Channel, float]) -> list[dict[str, Any]]:
     """Each effect's parameters by record; keys as `Diagnosis.constancy` says. Empty for one record."""
-    names = list(observed.records)
+    names = list(problem.records)
     if len(names) < 2 or not len(fit.z):
         return []
     from scipy.stats import chi2
 
-    alone = {name: _alone(fit, observed, value, name) for name in names}
+    alone = {name: _alone(fit, problem, value, name) for name in names}
     found = []
-    for j, coordinate in enumerate(fit.coordinates):
-        prior = coordinate.prior
+    for j, parameter in enumerate(fit.parameters):
+        prior = parameter.prior
         if prior.scale == "uniform":
             continue
         steps = {name: (moved[j], std[j]) for name, (moved, std) in alone.items()}
@@ -45,50 +45,49 @@ def constancy(fit: Fit, observed: Observed, value: Mapping[Channel, float]) -> l
         q = float(weights @ (moved - mean) ** 2)
         z = float(fit.z[j])
         values = {
-            name: (coordinate.value(z + a), abs(coordinate.slope(z + a)) * s)
-            for name, (a, s) in known.items()
+            name: (parameter.value(z + a), abs(parameter.slope(z + a)) * s) for name, (a, s) in known.items()
         }
         spread = max(v for v, _ in values.values()) - min(v for v, _ in values.values())
         p = float(chi2.sf(q, len(known) - 1))
-        size = abs(coordinate.value(z))
-        member = fit.members[coordinate.candidate]
-        constant = p > observed.policy.chance or spread < observed.policy.alike * size
+        size = abs(parameter.value(z))
+        member = fit.members[parameter.candidate]
+        constant = p > problem.policy.chance or spread < problem.policy.alike * size
         found.append(
             {
                 "effect": member.name,
                 "at": member.at,
-                "parameter": coordinate.name,
+                "parameter": parameter.name,
                 "unit": prior.unit,
                 "values": values,
                 "q": q,
                 "p_value": p,
                 "constant": constant,
-                "moves_with": "" if constant else moves_with(observed, values),
+                "moves_with": "" if constant else moves_with(problem, values),
             }
         )
     return found
 
 
 def _alone(
-    fit: Fit, observed: Observed, value: Mapping[Channel, float], name: str
+    fit: Fit, problem: Problem, value: Mapping[Channel, float], name: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """Steps and standard deviations of the parameters from one record, eq. (1)."""
-    slopes, residual, prior = joint_slopes(fit)
-    best = np.concatenate([np.zeros(len(fit.z)), fit.projection.best(fit.residual)])
+    jacobian, residual, prior = joint_jacobian(fit)
+    best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])
     weight = np.zeros(len(residual))
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         if each.record == name:
             weight[where] = 1.0 / value[each.record, each.signal, each.channel]
     prior = prior.copy()
     prior[: len(fit.z)] = 1e-4  # the record alone shall say it
-    inverse = Normal.of(slopes, prior, weight).inverse()
-    gradient = slopes.T @ (weight * residual) + prior * best
+    inverse = NormalEquations.of(jacobian, prior, weight).inverse()
+    gradient = jacobian.T @ (weight * residual) + prior * best
     return -inverse @ gradient, np.sqrt(np.diag(inverse))
 
 
-def moves_with(observed: Observed, values: Mapping[str, tuple[float, float]]) -> str:
+def moves_with(problem: Problem, values: Mapping[str, tuple[float, float]]) -> str:
     """What differs between the records among which a parameter moves."""
-    records = [observed.records[name] for name in values]
+    records = [problem.records[name] for name in values]
     loads = {tuple((k, v.mass) for k, v in record.payloads.items()) for record in records}
     if len(loads) > 1:
         return "payload"

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING
 from flexarm.arm.parameter import parameters, path_of, with_value
 from flexarm.comparison.align import KEPT
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.wording import listed, place_words, scale, signed, with_unit
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ GROWTH = 0.01
 """Growth of the rms gap of a signal, over the larger of gap and noise, that counts as none."""
 
 
-def left_open(
+def restore_unidentifiable(
     arm: Arm,
     updated: Arm,
     refined: tuple[Refined, ...],
@@ -168,29 +168,29 @@ FAR = 4.0
 """Sigmas of a logarithmic prior beyond which a size is one of some ten thousand."""
 
 
-def sizes(fit: Fit) -> Iterator[tuple[int, Coordinate, float]]:
+def sizes(fit: Fit) -> Iterator[tuple[int, TransformedParameter, float]]:
     """Number, coordinate and z of what sizes each effect, unless it is an angle or a load that is none."""
-    for k, (coordinate, z) in enumerate(zip(fit.coordinates, fit.z, strict=True)):
-        member = fit.members[coordinate.candidate]
-        is_size = fit.key(k)[2] == member.free[0] and coordinate.prior.scale != "uniform"
+    for k, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
+        member = fit.members[parameter.candidate]
+        is_size = fit.key(k)[2] == member.free[0] and parameter.prior.scale != "uniform"
         if is_size and not (z < 0 and member.effect.may_vanish):
-            yield k, coordinate, float(z)
+            yield k, parameter, float(z)
 
 
-def far_out(fit: Fit) -> bool:
+def has_implausible_size(fit: Fit) -> bool:
     """Whether the size of an effect is beyond `FAR` sigmas of a logarithmic prior."""
     return any(each.prior.scale == "log" and abs(z) > FAR for _, each, z in sizes(fit))
 
 
-def at_ends(fit: Fit) -> list[str]:
+def estimates_at_bounds(fit: Fit) -> list[str]:
     """Words on each effect of which the size is where fits end."""
     found = []
-    for k, coordinate, z in sizes(fit):
-        if abs(z) > NEAR * coordinate.bound:
+    for k, parameter, z in sizes(fit):
+        if abs(z) > NEAR * parameter.bound:
             *place, name = fit.key(k)
-            prior = coordinate.prior
+            prior = parameter.prior
             value, low, high = (
-                with_unit(each, prior.unit) for each in (coordinate.value(z), prior.low, prior.high)
+                with_unit(each, prior.unit) for each in (parameter.value(z), prior.low, prior.high)
             )
             found.append(
                 f"{name} of {place_words(*place)} rests where fits end, at {value} (95 % of machines have "
@@ -199,7 +199,7 @@ def at_ends(fit: Fit) -> list[str]:
     return found
 
 
-def ends_sentence(fit: Fit) -> str:
+def bound_sentence(fit: Fit) -> str:
     """The same as a sentence of what remains; empty where no effect is at an end."""
-    found = at_ends(fit)
+    found = estimates_at_bounds(fit)
     return f"What fits best has a value that no machine has: {listed(found)}." if found else ""

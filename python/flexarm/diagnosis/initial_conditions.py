@@ -26,7 +26,7 @@ from flexarm.drive.lead_in import LEAD
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.problem import Observed
+    from flexarm.diagnosis.problem import Problem
 
 
 MODES = 3
@@ -42,7 +42,7 @@ SEEN, OWN = 3.0, 0.03
 
 
 @dataclass(frozen=True)
-class Start:
+class InitialCondition:
     """A jerk of a joint's drive before a record.
 
     Attributes
@@ -67,32 +67,36 @@ class Start:
         return f"records.{self.record}.start.{self.joint} {self.width:.3g} s {self.before:.3g} s"
 
 
-def starts_of(observed: Observed, arm: Arm) -> tuple[Start, ...]:
+def find_initial_conditions(problem: Problem, arm: Arm) -> tuple[InitialCondition, ...]:
     """Those of the records that begin in motion, for the modes of a model."""
-    found: list[Start] = []
-    for name, record in observed.records.items():
+    found: list[InitialCondition] = []
+    for name, record in problem.records.items():
         if record.initial != "moving" or record.kind == "static":
             continue
-        drive = observed.runs.drive(name, record.applied_to(arm))
+        drive = problem.simulations.drive(name, record.applied_to(arm))
         if drive.lead > 0:
-            found += _independent(observed, arm, _possible(name, record.applied_to(arm), drive))
+            found += _independent(problem, arm, _possible(name, record.applied_to(arm), drive))
     return tuple(found)
 
 
-def start_slopes(observed: Observed, arm: Arm, starts: Sequence[Start]) -> Floats:
+def initial_condition_jacobian(
+    problem: Problem, arm: Arm, initial_conditions: Sequence[InitialCondition]
+) -> Floats:
     """Columns of (1), shape (n, len(starts)); zero for records that are not observed."""
-    found = np.zeros((len(observed), len(starts)))
-    mine = [k for k, start in enumerate(starts) if start.record in observed.records]
-    finer = observed.with_step(observed.step / FINER)
+    found = np.zeros((len(problem), len(initial_conditions)))
+    mine = [k for k, start in enumerate(initial_conditions) if start.record in problem.records]
+    finer = problem.with_step(problem.step / FINER)
     before = finer.residual(arm) if mine else np.zeros(0)
     for k in mine:
         after = before.copy()
-        finer.put(after, starts[k].record, finer.runs.jerked(starts[k], arm, HEIGHT))
+        finer.put(
+            after, initial_conditions[k].record, finer.simulations.jerked(initial_conditions[k], arm, HEIGHT)
+        )
         found[:, k] = (after - before) / HEIGHT  # eq. (1)
     return found
 
 
-def _possible(name: str, arm: Arm, drive: Drive) -> list[Start]:
+def _possible(name: str, arm: Arm, drive: Drive) -> list[InitialCondition]:
     """Jerks of every drive for every mode about the pose in which the record begins."""
     from flexarm.modal import modes
 
@@ -102,21 +106,23 @@ def _possible(name: str, arm: Arm, drive: Drive) -> list[Start]:
     except (InvalidParameter, NotConverged):
         return []
     return [
-        Start(name, joint, before, width, "m" if arm.joint(joint).type == "prismatic" else "rad")
+        InitialCondition(name, joint, before, width, "m" if arm.joint(joint).type == "prismatic" else "rad")
         for width in np.minimum(0.5 / frequencies, LEAD / 2).tolist()
         for joint in drive.joints
         for before in (0.0, width / 2)
     ]
 
 
-def _independent(observed: Observed, arm: Arm, starts: Sequence[Start]) -> list[Start]:
+def _independent(
+    problem: Problem, arm: Arm, initial_conditions: Sequence[InitialCondition]
+) -> list[InitialCondition]:
     """Those that leave something of their own, by elimination with column pivoting."""
     from scipy.linalg import qr
 
-    if not starts:
+    if not initial_conditions:
         return []
-    columns = SIGMA * start_slopes(observed, arm, starts)
+    columns = SIGMA * initial_condition_jacobian(problem, arm, initial_conditions)
     _, R, order = qr(columns, mode="economic", pivoting=True)
     own = np.abs(np.diag(R))
     kept = order[: int(np.sum((own > SEEN) & (own > OWN * own[0])))]
-    return [starts[k] for k in sorted(kept)]
+    return [initial_conditions[k] for k in sorted(kept)]

@@ -26,7 +26,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.slopes import predict_slopes
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.problem import Observed
+    from flexarm.diagnosis.problem import Problem
 
 
 PART = 3e-4
@@ -40,49 +40,49 @@ SHIFT = 1e-4
 
 
 def differences(
-    observed: Observed, arm: Arm, keys: Sequence[str], steps: Mapping[str, float] = MappingProxyType({})
+    problem: Problem, arm: Arm, keys: Sequence[str], steps: Mapping[str, float] = MappingProxyType({})
 ) -> Floats:
     """From runs with each parameter a little larger and smaller, of points from (1); shape (n, len(keys)).
 
     `steps` are those of some parameters, if not small.
     """
-    found = np.zeros((len(observed), len(keys)))
+    found = np.zeros((len(problem), len(keys)))
     wanted = parameters(arm, list(keys))
-    seen = {p.key for p in wanted if _only_seen(observed, p.key)}
+    seen = {p.key for p in wanted if _only_seen(problem, p.key)}
     pairs = {p.key: neighbours(arm, p, steps.get(p.key), PART) for p in wanted if p.key not in seen}
-    observed.prepare(model for pair in pairs.values() for model, _ in pair)
+    problem.prepare(model for pair in pairs.values() for model, _ in pair)
     for k, key in enumerate(p.key for p in wanted):
         if key in seen:
-            found[:, k] = _point_slope(observed, arm, key)
+            found[:, k] = _point_slope(problem, arm, key)
         else:
             (above, up), (below, down) = pairs[key]
-            found[:, k] = (observed.residual(above) - observed.residual(below)) / (up - down)
+            found[:, k] = (problem.residual(above) - problem.residual(below)) / (up - down)
     return found
 
 
-def pose_slopes(observed: Observed, arm: Arm, keys: Sequence[str]) -> Floats | None:
+def static_jacobian(problem: Problem, arm: Arm, keys: Sequence[str]) -> Floats | None:
     """From the derivatives of equilibria, shape (n, len(keys)).
 
     None where records are motions, orientations are measured, or a law has no derivative.
     """
-    records = observed.records
-    signals = {(each.record, each.signal) for each in observed.rows}
+    records = problem.records
+    signals = {(each.record, each.signal) for each in problem.rows}
     if any(
         records[record].kind != "static" or records[record].signals[signal].quantity == "orientation"
         for record, signal in signals
     ):
         return None
-    found = np.empty((len(observed), len(keys)))
+    found = np.empty((len(problem), len(keys)))
     try:
         for name in records:
-            _put_pose_slopes(found, observed, arm, name, list(keys))
+            _put_pose_slopes(found, problem, arm, name, list(keys))
     except InvalidParameter:
         return None
     return found
 
 
-def _put_pose_slopes(found: Floats, observed: Observed, arm: Arm, name: str, keys: list[str]) -> None:
-    record, placement = observed.records[name], observed.placement[name]
+def _put_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys: list[str]) -> None:
+    record, placement = problem.records[name], problem.placement[name]
     run = solve_poses(record.applied_to(arm), record, sensitivities=keys)
     stamps = pose_numbers(record)
 
@@ -91,34 +91,34 @@ def _put_pose_slopes(found: Floats, observed: Observed, arm: Arm, name: str, key
         frame = placement.frame(signal)
         return -predict_slopes(run, signal, registration=frame, stamps=stamps[name])
 
-    put_over_noise(found, observed.rows_of(name), of_signal)
+    put_over_noise(found, problem.rows_of(name), of_signal)
 
 
-def _only_seen(observed: Observed, key: str) -> bool:
+def _only_seen(problem: Problem, key: str) -> bool:
     """Whether a parameter is the place of a point of which only positions are measured."""
     table, name, *_ = key.split(".")
     if table != "points":
         return False
-    records = observed.records.values()
+    records = problem.records.values()
     signals = [s for record in records for s in record.signals.values() if s.point == name]
     return all(signal.quantity == "position" for signal in signals)
 
 
-def _point_slope(observed: Observed, arm: Arm, key: str) -> Floats:
+def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
     """Derivative by the place of a point in its link."""
     _, point, _, axis = key.split(".")
-    found = np.zeros(len(observed))
-    for name, record in observed.records.items():
-        pair = observed.runs.beside(name, arm)
-        rows = [row for row in observed.rows_of(name) if record.signals[row.signal].point == point]
+    found = np.zeros(len(problem))
+    for name, record in problem.records.items():
+        pair = problem.simulations.beside(name, arm)
+        rows = [row for row in problem.rows_of(name) if record.signals[row.signal].point == point]
         run = pair.simulation
         i = run.points.index(point)
         move = np.zeros_like(run.position)
         move[:, i] = _turned(run.orientation[:, i], "xyz".index(axis))  # eq. (1)
-        ends = np.zeros((2, len(observed)))
+        ends = np.zeros((2, len(problem)))
         for end, shift in zip(ends, (SHIFT, -SHIFT), strict=True):
             shifted = replace(run, position=run.position + shift * move)
-            observed.put(end, name, replace(pair, simulation=shifted), rows)
+            problem.put(end, name, replace(pair, simulation=shifted), rows)
         found += (ends[0] - ends[1]) / (2 * SHIFT)
     return found
 

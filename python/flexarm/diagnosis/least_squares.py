@@ -29,11 +29,11 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.parameters import Coordinate, members_at, prior_rows
+from flexarm.diagnosis.parameters import TransformedParameter, members_at, prior_rows
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.estimator import Fitter
+    from flexarm.diagnosis.estimator import Estimator
     from flexarm.diagnosis.fit import Fit
 
 
@@ -66,21 +66,21 @@ class LeastSquares:
 
     def __init__(
         self,
-        fitter: Fitter,
+        estimator: Estimator,
         members: tuple[Candidate, ...],
-        coordinates: tuple[Coordinate, ...],
+        parameters: tuple[TransformedParameter, ...],
         projection: Projection,
         nearby: Fit | None = None,
     ) -> None:
-        self.fitter, self.members = fitter, members
-        self.coordinates, self.projection, self.nearby = coordinates, projection, nearby
+        self.estimator, self.members = estimator, members
+        self.parameters, self.projection, self.nearby = parameters, projection, nearby
         self._raw: dict[bytes, Floats] = {}
         self._slopes: dict[bytes, Floats] = {}
         self._differences: dict[bytes, Floats] = {}
         self._last: Floats | None = None
         self._least, self._limit, self.given_up = inf, inf, False
 
-    def solved(
+    def solve(
         self,
         start: Floats,
         evaluations: int = EVALUATIONS,
@@ -96,17 +96,17 @@ class LeastSquares:
         """
         from scipy.optimize import least_squares
 
-        self.raw(start)  # an error here is the caller's
-        if not self.coordinates:
+        self.residual(start)  # an error here is the caller's
+        if not self.parameters:
             return start
-        bounds = np.array([c.bound for c in self.coordinates])
-        finest = float(min(self._steps(start) / [c.widest_step for c in self.coordinates]))
+        bounds = np.array([c.bound for c in self.parameters])
+        finest = float(min(self._steps(start) / [c.widest_step for c in self.parameters]))
         self._limit = limit
         try:
             found = least_squares(
-                self.rows,
+                self.objective_rows,
                 np.clip(start, -0.99 * bounds, 0.99 * bounds),
-                self.jacobian,
+                self.objective_jacobian,
                 bounds=(-bounds, bounds),
                 x_scale=1.0,
                 max_nfev=evaluations,
@@ -122,34 +122,34 @@ class LeastSquares:
 
     def z_of(self, members: Sequence[Candidate]) -> Floats:
         """Their parameters."""
-        return np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in self.coordinates])
+        return np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in self.parameters])
 
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
         """The effects with these parameters."""
-        return members_at(self.members, self.coordinates, z)
+        return members_at(self.members, self.parameters, z)
 
-    def raw(self, z: Floats) -> Floats:
+    def residual(self, z: Floats) -> Floats:
         """Residuals of the model."""
         key = z.tobytes()
         if key not in self._raw:
-            self._raw[key] = self.fitter.residual(self.members_at(z))
+            self._raw[key] = self.estimator.residual(self.members_at(z))
         return self._raw[key]
 
-    def rows(self, z: Floats) -> Floats:
+    def objective_rows(self, z: Floats) -> Floats:
         """Rows of (1); where nothing can be simulated, the sum is so large that the step is taken back."""
         try:
-            rest = self.projection.rest(self.raw(z))
+            rest = self.projection.project(self.residual(z))
         except (NotConverged, InvalidParameter):
-            return np.full(len(self.fitter.observed) + self.projection.added + len(z), 1e4)
-        return np.concatenate([rest, prior_rows(self.coordinates, z)[0]])
+            return np.full(len(self.estimator.problem) + self.projection.added + len(z), 1e4)
+        return np.concatenate([rest, prior_rows(self.parameters, z)[0]])
 
-    def jacobian(self, z: Floats) -> Floats:
+    def objective_jacobian(self, z: Floats) -> Floats:
         """Derivatives of the rows, where a step has led; the fit ends here if it stays above its limit."""
         found = np.vstack(
-            [self.projection.rest(self.slopes_at(z)), np.diag(prior_rows(self.coordinates, z)[1])]
+            [self.projection.project(self.jacobian_at(z)), np.diag(prior_rows(self.parameters, z)[1])]
         )
         if self._limit < inf:
-            self._see_whether_near(self.rows(z), found)
+            self._see_whether_near(self.objective_rows(z), found)
         return found
 
     def _see_whether_near(self, rows: Floats, jacobian: Floats) -> None:
@@ -160,7 +160,7 @@ class LeastSquares:
         if least - MORE * falls > self._limit:
             raise _FarOff
 
-    def slopes_at(self, z: Floats) -> Floats:
+    def jacobian_at(self, z: Floats) -> Floats:
         """Derivatives of the residuals by z, eq. (2) where that is enough."""
         key = z.tobytes()
         if key not in self._slopes:
@@ -186,10 +186,10 @@ class LeastSquares:
             return {}
         there = {self.nearby.key(k): k for k in range(len(self.nearby.z))}
         found = {}
-        for k, coordinate in enumerate(self.coordinates):
-            i = there.get((*self.members[coordinate.candidate].place, coordinate.name))
+        for k, parameter in enumerate(self.parameters):
+            i = there.get((*self.members[parameter.candidate].place, parameter.name))
             if i is not None and abs(z[k] - self.nearby.z[i]) < TAKEN_OVER:
-                found[k] = self.nearby.slopes[:, i]
+                found[k] = self.nearby.jacobian[:, i]
         return found
 
     def _updated(self, z: Floats) -> Floats | None:
@@ -200,12 +200,12 @@ class LeastSquares:
         assert self._last is not None
         if len(z) == 1:
             return None
-        slopes, dz = self._slopes[self._last.tobytes()], z - self._last
-        step = self.raw(z) - self.raw(self._last)
-        missed = step - slopes @ dz
+        jacobian, dz = self._slopes[self._last.tobytes()], z - self._last
+        step = self.residual(z) - self.residual(self._last)
+        missed = step - jacobian @ dz
         if float(missed @ missed) > FORETOLD**2 * float(step @ step):
             return None
-        updated: Floats = slopes + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
+        updated: Floats = jacobian + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
         return updated
 
     def differences(self, z: Floats) -> Floats:
@@ -221,40 +221,40 @@ class LeastSquares:
 
     def _columns(self, z: Floats, which: Sequence[int]) -> Floats:
         """Differences by some parameters, shape (n, len(which))."""
-        here, steps = self.raw(z), self._steps(z)
+        here, steps = self.residual(z), self._steps(z)
         ahead = z + np.diag(steps)
         models = (self._arm(ahead[k]) for k in which)
-        self.fitter.observed.prepare(arm for arm in models if arm is not None)
+        self.estimator.problem.prepare(arm for arm in models if arm is not None)
         columns = [self._column(z, k, float(steps[k]), here) for k in which]
         return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
 
     def _arm(self, z: Floats) -> Arm | None:
         try:
-            return self.fitter.with_effects(self.members_at(z))
+            return self.estimator.with_effects(self.members_at(z))
         except InvalidParameter:
             return None
 
     def _exact(self, z: Floats) -> Floats | None:
         """The same of laws without corners in poses, which have derivatives of their own."""
-        names = [(self.members[c.candidate], c.name) for c in self.coordinates]
+        names = [(self.members[c.candidate], c.name) for c in self.parameters]
         arm = self._arm(z)
-        if not names or arm is None or not all(c.smooth for c in self.coordinates):
+        if not names or arm is None or not all(c.smooth for c in self.parameters):
             return None
         keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
-        found = self.fitter.observed.pose_slopes(arm, keys)
-        slope = [c.slope(float(x)) for c, x in zip(self.coordinates, z, strict=True)]
+        found = self.estimator.problem.static_jacobian(arm, keys)
+        slope = [c.slope(float(x)) for c, x in zip(self.parameters, z, strict=True)]
         return None if found is None else found * slope
 
     def _steps(self, z: Floats) -> Floats:
-        seconds = self.fitter.observed.seconds
-        return np.array([c.step(float(x), seconds) for c, x in zip(self.coordinates, z, strict=True)])
+        seconds = self.estimator.problem.seconds
+        return np.array([c.step(float(x), seconds) for c, x in zip(self.parameters, z, strict=True)])
 
     def _column(self, z: Floats, k: int, ahead: float, here: Floats) -> Floats:
         for step in (ahead, -ahead):
             there = z.copy()
             there[k] += step
             try:
-                found: Floats = (self.raw(there) - here) / step
+                found: Floats = (self.residual(there) - here) / step
             except (NotConverged, InvalidParameter):
                 continue
             return found

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.measurement.outliers import SMOOTH, beyond_range_of_others, deviation_from_median, nearby
 from flexarm.record import Record
 
@@ -34,11 +34,11 @@ MOST = 0.15
 """Of the rows of a channel: where more are off, that is what the channel does."""
 
 
-def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
+def strays(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
     """Rows of motions that are strays by (1) in what a model leaves, shape (n,)."""
-    found = np.zeros(len(observed), dtype=bool)
-    for each, where in observed.channels():
-        record = observed.records[each.record]
+    found = np.zeros(len(problem), dtype=bool)
+    for each, where in problem.channels():
+        record = problem.records[each.record]
         if record.kind == "static":
             continue
         values = rest[where][:, None]
@@ -46,7 +46,7 @@ def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
         if not len(rows):
             continue
         size = np.abs(off)
-        least = observed.policy.outlier
+        least = problem.policy.outlier
         far = ((size > least * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (1)
         if far.any() and record.signals[each.signal].quantity not in SMOOTH:
             far &= beyond_range_of_others(values, far)
@@ -57,20 +57,20 @@ def strays(rest: Floats, observed: Observed) -> NDArray[np.bool_]:
 
 def hidden_strays(best: Fit, criteria: Criteria) -> NDArray[np.bool_]:
     """Strays without which a model leaves no gap; none where it leaves none anyhow, or one all the same."""
-    observed = criteria.observed
-    nothing = np.zeros(len(observed), dtype=bool)
+    problem = criteria.problem
+    nothing = np.zeros(len(problem), dtype=bool)
     if not criteria.leaves_gap(best):
         return nothing
-    found = strays(best.rest, observed)
-    rest = best.rest.copy()
+    found = strays(best.projected, problem)
+    rest = best.projected.copy()
     rest[np.flatnonzero(found)] = 0.0
-    return nothing if criteria.leaves_gap(replace(best, rest=rest)) else found
+    return nothing if criteria.leaves_gap(replace(best, projected=rest)) else found
 
 
-def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], observed: Observed) -> dict[str, Record]:
+def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Problem) -> dict[str, Record]:
     """Records without the readings of a mask of rows, in all their channels."""
     found = dict(records)
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         record = found[each.record]
         values = record.signals[each.signal].values.copy()
         values[np.flatnonzero(each.kept)[out[where]]] = np.nan
@@ -79,10 +79,10 @@ def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], observed: Ob
     return found
 
 
-def strays_told(found: NDArray[np.bool_], observed: Observed) -> list[str]:
+def strays_told(found: NDArray[np.bool_], problem: Problem) -> list[str]:
     """A sentence for each signal of a record that has some."""
     counts: dict[tuple[str, str], int] = {}
-    for each, where in observed.channels():
+    for each, where in problem.channels():
         key = (each.signal, each.record)
         counts[key] = counts.get(key, 0) + int(found[where].sum())
     return [

@@ -36,24 +36,24 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, value_of
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.parameters import Coordinate, members_at, prior_rows
+from flexarm.diagnosis.parameters import TransformedParameter, members_at, prior_rows
 from flexarm.errors import InvalidParameter, NotConverged
 
 
-def evaluated(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def linearised(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """A fit as (1) needs it, with all derivatives of one model, and the fitter about that."""
-    if fitter.members != fit.members:
-        fitter = fitter.about(fit)
-    elif fit.projection is fitter.eliminated(fit.members)[1]:
-        return fit, fitter
-    return fitter.evaluated(fit.members), fitter
+    if estimator.members != fit.members:
+        estimator = estimator.about(fit)
+    elif fit.projection is estimator.eliminated(fit.members)[1]:
+        return fit, estimator
+    return estimator.linearised(fit.members), estimator
 
 
-def stepped(
-    fit: Fit, fitter: Fitter, anew: bool = True, part: float = 1.0, limit: float = inf
-) -> tuple[Fit, Fitter]:
+def gauss_newton_step(
+    fit: Fit, estimator: Estimator, anew: bool = True, part: float = 1.0, limit: float = inf
+) -> tuple[Fit, Estimator]:
     """The fit after a step of (1), or a part of it, from an evaluated one, and the fitter that made it.
 
     Its derivatives by unknowns are taken `anew`, or kept where they foretell the step. A fit that would stay
@@ -65,34 +65,34 @@ def stepped(
         If there is no such model.
     """
     dz = _least(fit)
-    members = members_at(fit.members, fit.coordinates, fit.z + part * dz)
-    ahead = replace(fit, members=members, residual=fit.residual + fit.slopes @ dz)  # where x is after dz
-    about = fitter.about(ahead, part) if anew else fitter.towards(ahead, part)
+    members = members_at(fit.members, fit.parameters, fit.z + part * dz)
+    ahead = replace(fit, members=members, residual=fit.residual + fit.jacobian @ dz)  # where x is after dz
+    about = estimator.about(ahead, part) if anew else estimator.towards(ahead, part)
     return about.fit(members, limit=limit, nearby=fit), about
 
 
-def foretold(fit: Fit) -> float:
+def predicted_decrease(fit: Fit) -> float:
     """By how much the objective of an evaluated fit falls in a step, to first order."""
     dz = _least(fit)
-    rest = fit.projection.rest(fit.residual + fit.slopes @ dz)
-    ahead = float(rest @ rest) + float(np.sum(prior_rows(fit.coordinates, fit.z + dz)[0] ** 2))
+    rest = fit.projection.project(fit.residual + fit.jacobian @ dz)
+    ahead = float(rest @ rest) + float(np.sum(prior_rows(fit.parameters, fit.z + dz)[0] ** 2))
     return objective(fit) - ahead
 
 
 def objective(fit: Fit) -> float:
     """What (1) makes least."""
-    return fit.cost + float(np.sum(prior_rows(fit.coordinates, fit.z)[0] ** 2))
+    return fit.cost + float(np.sum(prior_rows(fit.parameters, fit.z)[0] ** 2))
 
 
 def _least(fit: Fit) -> Floats:
     """dz of (1), cut where z would leave its bounds."""
-    rows, slopes = prior_rows(fit.coordinates, fit.z)
+    rows, jacobian = prior_rows(fit.parameters, fit.z)
     found = np.linalg.lstsq(
-        np.vstack([fit.projection.rest(fit.slopes), np.diag(slopes)]),
-        -np.concatenate([fit.projection.rest(fit.residual), rows]),
+        np.vstack([fit.projection.project(fit.jacobian), np.diag(jacobian)]),
+        -np.concatenate([fit.projection.project(fit.residual), rows]),
         rcond=None,
     )[0]
-    bounds = np.array([c.bound for c in fit.coordinates])
+    bounds = np.array([c.bound for c in fit.parameters])
     return np.asarray(np.clip(fit.z + found, -bounds, bounds) - fit.z)
 
 
@@ -104,15 +104,15 @@ MOVES = 4
 """Most moves of one size."""
 
 
-def stepped_over(fit: Fit, fitter: Fitter) -> tuple[Candidate, ...]:
+def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
     """The effects of a fit where steps along cornered laws lead down to; as they are if none does."""
-    cornered = [j for j, c in enumerate(fit.coordinates) if not c.smooth]
+    cornered = [j for j, c in enumerate(fit.parameters) if not c.smooth]
     if not cornered:
         return fit.members
-    problem = fitter.problem(fit.members)
+    solver = estimator.solver(fit.members)
 
     def height(z: Floats) -> float:
-        return float(np.sum(problem.rows(z) ** 2))
+        return float(np.sum(solver.objective_rows(z) ** 2))
 
     z, least = fit.z, height(fit.z)
     for part in STEPS:
@@ -120,30 +120,30 @@ def stepped_over(fit: Fit, fitter: Fitter) -> tuple[Candidate, ...]:
             tried = [
                 z + step * np.eye(len(z))[j]
                 for j in cornered
-                for step in _steps(part, fit.coordinates[j], float(z[j]))
+                for step in _steps(part, fit.parameters[j], float(z[j]))
             ]
-            fitter.observed.prepare(fitter.with_effects(problem.members_at(there)) for there in tried)
+            estimator.problem.prepare(estimator.with_effects(solver.members_at(there)) for there in tried)
             heights = [height(there) for there in tried]
             if min(heights, default=least) >= least:
                 break
             least = min(heights)
             z = tried[heights.index(least)]
-    return problem.members_at(z)
+    return solver.members_at(z)
 
 
-def _steps(part: float, coordinate: Coordinate, z: float) -> list[float]:
+def _steps(part: float, parameter: TransformedParameter, z: float) -> list[float]:
     """Steps of z by such parts of the parameter, up and down, within its bounds."""
-    step = abs(part * coordinate.value(z) / coordinate.slope(z))
+    step = abs(part * parameter.value(z) / parameter.slope(z))
     both = [sign * k * step for k in range(1, AHEAD + 1) for sign in (1, -1)]
-    return [each for each in both if abs(z + each) <= coordinate.bound]
+    return [each for each in both if abs(z + each) <= parameter.bound]
 
 
 TIMES = tuple(np.geomspace(0.4, 2.5, 12).tolist())
 """Values of a gap over the one that was found; the series steps over it, as it is known."""
 
 
-def scanned(fit: Fit, fitter: Fitter) -> Fit | None:
-    """A fit from the best of several starts in the parameter whose misfit has several minima.
+def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
+    """A fit from the best of several initial_conditions in the parameter whose misfit has several minima.
 
     None where the model has no such parameter, or no value is better than its own.
     """
@@ -153,11 +153,11 @@ def scanned(fit: Fit, fitter: Fitter) -> Fit | None:
     key = str(fit.members[k].effect.multistart)
     value = value_of(fit.members[k].effect, key)
     tried = [_with_value(fit.members, k, key, times * value) for times in TIMES]
-    fitter.observed.prepare(fitter.with_effects(members) for members in tried)
-    best = min(tried, key=lambda members: _left(members, fitter))
-    if _left(best, fitter) >= fit.cost:
+    estimator.problem.prepare(estimator.with_effects(members) for members in tried)
+    best = min(tried, key=lambda members: _left(members, estimator))
+    if _left(best, estimator) >= fit.cost:
         return None
-    return fitter.fit(best)
+    return estimator.fit(best)
 
 
 def _with_value(members: Sequence[Candidate], k: int, key: str, value: float) -> tuple[Candidate, ...]:
@@ -165,10 +165,10 @@ def _with_value(members: Sequence[Candidate], k: int, key: str, value: float) ->
     return (*members[:k], moved, *members[k + 1 :])
 
 
-def _left(members: Sequence[Candidate], fitter: Fitter) -> float:
+def _left(members: Sequence[Candidate], estimator: Estimator) -> float:
     """C; infinite where nothing can be simulated."""
     try:
-        rest = fitter.eliminated(members)[1].rest(fitter.residual(members))
+        rest = estimator.eliminated(members)[1].project(estimator.residual(members))
     except (InvalidParameter, NotConverged):
         return np.inf
     return float(rest @ rest)

@@ -19,10 +19,10 @@ import numpy as np
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.cross_validation import missed
+from flexarm.diagnosis.cross_validation import press_rms
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.named_effects import Alternative, NamedEffect, Rejected
@@ -35,23 +35,23 @@ UNUSUAL = 3.0
 
 
 def evidence_sentence(
-    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, observed: Observed
+    choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, problem: Problem
 ) -> str:
     """What speaks for effect k of a choice, and what does not; one sentence for a person."""
     best = choice.best
-    text = _shrinking(choice, k, observed)
+    text = _shrinking(choice, k, problem)
     if choice.rivals[k]:
         rival = choice.rivals[k][0]
         text += f"; next is {place_words(*rival.candidate.place)}, {_behind(rival.behind, choice.needed[k])}"
     if open_gap:
-        with_it, without = (number(missed(fit, observed), 2) for fit in (best, choice.null))
+        with_it, without = (number(press_rms(fit, problem), 2) for fit in (best, choice.null))
         they = "it" if len(best.members) == 1 else "all of them"
         text += (
             f"; parts of the data that are left out of the fit are missed by {with_it} times the noise with "
             f"{they}, by {without} without"
         )
-    if Criteria(observed, choice.null).in_conflict(best):
-        worst = "".join(_strained(best, observed.policy.pull))
+    if Criteria(problem, choice.null).in_conflict(best):
+        worst = "".join(_strained(best, problem.policy.pull))
         text += f"; even with it {worst}, so that something else may be missing"
     text += "".join(f"; {said}" for said in _unusual(best, k))
     for each in moving:
@@ -61,14 +61,14 @@ def evidence_sentence(
     return text + "."
 
 
-def _shrinking(choice: Choice, k: int, observed: Observed) -> str:
+def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
     """What an effect does: the first one with the gap that all close and what they spare the model."""
     members = [place_words(each.name, each.at) for each in choice.best.members]
     alone = len(members) == 1
-    before = max(above_noise(choice.null.rest, observed, choice.null.has_corners).values())
-    after = max(above_noise(choice.best.rest, observed, choice.best.has_corners).values())
+    before = max(above_noise(choice.null.projected, problem, choice.null.non_smooth).values())
+    after = max(above_noise(choice.best.projected, problem, choice.best.non_smooth).values())
     it = "it" if alone or k else members[k]
-    stated = observed.arm.effect(choice.best.members[k].name, choice.best.members[k].at) is not None
+    stated = problem.arm.effect(choice.best.members[k].name, choice.best.members[k].at) is not None
     over = f"with {it} as stated" if stated else f"without {it}"
     gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model {over})"
     if k:
@@ -106,23 +106,23 @@ def _factor(log_bayes: float) -> str:
 
 def _strained(fit: Fit, beyond: float) -> Iterator[str]:
     """What a model must assume of a clock, a frame or a nominal value, if that is beyond so many sigmas."""
-    if not len(fit.unknowns.each):
+    if not len(fit.nuisance.parameters):
         return
-    pulls = np.abs(fit.projection.best(fit.residual)) / fit.unknowns.sigma
+    pulls = np.abs(fit.projection.solve(fit.residual)) / fit.nuisance.sigma
     worst = int(np.argmax(pulls))
-    unknown = fit.unknowns.each[worst]
+    unknown = fit.nuisance.parameters[worst]
     if pulls[worst] > beyond:
         yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:
     """Parameters of an effect that are far from those of other machines."""
-    for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
-        if coordinate.candidate == k and abs(z) > UNUSUAL and coordinate.prior.scale != "uniform":
-            prior, value = coordinate.prior, coordinate.value(float(z))
+    for parameter, z in zip(fit.parameters, fit.z, strict=True):
+        if parameter.candidate == k and abs(z) > UNUSUAL and parameter.prior.scale != "uniform":
+            prior, value = parameter.prior, parameter.value(float(z))
             low, high = (with_unit(end, prior.unit) for end in (prior.low, prior.high))
             yield (
-                f"its {coordinate.name} of {with_unit(value, prior.unit)} is unusual, 95 % of machines have "
+                f"its {parameter.name} of {with_unit(value, prior.unit)} is unusual, 95 % of machines have "
                 f"{low} to {high}"
             )
 
@@ -142,15 +142,15 @@ def named_effects(
     sizes: Estimates,
     drifts: Sequence[Drift],
     open_gap: bool,
-    observed: Observed,
+    problem: Problem,
     coarse: bool = False,
 ) -> tuple[NamedEffect, ...]:
     """The chosen effects, each with its rivals within reach, the most probable first.
 
     `coarse` says that an encoder counts in steps that matter.
     """
-    policy = observed.policy
-    doubtful = open_gap or coarse or Criteria(observed, choice.null).in_conflict(choice.best)
+    policy = problem.policy
+    doubtful = open_gap or coarse or Criteria(problem, choice.null).in_conflict(choice.best)
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
@@ -161,7 +161,7 @@ def named_effects(
             Alternative(rival.candidate.name, rival.candidate.at, p)
             for rival, p in zip(near, odds[1:], strict=True)
         )
-        evidence = evidence_sentence(choice, k, moving, open_gap, observed)
+        evidence = evidence_sentence(choice, k, moving, open_gap, problem)
         if coarse:
             evidence = f"{evidence.removesuffix('.')}; {LOST}."
         found.append(NamedEffect(member.name, member.at, first, sizes.effects[k], alternatives, evidence))
@@ -174,7 +174,7 @@ def _moves(drift: Drift, member: Candidate) -> bool:
     return (drift["effect"], drift["at"], drift["parameter"]) == first and not drift["constant"]
 
 
-def rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
+def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
     """Rivals out of reach, and what was tried on the way; alternatives are neither."""
     found: dict[tuple[str, str], Rejected] = {}
     near = {rival.candidate.place for rivals in choice.rivals for rival in rivals if rival.within_reach}
@@ -187,7 +187,7 @@ def rejected(choice: Choice, observed: Observed) -> tuple[Rejected, ...]:
     for fit, _ in choice.tried:
         for place in fit.places:
             if place not in chosen and place not in found:
-                behind = log_bayes_factor(fit, choice.best, observed, choice.value)
-                if behind < -observed.policy.reach:
+                behind = log_bayes_factor(fit, choice.best, problem, choice.value)
+                if behind < -problem.policy.reach:
                     found[place] = Rejected(*place, behind, ON_THE_WAY)
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))

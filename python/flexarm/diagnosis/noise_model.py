@@ -20,7 +20,7 @@ else seem to lack something.
 
 What finer time steps still move where laws have corners.
 
-What steps of length h miss is extrapolated (`Observed.correction`): the method is of order two. Teeth that
+What steps of length h miss is extrapolated (`Problem.correction`): the method is of order two. Teeth that
 bounce do not follow any order. After some hits the motions of two steps part as those of two machines
 would, and no step is fine enough. With r(h) the residual and
 
@@ -43,9 +43,9 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
-from flexarm.diagnosis.fit import FAILED
-from flexarm.diagnosis.problem import Observed, extrapolated
-from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.diagnosis.fit import FIT_ERRORS
+from flexarm.diagnosis.problem import Problem, extrapolated
+from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.smoothing import smooth
 from flexarm.record import Record
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from flexarm.record import Signal
 
 
-def with_noise_of(
+def impute_noise(
     training: Mapping[str, Record], held_out: Mapping[str, Record]
 ) -> tuple[dict[str, Record], list[str]]:
     """The held-out records with the noise of signals of the training, and sentences that say so.
@@ -101,59 +101,59 @@ SEED = 0
 """Of n: the same for all models, so that they are judged alike."""
 
 
-def allow_for_drives(observed: Observed, arm: Arm) -> None:
+def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
     """Counts what (1) does to each of `rows` beside a model, where that is more than was known."""
     rng = np.random.default_rng(SEED)
-    with suppress(*FAILED):
-        errors = [_squared_error(observed, arm, rng)]
+    with suppress(*FIT_ERRORS):
+        errors = [_squared_error(problem, arm, rng)]
         if errors[0].max(initial=0.0) < DRIVE_ERROR_COUNTS**2:
             return
-        errors += [_squared_error(observed, arm, rng) for _ in range(DRAWS - 1)]
+        errors += [_squared_error(problem, arm, rng) for _ in range(DRAWS - 1)]
         square = np.mean(errors, axis=0).tolist()
-        rows = zip(observed.rows, square, strict=True)
-        observed.rows = tuple(replace(each, shaken=max(each.shaken, s)) for each, s in rows)
+        rows = zip(problem.rows, square, strict=True)
+        problem.rows = tuple(replace(each, input_noise=max(each.input_noise, s)) for each, s in rows)
 
 
-def shaken_signals(observed: Observed) -> dict[str, float]:
+def input_noise_by_signal(problem: Problem) -> dict[str, float]:
     """By how many times their own noise that of the drives moves signals, where it is more than `SAID`."""
     most: dict[str, float] = {}
-    for each in observed.rows:
-        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.shaken))
+    for each in problem.rows:
+        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.input_noise))
     return {signal: size for signal, size in most.items() if size > SAID}
 
 
-def shaken_told(sizes: Mapping[str, float], observed: Observed) -> list[str]:
-    """A sentence on what `shaken_signals` found, if that is something."""
+def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[str]:
+    """A sentence on what `input_noise_by_signal` found, if that is something."""
     if not sizes:
         return []
-    drives = dict.fromkeys(name for record in observed.records.values() for name in record.drive)
+    drives = dict.fromkeys(name for record in problem.records.values() for name in record.drive)
     return [f"noise of {listed(list(drives))}, as stated, moves {times_noise(sizes)}, which is no gap"]
 
 
-def weighed_by_drives(observed: Observed) -> Observed:
+def weighted_by_input_noise(problem: Problem) -> Problem:
     """The same, with rows that noise of the drives moves by more than `LOUD` as noisy as that makes them.
 
     On a stiff arm a torque sensor reads little else at the beginnings and ends of moves, and by its own noise
     it would outweigh all other signals.
     """
-    times = [sqrt(1.0 + each.shaken) if each.shaken > LOUD**2 else 1.0 for each in observed.rows]
+    times = [sqrt(1.0 + each.input_noise) if each.input_noise > LOUD**2 else 1.0 for each in problem.rows]
     if max(times, default=1.0) == 1.0:
-        return observed
-    found = observed.again()
+        return problem
+    found = problem.again()
     found.rows = tuple(
-        replace(each, sigma=each.sigma * t, shaken=each.shaken if t == 1.0 else 0.0)
-        for each, t in zip(observed.rows, times, strict=True)
+        replace(each, sigma=each.sigma * t, input_noise=each.input_noise if t == 1.0 else 0.0)
+        for each, t in zip(problem.rows, times, strict=True)
     )
     return found
 
 
-def _squared_error(observed: Observed, arm: Arm, rng: np.random.Generator) -> Floats:
+def _squared_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
     """What (1) does to each of `rows`, mean square over its variance."""
-    again = {name: _noisy_again(record, arm, rng) for name, record in observed.records.items()}
-    if all(again[name] is record for name, record in observed.records.items()):
-        return np.zeros(len(observed.rows))
-    moved = observed.with_drives(again).residual(arm) - observed.residual(arm)
-    return np.array([float(np.mean(moved[each.where] ** 2)) for each in observed.rows])
+    again = {name: _noisy_again(record, arm, rng) for name, record in problem.records.items()}
+    if all(again[name] is record for name, record in problem.records.items()):
+        return np.zeros(len(problem.rows))
+    moved = problem.with_drives(again).residual(arm) - problem.residual(arm)
+    return np.array([float(np.mean(moved[each.where] ** 2)) for each in problem.rows])
 
 
 def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:
@@ -185,27 +185,27 @@ STEP_ERROR_COUNTS = 0.3
 """Least error of some channel, over its noise, that counts: a smaller one is what any simulation errs by."""
 
 
-def allow_for_steps(observed: Observed, arm: Arm) -> None:
+def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
     """Counts (1) in each of `rows` beside a model with corners, where it is more than was known."""
-    if not has_corners(arm):
+    if not is_non_smooth(arm):
         return
-    with suppress(*FAILED):
-        coarse, half, quarter = (
-            observed.with_step(observed.step / times).residual(arm) for times in (1, 2, 4)
-        )
+    with suppress(*FIT_ERRORS):
+        coarse, half, quarter = (problem.with_step(problem.step / times).residual(arm) for times in (1, 2, 4))
         error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (1)
-        square = [float(np.mean(error[each.where] ** 2)) for each in observed.rows]
+        square = [float(np.mean(error[each.where] ** 2)) for each in problem.rows]
         if max(square) < STEP_ERROR_COUNTS**2:
             return
-        rows = zip(observed.rows, square, strict=True)
-        observed.rows = tuple(replace(each, unsteady=max(each.unsteady, s)) for each, s in rows)
+        rows = zip(problem.rows, square, strict=True)
+        problem.rows = tuple(
+            replace(each, discretisation_error=max(each.discretisation_error, s)) for each, s in rows
+        )
 
 
-def unsteady_told(observed: Observed) -> list[str]:
+def discretisation_remarks(problem: Problem) -> list[str]:
     """A sentence on signals of which no step is fine enough, if there are some."""
     most: dict[str, float] = {}
-    for each in observed.rows:
-        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.unsteady))
+    for each in problem.rows:
+        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.discretisation_error))
     sizes = {signal: size for signal, size in most.items() if size > STEP_ERROR_COUNTS}
     said = "no time step is fine enough for what bounces: half of it moves"
     return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []

@@ -21,8 +21,8 @@ from flexarm.arm.parameter import Parameter, parameters, with_value
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.candidate_places import weighed
 from flexarm.diagnosis.initial_conditions import SIGMA
-from flexarm.diagnosis.problem import Observed
-from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
 from flexarm.errors import InvalidParameter
@@ -40,7 +40,7 @@ OVER_RIPPLES, WIDEST = 0.3, 0.02
 
 
 @dataclass(frozen=True)
-class Unknown:
+class NuisanceParameter:
     """A number that is fitted along.
 
     Attributes
@@ -95,33 +95,33 @@ class Unknown:
 
 
 @dataclass(frozen=True)
-class Unknowns:
+class NuisanceModel:
     """All of them.
 
     Attributes
     ----------
     arm : Arm
         The model with the effects that carry them.
-    each : tuple of Unknown
+    parameters : tuple of NuisanceParameter
         In the order of the columns of a Jacobian.
     """
 
     arm: Arm
-    each: tuple[Unknown, ...]
+    parameters: tuple[NuisanceParameter, ...]
 
     @property
     def keys(self) -> list[str]:
         """Of the model's parameters."""
-        return [unknown.key for unknown in self.each]
+        return [unknown.key for unknown in self.parameters]
 
     @property
     def sigma(self) -> np.ndarray:
         """1 sigma of each."""
-        return np.array([unknown.sigma for unknown in self.each])
+        return np.array([unknown.sigma for unknown in self.parameters])
 
     def put(self, arm: Arm, values: np.ndarray) -> Arm:
         """A model of which these have other values; what it swings with at a start is none of it."""
-        for unknown, value in zip(self.each, values, strict=True):
+        for unknown, value in zip(self.parameters, values, strict=True):
             if unknown.kind != "start":
                 arm = with_value(arm, unknown.key, float(value))
         return arm
@@ -131,23 +131,23 @@ class Unknowns:
 
         What hits a stop a little earlier swings on out of step: small differences say what the next hit does.
         """
-        if not has_corners(arm):
+        if not is_non_smooth(arm):
             return {}
         return {
             u.key: min(OVER_RIPPLES * u.sigma, WIDEST * abs(u.centre) or u.sigma)
-            for u in self.each
+            for u in self.parameters
             if u.kind == "nominal"
         }
 
-    def without(self, keys: set[str]) -> Unknowns:
+    def without(self, keys: set[str]) -> NuisanceModel:
         """Fewer."""
-        return Unknowns(self.arm, tuple(u for u in self.each if u.key not in keys))
+        return NuisanceModel(self.arm, tuple(u for u in self.parameters if u.key not in keys))
 
 
-def unknowns(observed: Observed) -> Unknowns:
+def nuisance_model(problem: Problem) -> NuisanceModel:
     """Clocks and frames of the records, and the model's uncertain values."""
-    arm = observed.arm
-    clocks, frames = _clocks(observed), _frames(observed)
+    arm = problem.arm
+    clocks, frames = _clocks(problem), _frames(problem)
     for name in clocks:
         if arm.effect(TimeDelay.name, name) is None:
             arm = arm.with_effect(TimeDelay(at=name))
@@ -157,17 +157,19 @@ def unknowns(observed: Observed) -> Unknowns:
     found = []
     for name, sigma in clocks.items():
         (p,) = parameters(arm, [TimeDelay(at=name).model_key("delay")])
-        found.append(Unknown(p.key, p.value, sigma, p.unit, "clock"))
+        found.append(NuisanceParameter(p.key, p.value, sigma, p.unit, "clock"))
     for name, sigmas in frames.items():
         for kind, sigma in sigmas.items():
             if sigma > 0:
                 there = parameters(arm, [FrameRegistration(at=name).model_key(kind)])
-                found += [Unknown(p.key, p.value, sigma, p.unit, "frame") for p in there]
-    swings = [Unknown(start.key, 0.0, SIGMA, start.unit, "start") for start in observed.starts]
-    return Unknowns(arm, (*found, *nominal(arm, observed.records), *swings))
+                found += [NuisanceParameter(p.key, p.value, sigma, p.unit, "frame") for p in there]
+    swings = [
+        NuisanceParameter(start.key, 0.0, SIGMA, start.unit, "start") for start in problem.initial_conditions
+    ]
+    return NuisanceModel(arm, (*found, *nominal(arm, problem.records), *swings))
 
 
-def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
+def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
     """Nominal values with an uncertainty; the mass of a payload that every record weighed is known."""
     found = []
     for key in arm.uncertainty:
@@ -178,7 +180,7 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[Unknown]:
         there = parameters(arm, [bare])
         sigmas = np.broadcast_to(sigma, (len(there),)) if isinstance(value, tuple) else [sigma]
         found += [
-            Unknown(p.key, p.value, float(s), p.unit, "nominal", _has_one_sign(arm, p, float(s)))
+            NuisanceParameter(p.key, p.value, float(s), p.unit, "nominal", _has_one_sign(arm, p, float(s)))
             for p, s in zip(there, sigmas, strict=True)
             if s > 0
         ]
@@ -214,11 +216,11 @@ def _bare(arm: Arm, key: str) -> str:
     return ".".join((*place.prefix, place.field))
 
 
-def _clocks(observed: Observed) -> dict[str, float]:
+def _clocks(problem: Problem) -> dict[str, float]:
     """1 sigma of the offset of every clock of evidence but the drive's [s]: the least that is stated."""
     found: dict[str, float] = {}
-    for each in observed.rows:
-        record = observed.records[each.record]
+    for each in problem.rows:
+        record = problem.records[each.record]
         name = record.signals[each.signal].clock
         own = drive_clock(record)
         if name == own or record.kind == "static":
@@ -229,11 +231,11 @@ def _clocks(observed: Observed) -> dict[str, float]:
     return {name: UNKNOWN_DELAY if isinf(sigma) else sigma for name, sigma in found.items() if sigma > 0}
 
 
-def _frames(observed: Observed) -> dict[str, dict[str, float]]:
+def _frames(problem: Problem) -> dict[str, dict[str, float]]:
     """1 sigma of the registration of every frame of evidence [m], [rad]: the least that is stated."""
     found: dict[str, dict[str, float]] = {}
-    for each in observed.rows:
-        record = observed.records[each.record]
+    for each in problem.rows:
+        record = problem.records[each.record]
         signal = record.signals[each.signal]
         frame = record.frames.get(signal.frame)
         if frame is None or signal.quantity not in ("position", "orientation"):

@@ -38,7 +38,7 @@ TURN = 0.01
 
 
 @dataclass(frozen=True)
-class Coordinate:
+class TransformedParameter:
     """A free parameter on the scale of its prior.
 
     Attributes
@@ -116,32 +116,32 @@ class Coordinate:
         return max(bound, log(FACTOR) / min(self._pieces()[1:])) if self.prior.scale == "log" else bound
 
 
-def coordinates_of(members: Sequence[Candidate], arm: Arm) -> tuple[Coordinate, ...]:
+def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[TransformedParameter, ...]:
     """The free parameters of a set of effects, in their order."""
     return tuple(
-        Coordinate(k, name, prior, member.effect.smooth)
+        TransformedParameter(k, name, prior, member.effect.smooth)
         for k, member in enumerate(members)
         for name, prior in member.priors_in(arm).items()
         if name in member.free
     )
 
 
-def prior_rows(coordinates: Sequence[Coordinate], z: Floats) -> tuple[Floats, Floats]:
+def prior_rows(parameters: Sequence[TransformedParameter], z: Floats) -> tuple[Floats, Floats]:
     """The priors' rows of a least-squares problem, with squares ln(1 + (z/3)^2), and their derivatives."""
-    weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in coordinates])
+    weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in parameters])
     x = weak * z
     rows = np.sign(x) * np.sqrt(np.log1p(x**2))
     near = np.abs(x) < 1e-4  # where the row is x
-    slopes = np.where(near, 1.0, x / (1 + x**2) / np.where(near, 1.0, rows))
-    return rows, weak * slopes
+    jacobian = np.where(near, 1.0, x / (1 + x**2) / np.where(near, 1.0, rows))
+    return rows, weak * jacobian
 
 
 def members_at(
-    members: Sequence[Candidate], coordinates: Sequence[Coordinate], z: Floats
+    members: Sequence[Candidate], parameters: Sequence[TransformedParameter], z: Floats
 ) -> tuple[Candidate, ...]:
     """The effects with these parameters."""
     found = list(members)
     for k, member in enumerate(found):
-        values = {c.name: c.value(float(x)) for c, x in zip(coordinates, z, strict=True) if c.candidate == k}
+        values = {c.name: c.value(float(x)) for c, x in zip(parameters, z, strict=True) if c.candidate == k}
         found[k] = replace(member, effect=member.effect.with_parameters(values))
     return tuple(found)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from flexarm.wording import number, with_unit
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.problem import Observed
+    from flexarm.diagnosis.problem import Problem
     from flexarm.diagnosis.result import Diagnosis
 
 
@@ -103,11 +103,11 @@ def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swin
     return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
 
 
-def no_gap_of(observed: Observed, corners: bool) -> dict[str, float]:
+def no_gap_of(problem: Problem, non_smooth: bool) -> dict[str, float]:
     """Return the mean square over that of the noise, by signal, that drives and time steps leave at most."""
     found: dict[str, float] = {}
-    for each in observed.rows:
-        found[each.signal] = max(found.get(each.signal, 0.0), each.no_gap(corners))
+    for each in problem.rows:
+        found[each.signal] = max(found.get(each.signal, 0.0), each.explained_square(non_smooth))
     return found
 
 

@@ -28,11 +28,15 @@ from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.diagnosis.initial_conditions import Start, start_slopes, starts_of
-from flexarm.diagnosis.jacobian import differences, pose_slopes
+from flexarm.diagnosis.initial_conditions import (
+    InitialCondition,
+    find_initial_conditions,
+    initial_condition_jacobian,
+)
+from flexarm.diagnosis.jacobian import differences, static_jacobian
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.residual_rows import Rows, evidence_rows, has_corners, put_over_noise, rows_left
-from flexarm.diagnosis.simulation_cache import Runs
+from flexarm.diagnosis.residual_rows import Rows, evidence_rows, is_non_smooth, put_over_noise, rows_left
+from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.measurement.effects_of import SensorEffects
 from flexarm.record import Record
@@ -46,7 +50,7 @@ _Seen = WeakKeyDictionary[Any, dict[tuple[str, SensorEffects], Floats]]
 
 
 @dataclass(eq=False)
-class Observed:
+class Problem:
     """Records, and the residuals (1) of any model of the arm against them.
 
     Attributes
@@ -67,9 +71,9 @@ class Observed:
         What the entries of a residual are.
     skipped : dict of str to str
         Signals of no use, "record: signal", and why.
-    starts : tuple of Start
+    initial_conditions : tuple of InitialCondition
         What the arm may swing with where records begin in motion.
-    runs : Runs
+    simulations : SimulationCache
         Simulations beside the records.
     """
 
@@ -82,16 +86,16 @@ class Observed:
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)
-    starts: tuple[Start, ...] = field(init=False, default=())
-    runs: Runs = field(init=False)
+    initial_conditions: tuple[InitialCondition, ...] = field(init=False, default=())
+    simulations: SimulationCache = field(init=False)
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
-    _stepped: dict[float, Observed] = field(init=False, default_factory=dict)
+    _stepped: dict[float, Problem] = field(init=False, default_factory=dict)
     _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)
 
     def __post_init__(self) -> None:
-        self.runs = Runs(self.records, self.step, self.alpha)
+        self.simulations = SimulationCache(self.records, self.step, self.alpha)
         rows: list[Rows] = []
-        pairs = [self.runs.beside(name, self.arm) for name in self.records]
+        pairs = [self.simulations.beside(name, self.arm) for name in self.records]
         guesses = initial_guesses(pairs, [stated_placement(record) for record in self.records.values()])
         self.placement = dict(zip(self.records, guesses, strict=True))
         for name, pair in zip(self.records, pairs, strict=True):
@@ -101,7 +105,7 @@ class Observed:
         if not rows:
             reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
             raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
-        self.starts = starts_of(self, self.arm)
+        self.initial_conditions = find_initial_conditions(self, self.arm)
 
     def __len__(self) -> int:
         """Number of residuals."""
@@ -122,42 +126,42 @@ class Observed:
         """Rows of one record."""
         return (each for each in self.rows if each.record == record)
 
-    def with_step(self, step: float) -> Observed:
+    def with_step(self, step: float) -> Problem:
         """The same rows against other simulations, whose residuals are remembered too."""
         if step == self.step:
             return self
         if step not in self._stepped:
             found = self._stepped[step] = self.again()
-            found.step, found.runs = step, self.runs.with_step(step)
+            found.step, found.simulations = step, self.simulations.with_step(step)
         return self._stepped[step]
 
-    def again(self) -> Observed:
+    def again(self) -> Problem:
         """The same with no residual remembered, for other rows or records to be put in."""
         found = copy(self)
         found._residuals, found._stepped = OrderedDict(), {}
         return found
 
-    def with_drives(self, records: Mapping[str, Record]) -> Observed:
+    def with_drives(self, records: Mapping[str, Record]) -> Problem:
         """The same rows against simulations along the drives of other records."""
         found = self.again()
-        found.records, found.runs = records, Runs(records, self.step, self.alpha)
+        found.records, found.simulations = records, SimulationCache(records, self.step, self.alpha)
         return found
 
-    def with_noise(self, times: Floats) -> Observed:
+    def with_noise(self, times: Floats) -> Problem:
         """The same rows with more noise, times as much in each of `rows`."""
         found = self.again()
         found.rows = tuple(
             replace(
                 each,
                 sigma=each.sigma * float(t),
-                shaken=each.shaken / float(t) ** 2,
-                unsteady=each.unsteady / float(t) ** 2,
+                input_noise=each.input_noise / float(t) ** 2,
+                discretisation_error=each.discretisation_error / float(t) ** 2,
             )
             for each, t in zip(self.rows, times, strict=True)
         )
         return found
 
-    def without(self, out: NDArray[np.bool_]) -> Observed:
+    def without(self, out: NDArray[np.bool_]) -> Problem:
         """Fewer rows: without those of a mask of shape (n,)."""
         found = self.again()
         found.rows = tuple(rows_left(self.rows, out))
@@ -168,7 +172,7 @@ class Observed:
         key = _key(arm)
         if key not in self._residuals:
             found = np.empty(len(self))
-            beside = partial(self.runs.beside, arm=arm)
+            beside = partial(self.simulations.beside, arm=arm)
             for name, pair in zip(self.records, at_once(beside, self.records, self.jobs), strict=True):
                 self.put(found, name, pair)
             self._keep(key, found)
@@ -207,7 +211,7 @@ class Observed:
         def put(run: tuple[Any, str]) -> None:
             key, name = run
             try:
-                self.put(found[key], name, self.runs.beside(name, wanted[key]))
+                self.put(found[key], name, self.simulations.beside(name, wanted[key]))
             except (InvalidParameter, NotConverged):
                 failed.add(key)
 
@@ -225,31 +229,35 @@ class Observed:
             return np.zeros(len(self))
         coarse = self.residual(arm)
         half = self.with_step(self.step / 2).residual(arm)
-        if has_corners(arm) or np.mean((half - coarse) ** 2) > 1.0:
+        if is_non_smooth(arm) or np.mean((half - coarse) ** 2) > 1.0:
             fine, finer = half, self.with_step(self.step / 4).residual(arm)
         else:
             fine, finer = coarse, half
         return extrapolated(fine, finer) - coarse
 
-    def slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})) -> Floats:
+    def jacobian(
+        self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})
+    ) -> Floats:
         """Derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
 
         `steps` are those of differences by some parameters, if not small.
         """
-        starts = [start for start in self.starts if start.key in keys]
+        initial_conditions = [start for start in self.initial_conditions if start.key in keys]
         found = np.zeros((len(self), len(keys)))
         of_model = [k for k, key in enumerate(keys) if not key.startswith("records.")]
-        found[:, of_model] = self._model_slopes(arm, [keys[k] for k in of_model], steps)
-        found[:, [keys.index(start.key) for start in starts]] = start_slopes(self, arm, starts)
+        found[:, of_model] = self._model_jacobian(arm, [keys[k] for k in of_model], steps)
+        found[:, [keys.index(start.key) for start in initial_conditions]] = initial_condition_jacobian(
+            self, arm, initial_conditions
+        )
         return found
 
-    def _model_slopes(self, arm: Arm, keys: list[str], steps: Mapping[str, float]) -> Floats:
-        exact = self.pose_slopes(arm, keys)
+    def _model_jacobian(self, arm: Arm, keys: list[str], steps: Mapping[str, float]) -> Floats:
+        exact = self.static_jacobian(arm, keys)
         return differences(self, arm, keys, steps) if exact is None else exact
 
-    def pose_slopes(self, arm: Arm, keys: list[str]) -> Floats | None:
+    def static_jacobian(self, arm: Arm, keys: list[str]) -> Floats | None:
         """The same from the derivatives of equilibria; None where they have none."""
-        return pose_slopes(self, arm, keys)
+        return static_jacobian(self, arm, keys)
 
 
 def extrapolated(coarse: Floats, fine: Floats) -> Floats:

@@ -22,7 +22,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.quantisation_grid import quantisation_step
@@ -90,37 +90,37 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
     )
 
 
-def with_coarse_encoders(observed: Observed, seed: int) -> tuple[Observed, tuple[CoarseEncoder, ...]]:
+def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[CoarseEncoder, ...]]:
     """The same with noise that holds the errors of (1), and the encoders whose steps matter."""
     found: list[CoarseEncoder] = []
-    variance = np.zeros(len(observed.rows))
-    arm = observed.arm
+    variance = np.zeros(len(problem.rows))
+    arm = problem.arm
     rng = np.random.default_rng(seed)
-    for effect in coarse_encoders(arm, observed.records):
+    for effect in coarse_encoders(arm, problem.records):
         there = arm.with_effect(effect)
-        error = np.max([_error(observed, there, effect, rng) for _ in range(DRAWS)], axis=0)
+        error = np.max([_error(problem, there, effect, rng) for _ in range(DRAWS)], axis=0)
         most = int(np.argmax(error))
         if error[most] > MATTERS:
             variance += (ROUGHLY * error) ** 2
             arm = there
-            driven = [r for r in observed.records.values() if _moves_by(r, effect.at)]
+            driven = [r for r in problem.records.values() if _moves_by(r, effect.at)]
             noise = min(record.signals[effect.at].noise_std or 0.0 for record in driven)
-            moves = observed.rows[most].signal
+            moves = problem.rows[most].signal
             found.append(CoarseEncoder(effect, effect.step / noise, moves, float(error[most])))
     if not found:
-        return observed, ()
-    noisier = observed.with_noise(np.sqrt(1.0 + variance))
+        return problem, ()
+    noisier = problem.with_noise(np.sqrt(1.0 + variance))
     noisier.arm = arm
     return noisier, tuple(found)
 
 
-def _error(observed: Observed, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Floats:
+def _error(problem: Problem, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Floats:
     """What (1) does to each of `rows`, rms over its noise."""
     again = {
         name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
-        for name, record in observed.records.items()
+        for name, record in problem.records.items()
     }
-    return _rms(observed, observed.with_drives(again).residual(arm) - observed.residual(arm))
+    return _rms(problem, problem.with_drives(again).residual(arm) - problem.residual(arm))
 
 
 def _moves_by(record: Record, encoder: str) -> bool:
@@ -143,5 +143,5 @@ def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: n
     return record.replace(signals=list(rounded.values()))
 
 
-def _rms(observed: Observed, residual: Floats) -> Floats:
-    return np.array([float(np.sqrt(np.mean(residual[each.where] ** 2))) for each in observed.rows])
+def _rms(problem: Problem, residual: Floats) -> Floats:
+    return np.array([float(np.sqrt(np.mean(residual[each.where] ** 2))) for each in problem.rows])

@@ -17,9 +17,9 @@ from functools import cmp_to_key
 import numpy as np
 
 from flexarm.diagnosis.acceptance import Criteria, implausibility
-from flexarm.diagnosis.cross_validation import missed, odds_lost
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.evidence import log_bayes_factor, worth
+from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import log_bayes_factor, variance_inflation
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.refinement import BETTER, about_itself, polished
 
@@ -27,36 +27,36 @@ STEPS = 3
 """Most times that a fit in conflict with priors is taken anew."""
 
 
-def best_of(fitter: Fitter, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Fitter]:
+def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
     """The best fit, polished, with derivatives taken anew about those that come close or foretell best."""
-    observed = criteria.observed
+    problem = criteria.problem
     first, *others = _ranked(fits, old, criteria)
     if criteria.leaves_gap(first):
         limit = criteria.early_stop([first], criteria.null, criteria.policy.halfway / 2)
         near = [f for f in others if f.cost < limit]
-        close = sorted(near, key=lambda f: missed(f, observed))[:2]
+        close = sorted(near, key=lambda f: press_rms(f, problem))[:2]
     else:
         close = [f for f in others[:2] if _close(f, first, criteria)]
-    there = dict(about_itself(fit, fitter) for fit in (first, *close))
+    there = dict(about_itself(fit, estimator) for fit in (first, *close))
     if not criteria.leaves_gap(first):
-        there |= dict(_in_steps(fit, fitter) for fit in _unsettled(others, first, criteria))
+        there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, criteria))
     best = _ranked(list(there), old, criteria)[0]
     return polished(best, there[best])
 
 
 def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
     """The best first, of those worth a name if there are any."""
-    observed, reach = criteria.observed, criteria.policy.reach
+    problem, reach = criteria.problem, criteria.policy.reach
     fits = [f for f in fits if criteria.reduces(f, old) or not criteria.leaves_gap(f)] or fits
-    value = worth(min(fits, key=lambda f: f.cost).rest, observed)
+    value = variance_inflation(min(fits, key=lambda f: f.cost).projected, problem)
 
     def behind(one: Fit, other: Fit) -> int:
-        return int(np.sign(log_bayes_factor(other, one, observed, value)))
+        return int(np.sign(log_bayes_factor(other, one, problem, value)))
 
     if not criteria.all_leave_gaps(fits):
         return sorted(fits, key=cmp_to_key(behind))
     odd = [implausibility(f) for f in fits]
-    less = [lost + u - min(odd) for lost, u in zip(odds_lost(fits, observed), odd, strict=True)]
+    less = [lost + u - min(odd) for lost, u in zip(log_odds_lost(fits, problem), odd, strict=True)]
     lost = dict(zip(fits, (each - min(less) for each in less), strict=True))
     near = [f for f in fits if lost[f] < reach]
     others = [f for f in fits if lost[f] >= reach]
@@ -73,16 +73,16 @@ def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fi
     return sorted(found, key=lambda f: f.cost)[: criteria.policy.more_proposals]
 
 
-def _in_steps(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """A fit about itself, and about what that finds while it leaves clearly less."""
     for _ in range(STEPS):
-        before, (fit, fitter) = fit, about_itself(fit, fitter)
+        before, (fit, estimator) = fit, about_itself(fit, estimator)
         if fit.cost > BETTER * before.cost:
             break
-    return fit, fitter
+    return fit, estimator
 
 
 def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
     """Whether a fit may be as good as the first with derivatives of its own."""
-    value = worth(min((fit, first), key=lambda f: f.cost).rest, criteria.observed)
-    return log_bayes_factor(first, fit, criteria.observed, value) < criteria.policy.close
+    value = variance_inflation(min((fit, first), key=lambda f: f.cost).projected, criteria.problem)
+    return log_bayes_factor(first, fit, criteria.problem, value) < criteria.policy.close

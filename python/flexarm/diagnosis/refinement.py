@@ -12,11 +12,17 @@ from __future__ import annotations
 from contextlib import suppress
 
 from flexarm.diagnosis.acceptance import conflict
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import above_noise
-from flexarm.diagnosis.fit import FAILED, Fit
-from flexarm.diagnosis.minimisers import evaluated, foretold, objective, stepped, stepped_over
-from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.minimisers import (
+    gauss_newton_step,
+    hooke_jeeves,
+    linearised,
+    objective,
+    predicted_decrease,
+)
+from flexarm.diagnosis.residual_rows import is_non_smooth
 
 ROUNDS = 6
 """Most steps of `settled`."""
@@ -30,14 +36,14 @@ NULL_ROUNDS = 2
 """Rounds in which the model without effects is fitted about itself."""
 
 
-def without_effects(start: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def without_effects(start: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """The nominal model about its own optimum, as fits with effects are, and where it was found.
 
     Otherwise any effect seems better.
 
     The search itself starts where clocks and frames are nominal, since effects may take their places.
     """
-    best, there = start, fitter
+    best, there = start, estimator
     for _ in range(NULL_ROUNDS):
         fit, at = about_itself(best, there)
         before, (best, there) = best, (fit, at) if fit.cost < best.cost else (best, there)
@@ -46,27 +52,27 @@ def without_effects(start: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
     return best, there
 
 
-def about_itself(fit: Fit, fitter: Fitter) -> tuple[Fit, Fitter]:
+def about_itself(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """A fit once more with derivatives of its own, and where; as it is if they cannot be taken."""
     try:
-        about = fitter.about(fit)
+        about = estimator.about(fit)
         return about.fit(fit.members, nearby=fit), about
-    except FAILED:
-        return fit, fitter
+    except FIT_ERRORS:
+        return fit, estimator
 
 
-def about_or_here(fit: Fit, fitter: Fitter) -> Fitter:
+def about_or_here(fit: Fit, estimator: Estimator) -> Estimator:
     """The fitter about a fit, or as it is if no derivatives can be taken there."""
     try:
-        return fitter.about(fit)
-    except FAILED:
-        return fitter
+        return estimator.about(fit)
+    except FIT_ERRORS:
+        return estimator
 
 
-def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
+def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """A fit taken further until it leaves no less, and where it was found."""
     best, there, idle = fit, about, 0
-    with suppress(*FAILED):
+    with suppress(*FIT_ERRORS):
         while idle < IDLE and not _quiet(best, about):
             ahead, at = further(best, there, anew=False)
             fell = objective(best) - objective(ahead)
@@ -77,13 +83,13 @@ def polished(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     return best, there
 
 
-def _quiet(fit: Fit, about: Fitter) -> bool:
+def _quiet(fit: Fit, about: Estimator) -> bool:
     """Whether nothing is left that would be looked at, and no unknown is strained."""
-    left, policy = above_noise(fit.rest, about.observed, fit.has_corners), about.observed.policy
+    left, policy = above_noise(fit.projected, about.problem, fit.non_smooth), about.problem.policy
     return max(left.values()) < QUIET and conflict(fit, policy) < policy.conflict
 
 
-def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
+def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """A fit taken further until it rests: its values are those of the least C.
 
     What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
@@ -94,21 +100,21 @@ def settled(fit: Fit, about: Fitter) -> tuple[Fit, Fitter]:
     would do in proportion from afar is no better than that.
     """
     here, at = fit, about
-    with suppress(*FAILED):
-        here, at = evaluated(fit, about)
+    with suppress(*FIT_ERRORS):
+        here, at = linearised(fit, about)
         for _ in range(ROUNDS if fit.members else 0):
-            ahead, there = evaluated(*further(here, at))
+            ahead, there = linearised(*further(here, at))
             fell = objective(here) - objective(ahead)
             if fell > 0:
                 here, at = ahead, there
             if fell < SETTLED * sigma_squared(here):
                 break
     rests = objective(here) < objective(fit) + STILL * sigma_squared(fit)
-    smooth = fit.members and not has_corners(about.with_effects(fit.members))
+    smooth = fit.members and not is_non_smooth(about.with_effects(fit.members))
     return (here, at) if rests or smooth else (fit, about)
 
 
-def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
+def further(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit, Estimator]:
     """A step of Newton from a fit, or a part of it; where all lead up, as over ripples, what a search finds.
 
     Never one of which the objective is higher than that of the fit, all derivatives taken about it. Those by
@@ -119,14 +125,14 @@ def further(fit: Fit, about: Fitter, anew: bool = True) -> tuple[Fit, Fitter]:
     NotConverged, InvalidParameter, LinAlgError
         If nothing can be simulated beside the fit.
     """
-    here, at = evaluated(fit, about)
-    far = foretold(here) > sigma_squared(here)
+    here, at = linearised(fit, about)
+    far = predicted_decrease(here) > sigma_squared(here)
     for part in SHORTER if far else SHORTER[:1]:
-        with suppress(*FAILED):
-            ahead, there = stepped(here, at, anew, part, objective(here))
+        with suppress(*FIT_ERRORS):
+            ahead, there = gauss_newton_step(here, at, anew, part, objective(here))
             if objective(ahead) < objective(here):
                 return ahead, there
-    again = at.fit(stepped_over(here, at))
+    again = at.fit(hooke_jeeves(here, at))
     return (again, at) if objective(again) < objective(here) else (here, at)
 
 

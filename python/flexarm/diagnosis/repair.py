@@ -16,9 +16,9 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.candidate import Candidate, springs_first
-from flexarm.diagnosis.cross_validation import carried, missed
+from flexarm.diagnosis.cross_validation import cross_validated_skill, press_rms
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.errors import InvalidParameter
@@ -65,16 +65,19 @@ def _rounded(value: float, std: float) -> float:
     return value if not std > 0 else round(value, 3 - int(np.floor(log10(std))))
 
 
-def worth_keeping(choice: Choice, observed: Observed) -> bool:
+def worth_keeping(choice: Choice, problem: Problem) -> bool:
     """Whether a fit that does not explain all is better than none: it closes half, or it predicts."""
     if not choice.best.members:
         return False
     best, null = choice.best, choice.null
-    if _closes(best, null, observed):
+    if _closes(best, null, problem):
         return True
-    return carried(best, null, choice.fitter.as_they_are(), observed) > observed.policy.predictive_share
+    return (
+        cross_validated_skill(best, null, choice.estimator.nominal_residual(), problem)
+        > problem.policy.predictive_share
+    )
 
 
-def _closes(best: Fit, null: Fit, observed: Observed) -> bool:
+def _closes(best: Fit, null: Fit, problem: Problem) -> bool:
     """Whether a fit closes enough of the gap, also where it was not fitted, to be kept with one left."""
-    return missed(best, observed) < (1 - observed.policy.most_of_gap) * missed(null, observed)
+    return press_rms(best, problem) < (1 - problem.policy.most_of_gap) * press_rms(null, problem)

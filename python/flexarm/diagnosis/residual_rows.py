@@ -31,7 +31,7 @@ from flexarm.record import Record, Signal
 from flexarm.residual_analysis.noise import repeated_noise
 
 
-def has_corners(arm: Arm) -> bool:
+def is_non_smooth(arm: Arm) -> bool:
     """Return True if a model has a law with a corner."""
     return not all(effect.smooth for effect in arm.effects)
 
@@ -60,10 +60,10 @@ class Rows:
         1 sigma of the noise [SI].
     time : ndarray
         Instants of the kept rows by the drive's clock [s], or numbers of poses.
-    shaken : float
-        Mean square, over sigma^2, of what noise of the drives moves there (`drive_noise`).
-    unsteady : float
-        The same of what finer time steps still move of models whose laws have corners (`step_errors`).
+    input_noise : float
+        Mean square, over sigma^2, of what noise of the drives moves there (`noise_model`).
+    discretisation_error : float
+        The same of what finer time steps still move of models whose laws have corners (`noise_model`).
     """
 
     record: str
@@ -73,15 +73,15 @@ class Rows:
     kept: NDArray[np.bool_]
     sigma: float
     time: Floats
-    shaken: float = 0.0
-    unsteady: float = 0.0
+    input_noise: float = 0.0
+    discretisation_error: float = 0.0
 
-    def no_gap(self, corners: bool) -> float:
+    def explained_square(self, non_smooth: bool) -> float:
         """Mean square, over sigma^2, of what the right model leaves there beside noise.
 
         `corners` tells whether its laws have some.
         """
-        return self.shaken + (self.unsteady if corners else 0.0)
+        return self.input_noise + (self.discretisation_error if non_smooth else 0.0)
 
 
 def evidence_rows(name: str, pair: SimulatedRecord, placement: Placement, start: int) -> Iterator[Rows]:

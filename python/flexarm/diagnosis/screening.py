@@ -23,8 +23,8 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, value_of
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit, Projection
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.simulation import Progress, reported
 
@@ -73,19 +73,19 @@ class Share:
         return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {m.at}" for m in self.members)
 
 
-def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
+def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
     """Simulates the probes of all candidates; those that cannot be simulated are left out."""
-    observed, arm = fitter.observed.with_step(LONGER * fitter.observed.step), fitter.start
+    problem, arm = estimator.problem.with_step(LONGER * estimator.problem.step), estimator.arm
     probed = []
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
             try:
-                moves = in_proportion(candidate, fitter.unknowns.keys, fitter.slopes)
+                moves = in_proportion(candidate, estimator.nuisance.keys, estimator.jacobian)
                 if moves is None:
                     there = candidate.base(arm)
                     models = [there, *(there.with_effect(each) for each in candidate.probes)]
-                    observed.prepare(models)
-                    before, *after = [observed.residual(model) for model in models]
+                    problem.prepare(models)
+                    before, *after = [problem.residual(model) for model in models]
                     moves = np.stack([r - before for r in after], axis=1)
             except (InvalidParameter, NotConverged):
                 continue
@@ -95,7 +95,7 @@ def probe(fitter: Fitter, found: Sequence[Candidate], progress: Progress = None)
     return probed
 
 
-def in_proportion(candidate: Candidate, keys: Sequence[str], slopes: Floats) -> Floats | None:
+def in_proportion(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -> Floats | None:
     """Moves of a clock, frame or reflector, from the derivatives by it as it is no effect; None of all else.
 
     A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
@@ -108,7 +108,7 @@ def in_proportion(candidate: Candidate, keys: Sequence[str], slopes: Floats) -> 
         [value_of(probe, name) - candidate.null[name] for probe in candidate.probes]
         for name in candidate.free
     ]
-    moves: Floats = slopes[:, [keys.index(key) for key in own]] @ np.array(steps)
+    moves: Floats = jacobian[:, [keys.index(key) for key in own]] @ np.array(steps)
     return moves
 
 
@@ -129,7 +129,7 @@ def _seen(probed: Probed) -> Probed:
 
 
 def screen(
-    fitter: Fitter,
+    estimator: Estimator,
     probed: Sequence[Probed],
     fit: Fit,
     pairs: Mapping[str, str] = NONE,
@@ -139,7 +139,7 @@ def screen(
 
     Parameters
     ----------
-    fitter : Fitter
+    estimator : Estimator
         Records and unknowns.
     probed : sequence of Probed
         What the probes do.
@@ -150,13 +150,13 @@ def screen(
     seen : callable, optional
         What is looked at of residuals, a linear function of their columns, such as `slow.slow_part`.
     """
-    linear = Linear(fitter, probed, fit, seen)
+    linear = Linear(estimator, probed, fit, seen)
     sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
     return linear.shares(linear.ranked(sets))
 
 
 def together(
-    fitter: Fitter,
+    estimator: Estimator,
     probed: Sequence[Probed],
     fit: Fit,
     size: int,
@@ -167,13 +167,13 @@ def together(
     All pairs are looked at; of triples those among the `among` places of the policy that explain most alone,
     and half as many that do so in a pair: what explains nothing by itself may be needed beside another.
     """
-    linear = Linear(fitter, probed, fit, seen)
+    linear = Linear(estimator, probed, fit, seen)
     two = linear.ranked(linear.sets(linear.free, 2))
     if size == 2:
         return linear.shares(two, KEPT)
     alone = linear.ranked((k,) for k in linear.free)
     few: dict[tuple[str, str], int] = {}
-    among = fitter.observed.policy.among
+    among = estimator.problem.policy.among
     for ranked, most in ((alone, among), (two, among + among // 2)):
         for k in (k for _, chosen in ranked for k in chosen):
             if len(few) < most:
@@ -181,32 +181,32 @@ def together(
     return linear.shares(linear.ranked(linear.sets(list(few.values()), size)), KEPT)
 
 
-def sharpened(fitter: Fitter, shares: Sequence[Share], fit: Fit) -> list[Share]:
+def sharpened(estimator: Estimator, shares: Sequence[Share], fit: Fit) -> list[Share]:
     """Shares taken anew with each set at the size found, since laws bend between a probe and that size.
 
     What a set moves is a difference, simulated in longer steps as probes are.
     """
-    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
+    coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
     models = []
     for share in shares:
         members = (*fit.members, *share.members)
         with suppress(InvalidParameter):  # a ripple that would turn the output back
-            models.append((share, members, fitter.with_effects(members)))
-    coarse.observed.prepare(arm for _, _, arm in models)
+            models.append((share, members, estimator.with_effects(members)))
+    coarse.problem.prepare(arm for _, _, arm in models)
     if not models:
         return []
     try:
         before = coarse.residual(fit.members)
-    except FAILED:  # laws with corners may not follow longer steps
-        coarse, before = fitter, fitter.residual(fit.members)
+    except FIT_ERRORS:  # laws with corners may not follow longer steps
+        coarse, before = estimator, estimator.residual(fit.members)
     found = []
     for share, members, _ in models:
         try:
             move = coarse.residual(members) - before
         except (InvalidParameter, NotConverged):
             continue
-        _, projection = fitter.eliminated(members)
-        rest = projection.rest(np.column_stack([fit.residual, move]))
+        _, projection = estimator.eliminated(members)
+        rest = projection.project(np.column_stack([fit.residual, move]))
         q, d = rest[:, 0], rest[:, 1]
         times = max(-float(d @ q) / max(float(d @ d), 1e-300), 0.0)
         left = q + times * d
@@ -227,20 +227,20 @@ class Linear:
 
     def __init__(
         self,
-        fitter: Fitter,
+        estimator: Estimator,
         probed: Sequence[Probed],
         fit: Fit,
         seen: Callable[[Floats], Floats] | None = None,
     ) -> None:
-        self.fitter, self.probed, self.fit, self.seen = fitter, probed, fit, seen
+        self.estimator, self.probed, self.fit, self.seen = estimator, probed, fit, seen
         taken = set(fit.places)
         self.free = [k for k, p in enumerate(probed) if p.candidate.place not in taken]
         ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
         self._columns = [np.arange(ends[k], ends[k + 1]) for k in range(len(probed))]
-        self._own = np.arange(ends[-1], ends[-1] + fit.slopes.shape[1])
-        self._moves = np.concatenate([*(p.moves for p in probed), fit.slopes], axis=1)
-        self._takes = [fitter.taken([p.candidate]) for p in probed]
-        self._fitted = fitter.taken(fit.members)
+        self._own = np.arange(ends[-1], ends[-1] + fit.jacobian.shape[1])
+        self._moves = np.concatenate([*(p.moves for p in probed), fit.jacobian], axis=1)
+        self._takes = [estimator.taken([p.candidate]) for p in probed]
+        self._fitted = estimator.taken(fit.members)
         self._grams: dict[frozenset[str], tuple[Floats, Floats, float]] = {}
 
     def sets(self, among: Sequence[int], size: int) -> Iterator[tuple[int, ...]]:
@@ -282,7 +282,7 @@ class Linear:
                 for index, mine in zip(chosen, alphas, strict=True):
                     candidate = self.probed[index].candidate
                     members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
-            except FAILED:
+            except FIT_ERRORS:
                 continue
             found.append(Share(tuple(members), share))
         return found
@@ -312,10 +312,10 @@ class Linear:
 
     def _rest(self, taken: frozenset[str], columns: Floats) -> Floats:
         """Columns without what unknowns explain, of what is looked at."""
-        unknowns, projection = self.fitter.without(taken)
+        nuisance, projection = self.estimator.without(taken)
         if self.seen is None:
-            return projection.rest(columns)
-        return Projection(self.seen(projection.slopes), unknowns.sigma).rest(self.seen(columns))
+            return projection.project(columns)
+        return Projection(self.seen(projection.jacobian), nuisance.sigma).project(self.seen(columns))
 
     def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float]:
         if taken not in self._grams:

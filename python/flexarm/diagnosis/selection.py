@@ -21,13 +21,13 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.evidence import Channel, log_bayes_factor, worth
-from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import Channel, log_bayes_factor, variance_inflation
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.confounding import taken_over
 from flexarm.diagnosis.moves.proposals import larger_fits, other_springs
 from flexarm.diagnosis.moves.rescreening import awakened, nearby, new_springs
-from flexarm.diagnosis.noise_model import allow_for_drives, allow_for_steps
+from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
 from flexarm.diagnosis.screening import Probed
@@ -43,7 +43,7 @@ class Choice:
     ----------
     null, best : Fit
         The nominal model and the chosen one; both with unknowns fitted.
-    fitter : Fitter
+    estimator : Estimator
         About the chosen model.
     value : dict
         Worth of the samples, T of `evidence`, after the chosen model.
@@ -57,7 +57,7 @@ class Choice:
 
     null: Fit
     best: Fit
-    fitter: Fitter
+    estimator: Estimator
     value: Mapping[Channel, float]
     rivals: list[list[Rival]] = field(default_factory=list)
     needed: list[float] = field(default_factory=list)
@@ -66,19 +66,19 @@ class Choice:
     @property
     def gain(self) -> float:
         """ln Z of the chosen model over the nominal one."""
-        observed = self.fitter.observed
-        return log_bayes_factor(self.best, self.null, observed, self.value)
+        problem = self.estimator.problem
+        return log_bayes_factor(self.best, self.null, problem, self.value)
 
 
-def choose(fitter: Fitter, probed: Sequence[Probed], note: Note | None = None) -> Choice:
+def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Forward, backward, and rivals."""
     tell = note or (lambda what, done: None)
-    search = _Search(fitter, probed)
+    search = _Search(estimator, probed)
     best, about = search.through(tell)
     most = search.policy.most_effects
     tell("weighing rivals", most / (most + 1))
     choice = search.weighed(*settled(best, about))
-    gains = [(f, log_bayes_factor(f, search.null, fitter.observed, choice.value)) for f in search.tried]
+    gains = [(f, log_bayes_factor(f, search.null, estimator.problem, choice.value)) for f in search.tried]
     return replace(choice, tried=gains)
 
 
@@ -89,21 +89,21 @@ class _Search:
     effects are looked for; `null` about its own optimum, with which larger models are compared.
     """
 
-    def __init__(self, fitter: Fitter, probed: Sequence[Probed]) -> None:
-        self.fitter, self.observed, self.probed = fitter, fitter.observed, probed
-        self.start = fitter.fit(())
-        self.null, self.about_null = without_effects(self.start, fitter)
-        self.criteria, self.policy = Criteria(self.observed, self.null), self.observed.policy
-        arm, records = self.observed.arm, self.observed.records.values()
+    def __init__(self, estimator: Estimator, probed: Sequence[Probed]) -> None:
+        self.estimator, self.problem, self.probed = estimator, estimator.problem, probed
+        self.start = estimator.fit(())
+        self.null, self.about_null = without_effects(self.start, estimator)
+        self.criteria, self.policy = Criteria(self.problem, self.null), self.problem.policy
+        arm, records = self.problem.arm, self.problem.records.values()
         self.places = cardan_joints(arm, driven_joints(arm, records))
         self.tried: list[Fit] = []
         self.complete: Fit | None = None  # nothing beside it was accepted
         self._awake: dict[frozenset[str], Sequence[Probed]] = {frozenset(): probed}
         self._near: dict[frozenset[tuple[str, str]], Sequence[Probed]] = {}
 
-    def through(self, tell: Note) -> tuple[Fit, Fitter]:
+    def through(self, tell: Note) -> tuple[Fit, Estimator]:
         """Forward and backward; forward once more where what is left after that is not all."""
-        best, about = self.null, self.fitter
+        best, about = self.null, self.estimator
         for _ in range(self.policy.rounds):
             larger, there = self.forward(best, about, tell)
             best, about = _backward(there, larger, self.criteria)
@@ -111,7 +111,7 @@ class _Search:
                 break
         return best, about
 
-    def forward(self, best: Fit, about: Fitter, tell: Note) -> tuple[Fit, Fitter]:
+    def forward(self, best: Fit, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
         """The largest model of which each effect is accepted, and about which."""
         while (count := causes(best.members, self.places)) < self._most(best) and not self.criteria.explains(
             best
@@ -125,7 +125,7 @@ class _Search:
                 break
         return best, about
 
-    def _larger(self, best: Fit, about: Fitter) -> tuple[Fit, Fitter] | None:
+    def _larger(self, best: Fit, about: Estimator) -> tuple[Fit, Estimator] | None:
         """The best model with an effect more; with two or three at first, if one explains too little.
 
         None if there is no candidate.
@@ -148,7 +148,7 @@ class _Search:
                 better, there = more, where
         return better, there
 
-    def _one_more(self, best: Fit, about: Fitter) -> list[Fit]:
+    def _one_more(self, best: Fit, about: Estimator) -> list[Fit]:
         """Models with an effect more: what takes over where unknowns are strained, and what promises most.
 
         Only the former, if there is such, where nothing but that strain is left.
@@ -166,7 +166,7 @@ class _Search:
         self.tried += found
         return found
 
-    def _beside(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
+    def _beside(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Candidates as they are beside the effects of a fit: where more is left to explain, about it."""
         if not fit.members or self.criteria.adequate(fit) or not self.policy.allows("rescreening"):
             return self._awakened(fit, about)
@@ -175,14 +175,14 @@ class _Search:
             self._near[places] = nearby(about, self.probed, fit)
         return self._near[places]
 
-    def _awakened(self, fit: Fit, about: Fitter) -> Sequence[Probed]:
+    def _awakened(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Candidates, those awake that act through springs which a fit has and the nominal model has not."""
         joints = new_springs(fit)
         if joints not in self._awake:
             self._awake[joints] = awakened(about, self.probed, fit)
         return self._awake[joints]
 
-    def _beside_a_twin(self, best: Fit, about: Fitter) -> list[Fit]:
+    def _beside_a_twin(self, best: Fit, about: Estimator) -> list[Fit]:
         """An effect more in the joint of a spring that elsewhere leaves as little as in the best model.
 
         A base that gives way does what a soft shoulder does; friction there shows beside the latter.
@@ -197,7 +197,7 @@ class _Search:
         laws = [p for p in laws if p.candidate.effect.acts_through_spring()]
         return larger_fits(about, laws, twin, self.criteria) if laws else []
 
-    def _sets(self, about: Fitter, size: int, beside: Fit) -> list[Fit]:
+    def _sets(self, about: Estimator, size: int, beside: Fit) -> list[Fit]:
         """Models of two or three effects, unless what a smaller one leaves is a strained unknown alone."""
         if self.criteria.adequate(beside):
             return []
@@ -205,16 +205,14 @@ class _Search:
         self.tried += found
         return found
 
-    def _best_of(self, fitter: Fitter, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Fitter]:
+    def _best_of(self, estimator: Estimator, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Estimator]:
         """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
-        best, about = best_of(fitter, fits, old, self.criteria)
-        near = self.policy.allows("model_errors") and best.cost < self.policy.model_errors * len(
-            self.observed
-        )
+        best, about = best_of(estimator, fits, old, self.criteria)
+        near = self.policy.allows("model_errors") and best.cost < self.policy.model_errors * len(self.problem)
         if near and self.criteria.leaves_gap(best):
             arm = about.with_effects(best.members)
-            allow_for_drives(self.observed, arm)
-            allow_for_steps(self.observed, arm)
+            allow_for_input_noise(self.problem, arm)
+            allow_for_discretisation_error(self.problem, arm)
         if not self.criteria.leaves_gap(best) or not self.policy.allows("spring_swap"):
             return best, about
         found = other_springs(best, about, self.probed)
@@ -233,7 +231,7 @@ class _Search:
         most = self.policy.most_effects
         return min(2, most) if count == 2 and self.criteria.leaves_most(fit) else most
 
-    def weighed(self, best: Fit, about: Fitter) -> Choice:
+    def weighed(self, best: Fit, about: Estimator) -> Choice:
         """A model with the rivals of its effects, after those that are ahead have taken their places.
 
         None does so twice: of two that are equal each may be ahead of the other by a little.
@@ -247,12 +245,12 @@ class _Search:
             if set(ahead.fit.places) in chosen:
                 break
             self.tried.append(choice.best)  # which is the other's rival now
-            fewer = _backward(about_or_here(ahead.fit, choice.fitter), ahead.fit, self.criteria)
+            fewer = _backward(about_or_here(ahead.fit, choice.estimator), ahead.fit, self.criteria)
             choice = self._with_rivals(*settled(*fewer))
         return choice
 
-    def _with_rivals(self, best: Fit, about: Fitter) -> Choice:
-        value = worth(best.rest, self.observed)
+    def _with_rivals(self, best: Fit, about: Estimator) -> Choice:
+        value = variance_inflation(best.projected, self.problem)
         rivals = [
             rivals_of(k, best, self.criteria, about, self._beside(best, about), self.tried, value)
             for k in range(len(best.members))
@@ -260,12 +258,12 @@ class _Search:
         needed = [self._needed(k, best, about, value) for k in range(len(best.members))]
         return Choice(self.null, best, about, value, rivals, needed)
 
-    def _needed(self, k: int, best: Fit, about: Fitter, value: Mapping[Channel, float]) -> float:
+    def _needed(self, k: int, best: Fit, about: Estimator, value: Mapping[Channel, float]) -> float:
         """ln Z of a model over itself without effect k; over that without all, if others stand on it."""
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or carries(others, best.members[k])
         fewer = None if alone else without(others, about, self.tried)
-        return log_bayes_factor(best, fewer or self.null, self.observed, value)
+        return log_bayes_factor(best, fewer or self.null, self.problem, value)
 
 
 def _one_spring_apart(one: Fit, other: Fit) -> bool:
@@ -274,7 +272,7 @@ def _one_spring_apart(one: Fit, other: Fit) -> bool:
     return len(mine) == len(theirs) == 1 and all(effect_class(name).is_spring for name, _ in mine | theirs)
 
 
-def _backward(fitter: Fitter, best: Fit, criteria: Criteria) -> tuple[Fit, Fitter]:
+def _backward(estimator: Estimator, best: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
     """Drops what the others have made needless."""
     k = 0 if criteria.policy.allows("backward") else len(best.members)
     while len(best.members) > 1 and k < len(best.members):
@@ -283,12 +281,12 @@ def _backward(fitter: Fitter, best: Fit, criteria: Criteria) -> tuple[Fit, Fitte
             k += 1
             continue
         try:
-            fewer = fitter.fit(rest, nearby=best)
-        except FAILED:
+            fewer = estimator.fit(rest, nearby=best)
+        except FIT_ERRORS:
             k += 1
             continue
         if criteria.accepts(best, fewer):
             k += 1
         else:
-            best, fitter, k = fewer, about_or_here(fewer, fitter), 0
-    return best, fitter
+            best, estimator, k = fewer, about_or_here(fewer, estimator), 0
+    return best, estimator

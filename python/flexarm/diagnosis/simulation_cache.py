@@ -18,7 +18,7 @@ from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.initial_conditions import Start
+    from flexarm.diagnosis.initial_conditions import InitialCondition
 
 
 KEPT_RUNS = 8
@@ -32,7 +32,7 @@ FORCES = {"motor_torque", "motor_voltage", "force", "strain"}
 """Quantities that see torques and forces."""
 
 
-class Runs:
+class SimulationCache:
     """Runs of models in the motions and poses of some records.
 
     Attributes
@@ -52,7 +52,7 @@ class Runs:
         self._runs: OrderedDict[Any, SimulatedRecord] = OrderedDict()
         self._drives: dict[Any, Drive] = {}
 
-    def with_step(self, step: float) -> Runs:
+    def with_step(self, step: float) -> SimulationCache:
         """The same with other steps; drives stay as they are."""
         found = copy(self)
         found.step, found._runs = step, OrderedDict()
@@ -80,7 +80,7 @@ class Runs:
             return pair_record(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
         return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
 
-    def jerked(self, start: Start, arm: Arm, height: float) -> SimulatedRecord:
+    def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
         """A run beside its record that a jerk of a drive comes before."""
         record = self.records[start.record]
         carried = record.applied_to(arm)

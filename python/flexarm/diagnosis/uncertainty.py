@@ -46,11 +46,11 @@ from numpy.typing import NDArray
 
 from flexarm.arm.joint_units import parameters_in
 from flexarm.arrays import Floats
-from flexarm.diagnosis.cross_validation import groups
+from flexarm.diagnosis.cross_validation import folds
 from flexarm.diagnosis.evidence import discrepancies
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.generalised_least_squares import Normal, joint_slopes
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
+from flexarm.diagnosis.problem import Problem
 from flexarm.named_effects import Estimate, Nuisance, Refined
 
 DRAWS = 600
@@ -77,9 +77,9 @@ class Estimates:
     refined: tuple[Refined, ...]
 
 
-def estimates(fit: Fit, observed: Observed, seed: int = 0) -> Estimates:
+def estimates(fit: Fit, problem: Problem, seed: int = 0) -> Estimates:
     """Eq. (1) for a fit."""
-    moved = draws(fit, observed, np.random.default_rng(seed))
+    moved = draws(fit, problem, np.random.default_rng(seed))
     k = len(fit.z)
     return Estimates(
         [_of_effect(fit, i, moved[:, :k]) for i in range(len(fit.members))], *_of_unknowns(fit, moved[:, k:])
@@ -87,24 +87,24 @@ def estimates(fit: Fit, observed: Observed, seed: int = 0) -> Estimates:
 
 
 def draws(
-    fit: Fit, observed: Observed, rng: np.random.Generator, errors: Floats | float | None = None
+    fit: Fit, problem: Problem, rng: np.random.Generator, errors: Floats | float | None = None
 ) -> Floats:
     """p_b - p of (1), shape (DRAWS, k + m); `errors` of the simulation, if not `discrepancies`."""
-    slopes, residual, prior = joint_slopes(fit)
-    root = Normal.of(slopes, prior).root()
+    jacobian, residual, prior = joint_jacobian(fit)
+    root = NormalEquations.of(jacobian, prior).root()
     inverse = root @ root.T
-    pulls, freedom = _pulls(slopes, residual, [rows for rows in groups(observed) if len(rows)], root)
+    pulls, freedom = _pulls(jacobian, residual, [rows for rows in folds(problem) if len(rows)], root)
     weights = rng.multinomial(len(pulls), np.full(len(pulls), 1.0 / len(pulls)), size=DRAWS) - 1.0
     xi, error = rng.standard_normal((2, DRAWS, len(prior)))
     moved = (xi * np.sqrt(prior)) @ inverse - (weights @ pulls) * _wider(freedom)  # eq. (1)
-    errors = discrepancies(observed, fit.has_corners) if errors is None else errors
-    size = np.broadcast_to(errors, len(observed))
-    found: Floats = moved + surrogates(observed, slopes, inverse, size) * error
+    errors = discrepancies(problem, fit.non_smooth) if errors is None else errors
+    size = np.broadcast_to(errors, len(problem))
+    found: Floats = moved + surrogates(problem, jacobian, inverse, size) * error
     return found
 
 
 def _pulls(
-    slopes: Floats, residual: Floats, of_groups: Sequence[NDArray[np.int_]], root: Floats
+    jacobian: Floats, residual: Floats, of_groups: Sequence[NDArray[np.int_]], root: Floats
 ) -> tuple[Floats, Floats]:
     """H^-1 g_j of (1), shape (groups, k + m), and nu of (2), shape (k + m,); H^-1 = root root^T.
 
@@ -113,7 +113,7 @@ def _pulls(
     """
     pulls, own, shared = [], [], []
     for rows in of_groups:
-        mine = slopes[rows] @ root
+        mine = jacobian[rows] @ root
         leverage, vectors = np.linalg.eigh(mine.T @ mine)
         grown = 1.0 / np.sqrt(np.maximum(1.0 - leverage, LEAST_LEFT))
         turned = root @ vectors
@@ -140,13 +140,13 @@ def _wider(freedom: Floats) -> Floats:
     return found
 
 
-def surrogates(observed: Observed, slopes: Floats, inverse: Floats, size: Floats) -> Floats:
+def surrogates(problem: Problem, jacobian: Floats, inverse: Floats, size: Floats) -> Floats:
     """Root of (3) for errors of a size over the noise in each row, shape (k + m,); inverse: H^-1."""
-    channels = [where for _, where in observed.channels()]
-    largest = np.max([np.mean(slopes[where] ** 2, axis=0) for where in channels], axis=0)
-    shapes = size[:, None] * slopes / np.sqrt(np.maximum(largest, 1e-300))
-    depends = slopes @ inverse
-    variance = np.zeros(slopes.shape[1])
+    channels = [where for _, where in problem.channels()]
+    largest = np.max([np.mean(jacobian[where] ** 2, axis=0) for where in channels], axis=0)
+    shapes = size[:, None] * jacobian / np.sqrt(np.maximum(largest, 1e-300))
+    depends = jacobian @ inverse
+    variance = np.zeros(jacobian.shape[1])
     for where in channels:
         a, s = (np.abs(np.fft.fft(x[where], axis=0)) for x in (depends, shapes))
         variance += np.sum((a * s) ** 2, axis=0) / len(a) ** 2  # eq. (3)
@@ -155,17 +155,17 @@ def surrogates(observed: Observed, slopes: Floats, inverse: Floats, size: Floats
 
 def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
     member = fit.members[i]
-    places = {c.name: j for j, c in enumerate(fit.coordinates) if c.candidate == i}
+    places = {c.name: j for j, c in enumerate(fit.parameters) if c.candidate == i}
     found = []
-    for name, value, unit in parameters_in(member.effect, fit.unknowns.arm):
+    for name, value, unit in parameters_in(member.effect, fit.nuisance.arm):
         if name not in places:
             continue
         j = places[name]
-        coordinate, z = fit.coordinates[j], float(fit.z[j])
-        reach = max(coordinate.bound, abs(z))
-        values = np.array([coordinate.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
+        parameter, z = fit.parameters[j], float(fit.z[j])
+        reach = max(parameter.bound, abs(z))
+        values = np.array([parameter.value(float(np.clip(z + dz, -reach, reach))) for dz in moved[:, j]])
         low, high = (float(q) for q in np.quantile(values, [0.05, 0.95]))
-        own = coordinate.prior.unit if unit == "SI" else unit  # that of the signal
+        own = parameter.prior.unit if unit == "SI" else unit  # that of the signal
         turns = whole_turns(value) if name == "phase" else 0.0
         ends = (min(low, value) - turns, max(high, value) - turns)
         found.append(Estimate(name, value - turns, float(values.std()), *ends, own))
@@ -178,10 +178,10 @@ def whole_turns(phase: float) -> float:
 
 
 def _of_unknowns(fit: Fit, moved: Floats) -> tuple[tuple[Nuisance, ...], tuple[Refined, ...]]:
-    best = fit.projection.best(fit.residual)
+    best = fit.projection.solve(fit.residual)
     nuisances: dict[tuple[str, str], list[Estimate]] = {}
     refined = []
-    for j, unknown in enumerate(fit.unknowns.each):
+    for j, unknown in enumerate(fit.nuisance.parameters):
         if unknown.kind == "start":
             continue
         value, std = unknown.centre + unknown.kept(float(best[j])), float(moved[:, j].std())

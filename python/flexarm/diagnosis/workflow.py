@@ -21,24 +21,24 @@ from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import next_experiment
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.homogeneity import constancy
-from flexarm.diagnosis.identifiability import ends_sentence, far_out, left_open
+from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
 from flexarm.diagnosis.masked_outliers import hidden_strays, left_out, strays, strays_told
 from flexarm.diagnosis.naming import named_effects, rejected
 from flexarm.diagnosis.noise_model import (
-    allow_for_drives,
-    shaken_signals,
-    shaken_told,
-    unsteady_told,
-    weighed_by_drives,
-    with_noise_of,
+    allow_for_input_noise,
+    discretisation_remarks,
+    impute_noise,
+    input_noise_by_signal,
+    input_noise_remarks,
+    weighted_by_input_noise,
 )
-from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
 from flexarm.diagnosis.remarks import swings, unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.repair import moved, repaired, worth_keeping
@@ -118,14 +118,14 @@ def diagnose(
     held = _held_out(arm, hold_out, given)
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
-    doubts = dict.fromkeys((*(f"model: {problem}" for problem in arm.warnings), *checked.doubts))
+    doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
     remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
-    held, borrowed = with_noise_of(checked.records, held)
+    held, borrowed = impute_noise(checked.records, held)
     parted = _parted(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
-    observed = Observed(
+    problem = Problem(
         arm,
         parted.training,
         step=COARSE * step,
@@ -133,25 +133,25 @@ def diagnose(
         jobs=jobs or os.cpu_count() or 1,
         policy=policy or SelectionPolicy(),
     )
-    allow_for_drives(observed, observed.arm)
-    shaken = shaken_signals(observed)
-    observed, coarse = with_coarse_encoders(weighed_by_drives(observed), seed)
-    choice = _chosen(observed, tell)
-    out = hidden_strays(choice.best, Criteria(observed, choice.null))
+    allow_for_input_noise(problem, problem.arm)
+    input_noise = input_noise_by_signal(problem)
+    problem, coarse = with_coarse_encoders(weighted_by_input_noise(problem), seed)
+    choice = _chosen(problem, tell)
+    out = hidden_strays(choice.best, Criteria(problem, choice.null))
     if out.any():
-        remarks = (*remarks, *strays_told(out, observed))
-        parted = replace(parted, training=left_out(parted.training, out, observed))
-        observed = observed.without(out)
-        choice = _chosen(observed, lambda done, what: tell(0.8, f"again: {what}"))
+        remarks = (*remarks, *strays_told(out, problem))
+        parted = replace(parted, training=left_out(parted.training, out, problem))
+        problem = problem.without(out)
+        choice = _chosen(problem, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
-    found = _conclusion(choice, coarse, observed, seed)
+    found = _conclusion(choice, coarse, problem, seed)
     tell(0.83, "next experiment")
-    further = next_experiment(choice, observed, found.verdict == "unexplained")
+    further = next_experiment(choice, problem, found.verdict == "unexplained")
     tell(0.85, "verifying")
     if out.any():
-        parted = parted.without_strays(found.repaired, observed)
-    bench = Bench(parted.training, parted.held_out, step, alpha, observed.jobs)
-    updated, refined = left_open(
+        parted = parted.without_strays(found.repaired, problem)
+    bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
+    updated, refined = restore_unidentifiable(
         arm, found.repaired, tuple(filter(moved, found.sizes.refined)), bench.in_training
     )
     seen = verified(
@@ -163,8 +163,8 @@ def diagnose(
         updated,
         found.effects,
         found.sizes.nuisances,
-        () if updated is observed.arm else refined,
-        rejected(choice, observed),
+        () if updated is problem.arm else refined,
+        rejected(choice, problem),
         where=seen.located.where if seen.located else (),
         before=seen.before,
         after=seen.after,
@@ -180,12 +180,12 @@ def diagnose(
             *remarks,
             *borrowed,
             *parted.remarks,
-            *unfitted(observed, checked.compared),
-            *unweighed(observed),
-            *weighed_loads(observed),
-            *shaken_told(shaken | shaken_signals(observed), observed),
-            *(unsteady_told(observed) if choice.best.has_corners else ()),
-            *swings(choice.best, observed),
+            *unfitted(problem, checked.compared),
+            *unweighed(problem),
+            *weighed_loads(problem),
+            *input_noise_remarks(input_noise | input_noise_by_signal(problem), problem),
+            *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
+            *swings(choice.best, problem),
             *seen.remarks,
         ),
         next_experiment=further.sentence,
@@ -193,8 +193,8 @@ def diagnose(
         located=seen.located,
         located_after=seen.located_after,
     )
-    no_gap = no_gap_of(observed, choice.best.has_corners)
-    return adequate_if_foretold(told, no_gap, bool(observed.starts))
+    no_gap = no_gap_of(problem, choice.best.non_smooth)
+    return adequate_if_foretold(told, no_gap, bool(problem.initial_conditions))
 
 
 @dataclass(frozen=True)
@@ -210,28 +210,26 @@ class _Conclusion:
     ends: str
 
 
-def _conclusion(
-    choice: Choice, coarse: Sequence[CoarseEncoder], observed: Observed, seed: int
-) -> _Conclusion:
+def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
-    sizes = estimates(choice.best, observed, seed)
-    drifts = tuple(constancy(choice.best, observed, choice.value))
-    criteria = Criteria(observed, choice.null)
+    sizes = estimates(choice.best, problem, seed)
+    drifts = tuple(constancy(choice.best, problem, choice.value))
+    criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
-    share = criteria.policy.negligible_share if far_out(choice.best) else None
+    share = criteria.policy.negligible_share if has_implausible_size(choice.best) else None
     open_gap = wrong or criteria.leaves_gap(choice.best, share)
-    ends = ends_sentence(choice.best)
+    ends = bound_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (
         *(encoder.named() for encoder in coarse),
-        *named_effects(choice, sizes, drifts, unexplained, observed, coarse=bool(coarse)),
+        *named_effects(choice, sizes, drifts, unexplained, problem, coarse=bool(coarse)),
     )
-    keep = not unexplained or worth_keeping(choice, observed)
-    model = repaired(observed.arm, choice.best, sizes) if keep else observed.arm
+    keep = not unexplained or worth_keeping(choice, problem)
+    model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
     return _Conclusion(verdict, effects, sizes, drifts, model, open_gap, ends)
 
@@ -263,12 +261,12 @@ class _Parted:
     why: str
     remarks: tuple[str, ...]
 
-    def without_strays(self, model: Arm, like: Observed) -> _Parted:
+    def without_strays(self, model: Arm, like: Problem) -> _Parted:
         """What is held out loses its outliers too, beside the model that explains the rest."""
         motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
         if not motions:
             return self
-        held = Observed(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
+        held = Problem(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
         out = strays(held.residual(model), held)
         told = (*self.remarks, *strays_told(out, held))
         return replace(self, held_out=left_out(self.held_out, out, held), remarks=told)
@@ -323,16 +321,16 @@ def _name(record: Record, taken: Mapping[str, Record]) -> str:
     return name if name not in taken else f"{name} (held out)"
 
 
-def _chosen(observed: Observed, tell: Callable[[float, str], object]) -> Choice:
+def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:
     """Screens all effects at all places, fits what promises most, and chooses."""
-    fitter = Fitter.nominal(observed, unknowns(observed)).centred()
-    rhythm = rhythms(fitter.fit(()).rest, observed)
+    estimator = Estimator.nominal(problem, nuisance_model(problem)).centred()
+    rhythm = rhythms(estimator.fit(()).projected, problem)
     probed = probe(
-        fitter,
-        candidates(observed, fitter.unknowns.arm, rhythm, SpringEffect.softer),
+        estimator,
+        candidates(problem, estimator.nuisance.arm, rhythm, SpringEffect.softer),
         lambda done: tell(0.15 + 0.25 * done, "screening"),
     )
-    return choose(fitter, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
+    return choose(estimator, probed, lambda what, done: tell(0.4 + 0.4 * done, what))
 
 
 def _provenance(seed: int, step: float, begun: float) -> dict[str, Any]:

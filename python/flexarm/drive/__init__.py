@@ -1,4 +1,4 @@
-"""What moves the joints: piecewise polynomials in time, one a driven joint."""
+"""Drives of joints: piecewise polynomials in time, one for each driven joint."""
 
 from flexarm.drive.drive import Drive
 from flexarm.drive.joint_drive import JointDrive

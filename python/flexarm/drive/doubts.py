@@ -1,4 +1,4 @@
-"""What looks wrong in a drive that a CSV file holds: degrees, angles of motors, milliseconds."""
+"""Plausibility of a drive in a CSV file: degrees, angles of motors, milliseconds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ REMEDY = "write them in s"
 
 
 def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
-    """Joints that turn several times, and runs of hours."""
+    """Yield joints that turn several times, and runs of hours."""
     shafts = {gear.input for gear in arm.gears}
     for name, joint in drive.joints.items():
         most = float(np.max(np.abs(joint(joint.breaks))))
@@ -39,5 +39,5 @@ def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
 
 
 def slides(arm: Arm, joint: str) -> bool:
-    """Whether a joint is prismatic."""
+    """Return True for a prismatic joint."""
     return arm.joint(joint).type == "prismatic"

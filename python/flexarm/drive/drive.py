@@ -45,7 +45,7 @@ class Drive:
     lead: float = 0.0
 
     def sha256(self) -> str:
-        """Hash of all that a run takes from the drive, for its provenance."""
+        """Return the hash of all that a run takes from the drive, for its provenance."""
         found = hashlib.sha256(repr((sorted(self.rest.items()), self.start, self.end)).encode())
         for name, joint in sorted(self.joints.items()):
             found.update(f"{name} {joint.side}".encode() + joint.digest)
@@ -54,7 +54,7 @@ class Drive:
     @classmethod
     @takes(time=ARRAY, values=ARRAYS, side=TEXT)
     def from_samples(cls, time: ArrayLike, values: Mapping[str, ArrayLike], side: str = "motor") -> Drive:
-        """Exact samples, joined by a cubic spline (not-a-knot) and held before and after.
+        """Join exact samples by a cubic spline (not-a-knot), held before and after.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Drive:
     @classmethod
     @takes(path=PATH, arm=ARM)
     def from_csv(cls, path: str | Path, arm: Arm) -> Drive:
-        """A CSV file with `time_s` and one column per driven joint, named after it.
+        """Read a CSV file with `time_s` and one column per driven joint, named after it.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class Drive:
     @classmethod
     @takes(record=RECORD, arm=ARM)
     def from_record(cls, record: Record, arm: Arm) -> Drive:
-        """The drive signals of a record: angles smoothed by their stated noise, commands held.
+        """Return the drive signals of a record: angles smoothed by their stated noise, commands held.
 
         Effects of the model on their sensors and clocks are taken back, outliers left out. The run covers
         every stamp of the record's known clocks. Joints that nothing drives stand where the
@@ -127,7 +127,7 @@ class Drive:
         return cls(**attributes_in(record, arm))
 
     def at_inputs(self, arm: Arm) -> Drive:
-        """The same motion with angles at outputs of gears moved to their inputs, which hold the motors."""
+        """Return the same motion with angles at outputs of gears moved to their inputs, where motors are."""
         joints = dict(self.joints)
         for _ in arm.gears:  # as often as there are gears, for trains of them
             for gear in arm.gears:

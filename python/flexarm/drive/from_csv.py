@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def samples_in(path: str | Path, arm: Arm) -> tuple[Floats, dict[str, Floats]]:
-    """Times [s] and samples by joint.
+    """Return times [s] and samples by joint.
 
     Raises
     ------

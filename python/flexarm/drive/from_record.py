@@ -1,9 +1,9 @@
-"""What moved the joints of a record.
+"""Drive of a record.
 
-A record's drive is what an encoder showed and when its clock said so. Where the model has effects on them
-(`flexarm.measurement.effects_of`), the arm is driven by what was true: readings are turned into true angles
-and stamps into true time before the samples are smoothed. How much they are smoothed follows from the
-readings and their noise, so that the drive depends smoothly on the parameters of these effects.
+A record holds the readings of an encoder and the stamps of its clock. Where the model has effects on them
+(`flexarm.measurement.effects_of`), readings are turned into true angles and stamps into true time before the
+samples are smoothed. The readings and their noise alone determine how much, so that the drive depends
+smoothly on the parameters of these effects.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flexarm.record import Record, Signal
 
 _AFTER_THE_LAST = 0.02
-"""A run goes on so long after the last stamp [s], for clocks that are late."""
+"""Time after the last stamp at which a run ends [s], for clocks that are late."""
 
 
 def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
@@ -68,7 +68,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
 
 
 def _start(record: Record, arm: Arm) -> float:
-    """True instant of the first sample that drives, from which drifts count; 0 where nothing drives."""
+    """Return the true instant of the first sample that drives, from which drifts count; 0 without one."""
     drives = [record.signals[name] for name in record.drive]
     firsts = [
         float(signal.time[signal.valid][0]) - effects_of(arm, signal).delay
@@ -79,12 +79,12 @@ def _start(record: Record, arm: Arm) -> float:
 
 
 def true_time(signal: Signal, arm: Arm, start: float, late: float = 0.0) -> Floats:
-    """Instants of a signal in a run that starts at `start`, where its clock is stated to be `late` [s]."""
+    """Return the instants of a signal in a run that starts at `start`, its clock stated to be `late` [s]."""
     return effects_of(arm, signal).clock(ClockError(delay=late), start).instants(signal.time)
 
 
 def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float, float] | None:
-    """First and last instant of a signal; None where its clock is unknown."""
+    """Return the first and last instant of a signal; None where its clock is unknown."""
     clock = record.clocks[signal.clock]
     if clock.unknown:
         return None
@@ -93,7 +93,7 @@ def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float
 
 
 def _joint_drive(signal: Signal, arm: Arm, start: float) -> JointDrive:
-    """A command as it is held; an angle without its noise."""
+    """Return a command as it is held, or an angle without its noise."""
     samples = _true_samples(signal, arm, start)
     if signal.quantity == "joint_command":
         return JointDrive.held(samples.time, samples.values)
@@ -114,7 +114,7 @@ class _Samples(NamedTuple):
 
 
 def _true_samples(signal: Signal, arm: Arm, start: float) -> _Samples:
-    """The samples of a drive without drop-outs and outliers."""
+    """Return the samples of a drive without drop-outs and outliers."""
     seen = effects_of(arm, signal)
     reading, noise = signal.values[:, 0], float(seen.noise(signal.noise_std or 0.0)[0])
     true = seen.true(signal.values)[:, 0]

@@ -50,25 +50,25 @@ class JointDrive:
 
     @property
     def kind(self) -> _core.DriveKind:
-        """What the core calls `side`."""
+        """Kind of drive of the core."""
         return _KINDS[self.side]
 
     @cached_property
     def digest(self) -> bytes:
-        """Of the numbers, for `Drive.sha256`: identification runs one drive many times."""
+        """Hash of the numbers, for `Drive.sha256`: identification runs one drive many times."""
         return hashlib.sha256(self.breaks.tobytes() + self.coefficients.tobytes()).digest()
 
     @classmethod
     def held(cls, time: Floats, values: Floats) -> JointDrive:
-        """A command: every sample holds until the next one."""
+        """Return a command: every sample holds until the next one."""
         return cls(np.append(time, time[-1] + 1.0), values[None, :], "command")
 
     def polynomial(self) -> _core.PiecewisePolynomial:
-        """The same for the core."""
+        """Return the polynomial of the core."""
         return _core.PiecewisePolynomial(self.breaks, self.coefficients)
 
     def __call__(self, time: ArrayLike) -> Floats:
-        """Values at times [s]."""
+        """Return the values at times [s]."""
         t = np.clip(np.asarray(time, dtype=float), self.breaks[0], self.breaks[-1])
         i = np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
         value: Floats = np.zeros_like(t)

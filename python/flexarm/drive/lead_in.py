@@ -1,4 +1,4 @@
-r"""How a drive comes to the motion in which a record begins.
+r"""Lead-in: the rise from rest to the motion in which a record begins.
 
 A record that begins in motion does not tell what came before, and a run begins at rest. During T before the
 first sample the rate therefore rises from rest to the rate v and the acceleration a with which the samples
@@ -26,13 +26,13 @@ from flexarm.drive.joint_drive import JointDrive
 LEAD = 4.0
 """T of (1) [s]: several periods of an arm's first mode."""
 WINDOW = 1.0
-"""What is looked at for a trend [s]."""
+"""Window of the trend [s]."""
 FAR = 3.0
-"""How far first rates may be from those of the trend, over their rms."""
+"""Greatest difference of first rates from those of the trend, over their rms [-]."""
 
 
 def led_in(drive: JointDrive) -> JointDrive:
-    """The motion with a rise (1) from rest before it."""
+    """Return the motion with a rise (1) from rest before it."""
     v, a = _first_rates(drive)
     T, t = LEAD, Polynomial([0.0, 1.0])
     rise = v * (t**3 / T**2 - t**4 / (2 * T**3)) + a * (t**4 / (4 * T**2) - t**3 / (3 * T))
@@ -41,7 +41,7 @@ def led_in(drive: JointDrive) -> JointDrive:
 
 
 def _first_rates(drive: JointDrive) -> tuple[float, float]:
-    """v and a of (1)."""
+    """Return v and a of (1)."""
     t = np.linspace(0.0, min(WINDOW, drive.breaks[-1] - drive.breaks[0]), 201)
     values = drive(drive.breaks[0] + t)
     trend = Polynomial.fit(t, values, min(3, len(drive.coefficients) - 1)).convert()
@@ -55,7 +55,7 @@ def _first_rates(drive: JointDrive) -> tuple[float, float]:
 
 
 def _before(drive: JointDrive, starts: Sequence[float], pieces: Sequence[Polynomial]) -> JointDrive:
-    """The motion with pieces before its own, each a polynomial from its start on."""
+    """Return the motion with pieces before its own, each a polynomial from its start on."""
     rows = max(len(drive.coefficients), *(len(piece.coef) for piece in pieces))
     columns = [np.pad(piece.coef, (0, rows - len(piece.coef)))[::-1] for piece in pieces]
     padded = np.pad(drive.coefficients, ((rows - len(drive.coefficients), 0), (0, 0)))
@@ -64,7 +64,7 @@ def _before(drive: JointDrive, starts: Sequence[float], pieces: Sequence[Polynom
 
 
 def jerked(drive: JointDrive, before: float, width: float, height: float) -> JointDrive:
-    r"""A motion that was led in, with a jerk in its rise,
+    r"""Return a motion with lead-in and a pulse in its rise,
 
     .. math:: 64 \, h \, s^3 (1 - s)^3, \quad 0 \le s \le 1,                                          (2)
 

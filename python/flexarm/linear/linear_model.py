@@ -195,12 +195,12 @@ class LinearModel(Result):
         for i, name in enumerate(self.output_names):
             if name == output or (output is None and self.output_units[i] == unit):
                 axes.loglog(frequency, response[:, i], label=name)
-        axes.set(xlabel="frequency [Hz]", ylabel=f"output over {self.input_names[k]} {self._per(unit, k)}")
+        axes.set(
+            xlabel="frequency [Hz]",
+            ylabel=f"output over {self.input_names[k]} [{unit}/({self.input_units[k]})]",
+        )
         axes.legend()
         return axes
-
-    def _per(self, unit: str, k: int) -> str:
-        return f"[{unit}/({self.input_units[k]})]"
 
     def _range_hz(self) -> Floats:
         """Return frequencies from a tenth of the lowest to twice the tenth one, dense enough for peaks."""

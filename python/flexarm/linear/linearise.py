@@ -60,7 +60,9 @@ def linearise(
     if modes is not None and modes < 0:
         raise InvalidParameter(f"must not be negative, got {modes}", where="modes")
     asked, locked = ports(arm, inputs)
-    sensors = _sensors(arm, outputs)
+    sensors = readable(arm, outputs)
+    if not sensors:
+        raise InvalidParameter("are none: the model has neither sensors, points nor moving joints")
     point = OperatingPoint.of(arm, joints or {}, asked, locked, sensors)
     response, names, units = point.response(modes)
     chosen = _by_acceleration(response, asked, arm, sensors)
@@ -89,13 +91,6 @@ def linearise(
         output_at_rest=point.readings.at_rest,
         joint_values=frozen(point.values),
     )
-
-
-def _sensors(arm: Arm, asked: Iterable[str | Sensor] | None) -> list[Sensor]:
-    found = readable(arm, asked)
-    if not found:
-        raise InvalidParameter("are none: the model has neither sensors, points nor moving joints")
-    return found
 
 
 def _by_acceleration(response: Response, asked: list[Port], arm: Arm, sensors: list[Sensor]) -> list[int]:

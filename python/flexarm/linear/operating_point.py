@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,8 +27,6 @@ class OperatingPoint:
 
     Attributes
     ----------
-    arm : Arm
-        The model.
     asked : list of Port
         Inputs.
     values : list of float
@@ -38,10 +37,6 @@ class OperatingPoint:
         Rows of theta and phi of every joint among the coordinates.
     driven : list of str
         Joints whose motors are held, in the order of the columns of G; those of inputs come first.
-    tangent : Tangent
-        How the arm moves.
-    readings : Derivatives
-        What is read.
     forces : ndarray, shape (columns of N and G, inputs)
         Generalised forces of unit forces at points.
     """
@@ -97,10 +92,10 @@ class OperatingPoint:
     def response(self, modes: int | None) -> tuple[Response, tuple[str, ...], tuple[str, ...]]:
         """Return state equations with derivatives of angles, and names and units of the states."""
         t, drives, pushes = self.tangent, self._drives(), self._pushes()
-        MCK = (t.K, t.C, t.M)
-        F = np.stack([-t.N.T @ X @ t.G @ drives for X in MCK])
+        F = np.stack([-t.N.T @ X @ t.G @ drives for X in (t.K, t.C, t.M)])
         F[0] += pushes[: t.N.shape[1]]
-        form = modal_form(Mechanics(t.N.T @ t.M @ t.N, t.N.T @ t.C @ t.N, t.N.T @ t.K @ t.N, F), modes)
+        M, C, K = (t.N.T @ X @ t.N for X in (t.M, t.C, t.K))
+        form = modal_form(Mechanics(M, C, K, F), modes)
         C, D, size = self._outputs(form, drives)
         if not len(form.A) and not drives.any():
             raise InvalidParameter(
@@ -110,9 +105,12 @@ class OperatingPoint:
 
     def at_rest(self, told: list[Port]) -> list[float]:
         """Return the inputs of the equilibrium."""
-        index = {joint.name: i for i, joint in enumerate(self.arm.joints)}
         constant = {"angle": np.array(self.values), "torque": self.holding}
-        return [float(constant[p.kind][index[p.place]]) if p.kind in constant else 0.0 for p in told]
+        return [float(constant[p.kind][self._index[p.place]]) if p.kind in constant else 0.0 for p in told]
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return {joint.name: i for i, joint in enumerate(self.arm.joints)}
 
     def _drives(self) -> Floats:
         """Return the angles w of the driven motors by the inputs."""
@@ -125,17 +123,16 @@ class OperatingPoint:
 
     def _pushes(self) -> Floats:
         """Return the generalised forces along the columns of S by the inputs."""
-        index = {joint.name: i for i, joint in enumerate(self.arm.joints)}
         found = self.forces.copy()
         for k, port in enumerate(self.asked):
             if port.kind == "torque":
-                found[:, k] += self.tangent.motions[self.rows[index[port.place]][1]]
+                found[:, k] += self.tangent.motions[self.rows[self._index[port.place]][1]]
         return found
 
     def _torques(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Return torques of all joints' motors by S' amplitudes, their two derivatives, and the inputs."""
         t, n = self.tangent, len(self.arm.joints)
-        index = {joint.name: i for i, joint in enumerate(self.arm.joints)}
+        index = self._index
         by = [np.zeros((n, t.motions.shape[1])) for _ in range(3)]
         by_inputs = np.zeros((n, len(self.asked)))
         for k, name in enumerate(self.driven):  # eq. (4) of tangent.py

@@ -22,7 +22,7 @@ from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.linear.tangent import Tangent
-from flexarm.measurement.state_snapshots import SystemSnapshots
+from flexarm.measurement.state_snapshots import StateSnapshots
 
 DISPLACEMENT = 1e-5
 """Of the node that moves most [m, rad]: the error, of second order, is 1e-10 of the derivative."""
@@ -64,12 +64,12 @@ def derivatives(
     ]
     moving = [_core.displaced(system, state, still, sign * rates[k] * S[:, k], still) for sign, k in pairs]
     pushed = [_core.displaced(system, state, still, still, sign * rates[k] * S[:, k]) for sign, k in pairs]
-    rest = SystemSnapshots.of(arm, system, [state])
+    rest = StateSnapshots.of(arm, system, [state])
 
     def differences(states: list[_core.State], steps: Floats) -> Floats:
         if not states:
             return np.zeros((len(_readings(rest, sensors)[0]), 0))
-        seen = SystemSnapshots.of(arm, system, states)
+        seen = StateSnapshots.of(arm, system, states)
         held = np.tile(rest.motor_torque, (len(states), 1))
         plus, minus = np.split(_readings(replace(seen, motor_torque=held), sensors), 2)
         return np.asarray((plus - minus).T / (2 * steps))  # eq. (1)
@@ -83,13 +83,13 @@ def derivatives(
     )
 
 
-def _readings(instants: SystemSnapshots, sensors: Sequence[Sensor]) -> Floats:
+def _readings(instants: StateSnapshots, sensors: Sequence[Sensor]) -> Floats:
     """Return all sensors' channels side by side: shape (states, outputs)."""
     found = [instants.readings(sensor) for sensor in sensors]
     return np.hstack(found) if found else np.zeros((len(instants.time), 0))
 
 
-def _by_torque(rest: SystemSnapshots, sensors: Sequence[Sensor]) -> Floats:
+def _by_torque(rest: StateSnapshots, sensors: Sequence[Sensor]) -> Floats:
     """Return the derivatives with respect to the motors' torques, on which readings depend linearly."""
     base = _readings(rest, sensors)[0]
     found = np.zeros((len(base), len(rest.joints)))

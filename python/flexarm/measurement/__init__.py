@@ -1,4 +1,4 @@
-"""What an experiment sees: sensors, clocks and frames, and the smoothing of measured drives."""
+"""Measurement: sensors, clocks and frames, and the smoothing of measured drives."""
 
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration

@@ -1,4 +1,4 @@
-"""Clocks: what a stamp says about the instant of a measurement.
+"""Clocks: the stamp of a measurement as a function of its instant.
 
     stamp = t + rate (t - since) + delay                                                             (1)
 
@@ -18,7 +18,7 @@ from flexarm.errors import InvalidParameter
 
 @dataclass(frozen=True)
 class ClockError:
-    """How a clock differs from the reference clock.
+    """Error of a clock with respect to the reference clock.
 
     Attributes
     ----------
@@ -41,15 +41,15 @@ class ClockError:
             raise InvalidParameter(f"rate of a clock must be between -1 and 1, got {self.rate} s/s")
 
     def stamps(self, instants: Floats) -> Floats:
-        """Stamps of the instants t, eq. (1)."""
+        """Return the stamps of instants t, eq. (1)."""
         return instants + self.rate * (instants - self.since) + self.delay
 
     def instants(self, stamps: Floats) -> Floats:
-        """Instants t of the stamps, eq. (1) solved for t."""
+        """Return the instants t of stamps, eq. (1) solved for t."""
         return (stamps - self.delay + self.rate * self.since) / (1 + self.rate)
 
     def counted_from(self, since: float) -> ClockError:
-        """The same clock with its delay at another instant [s]."""
+        """Return the same clock with its delay at another instant [s]."""
         return replace(self, delay=self.delay + self.rate * (since - self.since), since=since)
 
 

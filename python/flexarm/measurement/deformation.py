@@ -1,4 +1,4 @@
-"""Strain gauges and deflection sensors: what they see of a bent link.
+"""Strain gauges and deflection sensors on a bent link.
 
     strain     eps = N/EA + z M_y/EI_y - y M_z/EI_z        of the fibre (y, z) of a section          (1)
     deflection d = R_L^T (p - p_0)                         of a point p of the link                  (2)
@@ -28,7 +28,7 @@ from flexarm.measurement.tracker import base_position
 
 
 def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Strain (1) of a fibre [-], shape (n, 1); needs section forces (`simulate(..., forces=True)`)."""
+    """Return the strain (1) of a fibre [-], shape (n, 1); needs `simulate(..., forces=True)`."""
     arm = simulation.arm
     link = arm.link(what.link)
     if link.type != "beam" or what.position is None or what.fibre is None:
@@ -47,7 +47,7 @@ def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
 
 
 def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Floats]:
-    """N, M_y, M_z at x of the link from its two ends (n, 2, 6): N linear, moments cubic."""
+    """Return N, M_y, M_z at x of the link from its two ends (n, 2, 6): N linear, moments cubic."""
     if not 0 <= x <= length:
         raise CannotMeasure(f"a strain gauge must sit on its link, 0 to {length:g} m, got position {x:g} m")
     s = x / length
@@ -64,7 +64,7 @@ def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Float
 
 
 def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Deflection (2) in the link's axes [m], shape (n, axes)."""
+    """Return the deflection (2) in the link's axes [m], shape (n, axes)."""
     arm, point, base = rigid_reference(simulation.arm, what)
     angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
     theta = sample(simulation.time, angle, instants, rate)
@@ -77,7 +77,7 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
 
 
 def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
-    """The arm as it is, the point whose deflection is measured, and the rotation of the base.
+    """Return the arm with its effects, the point whose deflection is measured, and the rotation of the base.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
 
 
 def _point(arm: Any, what: Described) -> Any:
-    """The point of the signal: named, or the one on the link's axis at `position`."""
+    """Return the point of the signal: the named one, or the one on the link's axis at `position`."""
     if what.point is not None:
         return arm.point(what.point)
     link = arm.link(what.link)

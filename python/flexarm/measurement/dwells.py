@@ -1,15 +1,15 @@
-"""Where a drive stands: stretches of samples in which noise explains all that differs.
+"""Dwell detection: intervals of a drive in which noise explains all differences of the samples.
 
-A motor that stands keeps its dry friction; one that follows its encoder's noise creeps to and fro by more
-than the width of the law, and its friction is gone after a second. With y in units of the noise, a stretch of
-n samples stands if, about its mean and about its regression line of slope b,
+A motor at rest keeps its dry friction. One that follows its encoder's noise creeps to and fro by more than
+the width of the friction law, and loses its friction within a second. With y in units of the noise, n samples
+are a dwell if, about their mean and about their regression line of slope b,
 
     sum (y_i - mean)^2 <= chi-square limit, n - 1 degrees of freedom,    |b| / sigma_b <= `DRIFT`     (1)
 
-Stretches grow from blocks of `BLOCK` samples while (1) holds, and at last by the k samples before and after
-that do not differ from their mean, |sum (y_i - mean)| <= `NEAR` sqrt(k), less a few in which a motion may
-have begun below the noise. Two of them between which the drive moves by less than `CREEP` sigma are no
-stands: an encoder of coarse steps shows a slow motion like that.
+Dwells grow from blocks of `BLOCK` samples while (1) holds, and at last by the k samples before and after that
+do not differ from their mean, |sum (y_i - mean)| <= `NEAR` sqrt(k), less a few in which a motion may have
+begun below the noise. Two of them between which the drive moves by less than `CREEP` sigma are not dwells:
+an encoder of coarse steps shows a slow motion so.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ Dwell = tuple[int, int]
 BLOCK = 16
 """Samples."""
 FIRST_LOOK = 32
-"""Blocks up to which a stretch is looked at first; of no influence on what is found."""
+"""Blocks of the first search; without influence on the result."""
 LEAST = 4
-"""Blocks of a stand; the top of a slow wave is shorter."""
+"""Least blocks of a dwell; the top of a slow wave is shorter."""
 ALARM = 1e-6
-"""Probability that noise alone ends a stand, eq. (1)."""
+"""Probability that noise alone ends a dwell, eq. (1)."""
 DRIFT = 5.0
 """Greatest slope in its sigmas, eq. (1)."""
 NEAR = 3.0
@@ -37,11 +37,11 @@ NEAR = 3.0
 SPARED = 8
 """Samples at either end in which a motion may have begun below the noise."""
 CREEP = 20.0
-"""Least motion between two stands, in sigmas of a sample."""
+"""Least motion between two dwells, in sigmas of a sample."""
 
 
 def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
-    """Stretches that stand, in their order.
+    """Return the dwells, in their order.
 
     Parameters
     ----------
@@ -56,13 +56,13 @@ def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
     while begin + LEAST <= blocks.count:
         end = blocks.grown(begin)
         if end - begin >= LEAST:
-            found.append(_to_the_sample((begin * BLOCK, end * BLOCK - 1), scaled))
+            found.append(_extended((begin * BLOCK, end * BLOCK - 1), scaled))
         begin = max(end, begin + 1)
-    return _without_creeping(found, scaled)
+    return _without_slow_motion(found, scaled)
 
 
 class _Blocks:
-    """Sums of blocks, from which (1) follows for any stretch of them."""
+    """Sums of blocks, from which (1) follows for any sequence of them."""
 
     def __init__(self, time: Floats, scaled: Floats) -> None:
         from scipy.special import chdtri
@@ -75,8 +75,8 @@ class _Blocks:
         self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, ALARM)  # of 1, 2, ... blocks
 
     def grown(self, begin: int) -> int:
-        """End of the longest stretch of blocks from one on that stands at all its lengths."""
-        most = FIRST_LOOK  # most stretches are short: lengths are looked at in parts that grow
+        """Return the end of the longest dwell from one block on, which is a dwell at all its lengths."""
+        most = FIRST_LOOK  # most dwells are short: the searched length grows
         while True:
             ends = np.arange(begin + 1, min(begin + most, self.count) + 1)
             moves = self._moves(begin, ends)
@@ -87,7 +87,7 @@ class _Blocks:
             most *= 4
 
     def _moves(self, begin: int, ends: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Return True at each end up to which a stretch does not stand."""
+        """Return True at each end up to which the blocks are no dwell."""
         n = BLOCK * (ends - begin).astype(float)
         t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, [begin]]
         scatter = yy - y * y / n
@@ -97,9 +97,9 @@ class _Blocks:
         return found
 
 
-def _to_the_sample(stand: Dwell, scaled: Floats) -> Dwell:
-    """With what belongs to it of the blocks before and after, without `SPARED` at either end."""
-    first, last = stand
+def _extended(dwell: Dwell, scaled: Floats) -> Dwell:
+    """Extend a dwell into the blocks before and after, less `SPARED` samples at either end."""
+    first, last = dwell
     level = np.mean(scaled[first : last + 1])
 
     def alike(samples: Floats) -> int:
@@ -113,7 +113,7 @@ def _to_the_sample(stand: Dwell, scaled: Floats) -> Dwell:
     return begin + SPARED * (begin > 0), end - SPARED * (end < len(scaled) - 1)
 
 
-def _without_creeping(found: list[Dwell], scaled: Floats) -> list[Dwell]:
+def _without_slow_motion(found: list[Dwell], scaled: Floats) -> list[Dwell]:
     level = [float(np.mean(scaled[first : last + 1])) for first, last in found]
     creeps = [False] * len(found)
     for k in range(len(found) - 1):
@@ -121,4 +121,4 @@ def _without_creeping(found: list[Dwell], scaled: Floats) -> list[Dwell]:
         far = max(np.abs(between - level[k]).max(initial=0.0), abs(level[k + 1] - level[k]))
         if far < CREEP:
             creeps[k] = creeps[k + 1] = True
-    return [stand for stand, creeping in zip(found, creeps, strict=True) if not creeping]
+    return [dwell for dwell, creeping in zip(found, creeps, strict=True) if not creeping]

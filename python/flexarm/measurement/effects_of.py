@@ -1,7 +1,7 @@
-"""Which effects act on a signal, and what they make of its values, stamps and frame together.
+"""Effects of an arm on a signal: its values, stamps and frame.
 
-Effects of an arm act on a signal of a record, or a sensor of the model, at its name, its clock or its frame.
-An effect at its point (`reflector_offset`) belongs to the machine: the simulated point is where it is then.
+They act on a signal of a record, or a sensor of the model, at its name, its clock or its frame. An effect at
+its point (`reflector_offset`) belongs to the machine: it moves the simulated point.
 
     values   true -> scale, eccentricity, offsets -> + noise, rounded to the sensor's own step       (1)
              -> saturation, quantisation -> sign, unit, dead channel -> outliers
@@ -9,10 +9,9 @@ An effect at its point (`reflector_offset`) belongs to the machine: the simulate
     frame    measured = R(rotation) true + translation + velocity (t - t_0)                          (3)
 
 The order of (1) is that of `flexarm.arm.vocabulary`, whatever that of the model's file. Delays, rates,
-translations, rotation vectors and velocities add up: those of effects at a signal and its clock, and to them
-what a record states and an alignment finds, which so counts from the model. t is the time of the run, t_0 its
-start, which is the true instant of the first sample that drives it. Poses have no time: there clocks and
-velocities do not act.
+translations, rotation vectors and velocities of all effects add up, and those that a record states and an
+alignment finds add to them. t is the time of the run, t_0 its start, which is the true instant of the first
+sample that drives it. Poses have no time: there clocks and velocities do not act.
 
 The inverse of (1), from readings to true values, drives a simulation along an imperfect encoder.
 """
@@ -38,7 +37,7 @@ SUBSTITUTIONS = 200
 
 
 class Placed(Measured, Protocol):
-    """What sensors and signals say of themselves, with their clock and frame."""
+    """Attributes that sensors and signals have in common, with their clock and frame."""
 
     @property
     def clock(self) -> str | None:
@@ -51,7 +50,7 @@ class Placed(Measured, Protocol):
 
 @dataclass(frozen=True)
 class SensorEffects:
-    """The effects that act on one signal.
+    """Effects that act on one signal.
 
     Attributes
     ----------
@@ -75,14 +74,14 @@ class SensorEffects:
     velocity: Vector = (0.0, 0.0, 0.0)
 
     def sensed(self, true: Floats) -> Floats:
-        """What the transducer makes of true values, before the noise, shape (n, channels)."""
+        """Return the transducer's output for true values, before the noise, shape (n, channels)."""
         values = true
         for effect in self.before:
             values = effect.reading(values, true, self.channels)
         return values
 
     def written(self, sensed: Floats, rounded: bool = True) -> Floats:
-        """What electronics and files make of what was sensed; without rounding it has derivatives."""
+        """Return the written values of sensed ones; without rounding they have derivatives."""
         values = sensed
         for effect in self.after:
             if rounded or effect.name != "encoder_quantisation":
@@ -90,11 +89,11 @@ class SensorEffects:
         return values
 
     def reading(self, true: Floats, rounded: bool = True) -> Floats:
-        """Readings of true values without noise, eq. (1), shape (n, channels)."""
+        """Return the readings (1) of true values without noise, shape (n, channels)."""
         return self.written(self.sensed(true), rounded)
 
     def true(self, reading: Floats) -> Floats:
-        """True values of readings, eq. (1) solved by repeated substitution; NaN where they are lost.
+        """Return the true values of readings, eq. (1) solved by repeated substitution; NaN if lost.
 
         Raises
         ------
@@ -115,27 +114,27 @@ class SensorEffects:
         )
 
     def _undone(self, reading: Floats, true: Floats) -> Floats:
-        """Every effect of (1) taken back, the last one first."""
+        """Take back every effect of (1), the last one first."""
         for effect in reversed((*self.before, *self.after)):
             reading = effect.undone(reading, true, self.channels)
         return reading
 
     def noise(self, stated: float) -> Floats:
-        """1 sigma of the readings by channel [SI], from the stated one of a faultless sensor."""
+        """Return 1 sigma of the readings by channel [SI], from the stated one of a faultless sensor."""
         std = np.full(len(self.channels), stated)
         for effect in self.after:
             std = effect.noise(std, self.channels)
         return std
 
     def clock(self, clock: ClockError, start: float) -> ClockError:
-        """A clock with the effects on its stamps, eq. (2), in a run that starts at `start` [s]."""
+        """Return a clock with the effects on its stamps, eq. (2), in a run that starts at `start` [s]."""
         if not self.delay and not self.rate:
             return clock
         own = clock.counted_from(start)
         return replace(own, delay=own.delay + self.delay, rate=own.rate + self.rate)  # eq. (2)
 
     def registration(self, frame: Registration) -> Registration:
-        """A frame with the effects on it, eq. (3)."""
+        """Return a frame with the effects on it, eq. (3)."""
         if not any((*self.translation, *self.rotation, *self.velocity)):
             return frame
         return replace(
@@ -146,12 +145,12 @@ class SensorEffects:
         )  # eq. (3)
 
     def outliers(self) -> Any:
-        """The effect `outliers`, or None."""
+        """Return the effect `outliers`, or None."""
         return next((effect for effect in self.after if effect.name == "outliers"), None)
 
 
 def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffects:
-    """The effects of an arm that act on a signal or sensor.
+    """Return the effects of an arm that act on a signal or sensor.
 
     Parameters
     ----------

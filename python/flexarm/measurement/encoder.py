@@ -16,7 +16,7 @@ from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, 
 
 
 def joint_angle(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """phi (motor side) or theta (output side) [rad or m], shape (n, 1)."""
+    """Return phi (motor side) or theta (output side) [rad or m], shape (n, 1)."""
     j = joint_index(simulation, what)
     angle, rate = ("joint_angle", "joint_rate") if what.side == "output" else ("drive_angle", "drive_rate")
     return sample(
@@ -28,14 +28,14 @@ def joint_angle(simulation: Any, what: Described, instants: Floats) -> Floats:
 
 
 def joint_rate(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Rate of phi (motor side) or theta (output side) [rad/s or m/s], shape (n, 1)."""
+    """Return the rate of phi (motor side) or theta (output side) [rad/s or m/s], shape (n, 1)."""
     j = joint_index(simulation, what)
     rate = "joint_rate" if what.side == "output" else "drive_rate"
     return sample(simulation.time, stored(simulation, rate, what)[:, [j]], instants)
 
 
 def joint_command(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """What the controller was asked for [rad or m], shape (n, 1); only of a run that has a controller."""
+    """Return the command of the controller [rad or m], shape (n, 1); only of a run that has one."""
     j = joint_index(simulation, what)
     command = stored(simulation, "joint_command", what)[:, [j]]
     if not np.isfinite(command).all():
@@ -44,5 +44,5 @@ def joint_command(simulation: Any, what: Described, instants: Floats) -> Floats:
 
 
 def quantised(values: Floats, step: float) -> Floats:
-    """The nearest multiples of `step`; 0 leaves the values as they are."""
+    """Return the nearest multiples of `step`; 0 leaves the values as they are."""
     return np.round(values / step) * step if step > 0 else values

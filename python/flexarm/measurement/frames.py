@@ -1,4 +1,4 @@
-"""Frames of measurement: from the base's axes to those of a tracker that stands where it stands.
+"""Frames of measurement: from the base's axes to those of a tracker.
 
 A point p of the base's frame is measured, the time s after the start of the run, as
 
@@ -20,7 +20,7 @@ from flexarm.arrays import Floats
 
 
 def rotation_matrix(vector: Floats) -> Floats:
-    """R(v) of a rotation vector [rad], by Rodrigues' formula, shape (3, 3)."""
+    """Return R(v) of a rotation vector [rad], by Rodrigues' formula, shape (3, 3)."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -31,7 +31,7 @@ def rotation_matrix(vector: Floats) -> Floats:
 
 @lru_cache(maxsize=64)  # every reading needs that of its frame
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
-    """R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it, shape (3, 3), read-only."""
+    """Return R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it, shape (3, 3), read-only."""
     found = (
         rotation_matrix(np.array([0, 0, yaw]))
         @ rotation_matrix(np.array([0, pitch, 0]))
@@ -43,7 +43,7 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
 
 @dataclass(frozen=True)
 class Registration:
-    """Where a frame of measurement is, and by how much that is wrong.
+    """Stated pose of a frame of measurement, and its error.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Registration:
         return rotation_matrix(np.asarray(self.rotation, dtype=float))
 
     def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
-        """Positions in the base's axes, shape (n, 3), as measured: eq. (1), `elapsed` [s] being s."""
+        """Return positions as measured, eq. (1), from those in the base, shape (n, 3); `elapsed` [s] is s."""
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
         if any(self.velocity):
             shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
@@ -82,7 +82,7 @@ class Registration:
         return measured
 
     def orientations(self, base: Floats) -> Floats:
-        """Quaternions (x, y, z, w) of bodies in the base, shape (n, 4), as measured: R_f^T R(rotation) R."""
+        """Return quaternions (x, y, z, w) as measured, R_f^T R(rotation) R, shape (n, 4)."""
         from scipy.spatial.transform import Rotation
 
         turn = Rotation.from_matrix(self.frame_axes.T @ self.error_rotation)

@@ -19,17 +19,17 @@ from flexarm.measurement.tracker import base_orientation
 
 
 def angular_rate(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Angular rate of (1) in the body's axes [rad/s], shape (n, axes)."""
+    """Return the angular rate of (1) in the body's axes [rad/s], shape (n, axes)."""
     return _body_vector(simulation, "angular_rate", what, instants)
 
 
 def acceleration(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Specific force f of (1) in the body's axes [m/s2], shape (n, axes)."""
+    """Return the specific force f of (1) in the body's axes [m/s2], shape (n, axes)."""
     return _body_vector(simulation, "acceleration", what, instants)
 
 
 def inclination(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Angle of a body axis to the horizontal (2), upward positive [rad], shape (n, 1)."""
+    """Return the angle of a body axis to the horizontal (2), upward positive [rad], shape (n, 1)."""
     from scipy.spatial.transform import Rotation
 
     quaternion = base_orientation(simulation, what, instants)
@@ -48,7 +48,7 @@ def _body_vector(simulation: Any, name: str, what: Described, instants: Floats) 
 
 
 def _up(simulation: Any) -> Floats:
-    """Upward in the base's axes; z where nothing weighs."""
+    """Return the upward direction in the base's axes; z without gravity."""
     gravity = np.asarray(simulation.arm.gravity, dtype=float)
     weight = float(np.linalg.norm(gravity))
     return -gravity / weight if weight > 0 else np.array([0.0, 0.0, 1.0])

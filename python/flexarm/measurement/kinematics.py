@@ -1,4 +1,4 @@
-"""Where the links of a rigid arm are: poses by multiplication along the chain from the base.
+"""Forward kinematics of a rigid arm: poses of its links by multiplication along the chain from the base.
 
     H_child = H_parent T_at T_origin exp(axis q) T_in^-1                                             (1)
 
@@ -31,22 +31,22 @@ class Pose:
     x: Floats
 
     def moved(self, rotation: Floats, translation: Floats) -> Pose:
-        """This pose times a pose in its own axes."""
+        """Return this pose times a pose in its own axes."""
         return Pose(self.R @ rotation, self.x + self.R @ translation)
 
     def of_point(self, position: Floats) -> Floats:
-        """Positions in the base of a point given in this frame, shape (m, 3)."""
+        """Return the positions in the base of a point given in this frame, shape (m, 3)."""
         found: Floats = self.x + self.R @ position
         return found
 
 
 def joint_to(arm: Any, link: str) -> Any:
-    """The joint whose child is the link, or an interface of it; None for the base."""
+    """Return the joint whose child is the link, or an interface of it; None for the base."""
     return next((joint for joint in arm.joints if link_of(joint.child) == link), None)
 
 
 def chain_to(arm: Any, place: str) -> list[Any]:
-    """Joints from the base to a link, or to the link of an interface.
+    """Return the joints from the base to a link, or to the link of an interface.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def chain_to(arm: Any, place: str) -> list[Any]:
 
 
 def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
-    """The frame in which a joint turns, before it turns.
+    """Return the frame in which a joint turns, before it turns.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
 
 
 def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDENTITY) -> Pose:
-    """Pose (1) of a link of the rigid arm, or of an interface.
+    """Return the pose (1) of a link of the rigid arm, or of an interface.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDE
 
 
 def point_jacobian(arm: Any, joint: str, point: str, values: Mapping[str, Floats]) -> Floats:
-    """Derivative of a point of the rigid arm by the value of a joint, base axes, shape (m, 3).
+    """Return the derivative of a point with respect to the value of a joint, base axes, shape (m, 3).
 
         dp/dq = a x (p - o)   revolute,      dp/dq = a   prismatic                                   (2)
 
@@ -131,7 +131,7 @@ def _at(pose: Pose, frame: Any) -> Pose:
 
 
 def _moved_by(pose: Pose, joint: Any, value: Floats) -> Pose:
-    """The child's pose: exp(axis q) of (1)."""
+    """Return the child's pose: exp(axis q) of (1)."""
     if joint.type == "fixed":
         return pose
     axis = np.asarray(joint.axis, dtype=float)
@@ -143,7 +143,7 @@ def _moved_by(pose: Pose, joint: Any, value: Floats) -> Pose:
 
 
 def turns(axis: Floats, angle: Floats) -> Floats:
-    """Rotations by `angle` [rad] about a unit axis, shape (m, 3, 3)."""
+    """Return rotations by `angle` [rad] about a unit axis, shape (m, 3, 3)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     found: Floats = (

@@ -1,14 +1,14 @@
-"""A drive's spline that stands where its samples stand, and comes to rest and leaves without turning back.
+"""Knot placement at rest: a drive's spline is constant in dwells and monotone on either side of them.
 
-Within a stand there are no breaks; beside it they are close, since a motion starts there at once. A stand is
-kept if chi-square, there and `AROUND` it, does not tell the fit with it from the fit without:
+A dwell has no breaks within, and close ones on either side, since a motion starts there at once. A dwell is
+kept if chi-square, there and `AROUND` it, does not separate the fit with it from the fit without:
 
     chi2 - chi2_free < LIMIT + m + 5 sqrt(2 m),    m coefficients less                              (1)
 
-Close breaks follow the noise too, and a motor that turns back by a few of its encoder's sigmas before it
-stands has lost the dry friction that it stands with. So the coefficients from a stand to the first one that
-is `NEAR` sigmas away are made to rise or fall all the way: neighbours that do not are made equal, until none
-are left. An overshoot that is there fails (1) and stays.
+Close breaks also follow the noise, and a motor that reverses by a few of its encoder's sigmas before it stops
+loses its dry friction. The coefficients from a dwell to the first one that is `NEAR` sigmas away are
+therefore made monotone: neighbours that break monotonicity are made equal, until none are left. A real
+overshoot fails (1) and stays.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from flexarm.measurement.least_squares_spline import Indices, constant_in, fit_s
 LIMIT = 25.0
 """Of (1): 5 sigma of one degree of freedom."""
 AROUND = 64
-"""Samples before and after a stand that tell whether it is one."""
-BESIDE = np.array([2, 4, 6, 8, 10, 12, 14, 16, 20, 24, 32])
-"""Samples from a stand's end to the breaks beside it."""
+"""Samples before and after a dwell that test it."""
+NEXT_TO = np.array([2, 4, 6, 8, 10, 12, 14, 16, 20, 24, 32])
+"""Samples from the end of a dwell to the breaks next to it."""
 NEAR = 20.0
-"""Sigmas within which a motion does not turn back beside a stand."""
+"""Sigmas within which a motion does not reverse next to a dwell."""
 
 
 def place_knots_at_rest(time: Floats, scaled: Floats, breaks: Indices) -> tuple[Indices, frozenset[int]]:
-    """Breaks of a spline that stands where samples over their noise do, and its equal coefficients."""
+    """Return the breaks of a spline that is constant in dwells, and its equal coefficients."""
     found = find_dwells(time, scaled)
     if not found:
         return breaks, frozenset()
@@ -48,7 +48,7 @@ def place_knots_at_rest(time: Floats, scaled: Floats, breaks: Indices) -> tuple[
         if still.of(begin, end) - misfit.of(begin, end) < _allowed(fewer):  # eq. (1)
             kept.append((first, last))
     breaks, standing = _parted(breaks, kept)
-    return breaks, _without_turning_back(time, scaled, breaks, standing)
+    return breaks, _monotone_next_to_dwells(time, scaled, breaks, standing)
 
 
 def _allowed(fewer: int) -> float:
@@ -68,17 +68,20 @@ class _Misfit:
         return float(self._sums[min(end + 1, last)] - self._sums[max(begin, 0)])
 
 
-def _without_turning_back(
+def _monotone_next_to_dwells(
     time: Floats, scaled: Floats, breaks: Indices, standing: Sequence[int]
 ) -> frozenset[int]:
-    """Equal coefficients of a spline that does not turn back beside its stands, where (1) allows it."""
+    """Return the equal coefficients of a spline that is monotone next to its dwells, where (1) allows it."""
     held = constant_in(standing)
     free = _Misfit(time, scaled, breaks, held)
-    beside = [side for k in standing for side in _beside(free.coefficients, k)]
-    equal: list[set[int]] = [set() for _ in beside]
+    sides = [side for k in standing for side in _outwards(free.coefficients, k)]
+    equal: list[set[int]] = [set() for _ in sides]
     while True:
         now = _Misfit(time, scaled, breaks, held.union(*equal))
-        turning = [_turning(now.coefficients, side) - same for side, same in zip(beside, equal, strict=True)]
+        turning = [
+            _breaking_monotonicity(now.coefficients, side) - same
+            for side, same in zip(sides, equal, strict=True)
+        ]
         if not any(turning):
             break
         for same, more in zip(equal, turning, strict=True):
@@ -91,8 +94,8 @@ def _without_turning_back(
     return held.union(*equal)
 
 
-def _beside(coefficients: Floats, interval: int) -> Iterator[list[int]]:
-    """Coefficients from a stand outwards to the first that is `NEAR` away, before and after the stand."""
+def _outwards(coefficients: Floats, interval: int) -> Iterator[list[int]]:
+    """Yield the coefficients from a dwell outwards to the first that is `NEAR` away, before and after it."""
     level = coefficients[interval]
     for outwards in (range(interval, -1, -1), range(interval + 3, len(coefficients))):
         far = next((k for k in outwards if abs(coefficients[k] - level) > NEAR), None)
@@ -100,25 +103,25 @@ def _beside(coefficients: Floats, interval: int) -> Iterator[list[int]]:
             yield list(range(outwards[0], far + outwards.step, outwards.step))
 
 
-def _turning(coefficients: Floats, outwards: Sequence[int]) -> set[int]:
-    """The later one of any two neighbours of which the outer one is not as far out as the inner one."""
+def _breaking_monotonicity(coefficients: Floats, outwards: Sequence[int]) -> set[int]:
+    """Return the indices that break monotonicity."""
     way = np.sign(coefficients[outwards[-1]] - coefficients[outwards[0]])
     return {max(a, b) for a, b in pairwise(outwards) if way * (coefficients[b] - coefficients[a]) < 0}
 
 
 def _parted(breaks: Indices, standing: Sequence[Dwell]) -> tuple[Indices, tuple[int, ...]]:
-    """Breaks at the ends of stands, none within, close ones beside, and the intervals that stand then.
+    """Return breaks at the ends of dwells, none within and close ones outside, and the constant intervals.
 
-    Not of stands in which the spline hardly has breaks: there it cannot creep.
+    Dwells in which the spline hardly has breaks are left out: there it cannot creep.
     """
     keep: NDArray[np.bool_] = np.zeros(breaks[-1] + 1, dtype=bool)
     keep[breaks] = True
     held = [(first, last) for first, last in standing if np.count_nonzero(keep[first : last + 1]) > 2]
     for first, last in held:
-        beside = np.concatenate([[first, last], first - BESIDE, last + BESIDE])
-        beside = beside[(beside > 1) & (beside < len(keep) - 2)]
-        keep[beside - 1] = keep[beside + 1] = False  # breaks are at least two samples apart
-        keep[beside] = True
+        sides = np.concatenate([[first, last], first - NEXT_TO, last + NEXT_TO])
+        sides = sides[(sides > 1) & (sides < len(keep) - 2)]
+        keep[sides - 1] = keep[sides + 1] = False  # breaks are at least two samples apart
+        keep[sides] = True
     for first, last in held:
         keep[first : last + 1] = False
         keep[[first, last]] = True

@@ -6,9 +6,9 @@ an interval. The coefficients minimise the squared misfit,
     sum_i (y_i - s(t_i))^2 -> min,        B^T B c = B^T y                                            (1)
 
 with B^T B of half band width 3, so that Cholesky's factorisation costs 16 operations a coefficient. A spline
-that starts at rest, s'(t_0) = 0, has c_0 = c_1; one that stands in an interval, where the B-splines add up to
-one, has its four coefficients equal. It is monotone where its coefficients are. With c = E d, E of zeros and
-ones, d of fewer,
+that starts at rest, s'(t_0) = 0, has c_0 = c_1. One that is constant in an interval has its four coefficients
+equal there, since the B-splines add up to one. It is monotone where its coefficients are. With c = E d, E of
+zeros and ones, and fewer elements of d,
 
     E^T B^T B E d = E^T B^T y                                                                        (2)
 
@@ -36,7 +36,7 @@ DEGREE = 3
 def fit_spline(
     time: Floats, values: Floats, breaks: Indices, at_rest: bool = False, equal: Collection[int] = ()
 ) -> tuple[BSpline, Floats]:
-    """Least-squares cubic spline (1) whose breaks are samples.
+    """Return the least-squares cubic spline (1) whose breaks are samples.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def fit_spline(
         Rising indices of the samples that are breaks; the first is 0 and the last n - 1, and most of them at
         least two apart: there must be no more coefficients than samples.
     at_rest : bool
-        Whether the slope at the first break is zero.
+        True for a slope of zero at the first break.
     equal : collection of int
         Coefficients, of 1 to m + 2, that are equal to the one before.
 
@@ -75,12 +75,12 @@ def fit_spline(
 
 
 def constant_in(intervals: Iterable[int]) -> frozenset[int]:
-    """The coefficients that are equal to the one before where a spline stands in some intervals."""
+    """Return the coefficients equal to the one before in a spline that is constant in some intervals."""
     return frozenset(interval + k for interval in intervals for k in range(1, DEGREE + 1))
 
 
 def _unknown(count: int, at_rest: bool, equal: Collection[int]) -> Indices:
-    """Which d of (2) every coefficient is."""
+    """Return the index of d of (2) for every coefficient."""
     rises = np.ones(count, dtype=np.intp)
     rises[0] = 0
     if at_rest:
@@ -90,7 +90,7 @@ def _unknown(count: int, at_rest: bool, equal: Collection[int]) -> Indices:
 
 
 def _reduced(band: Floats, right: Floats, unknown: Indices) -> tuple[Floats, Floats]:
-    """Both sides of (2); coefficients that are equal follow one another, so that the band grows no wider."""
+    """Return both sides of (2); equal coefficients are adjacent, so that the band grows no wider."""
     count = int(unknown[-1]) + 1
     fewer, less = np.zeros((DEGREE + 1, count)), np.zeros(count)
     np.add.at(less, unknown, right)
@@ -105,7 +105,7 @@ def _reduced(band: Floats, right: Floats, unknown: Indices) -> tuple[Floats, Flo
 
 
 def _normal_equations(rows: Floats, interval_start: Indices, values: Floats) -> tuple[Floats, Floats]:
-    """B^T B as a lower band and B^T y of eq. (1), summed interval by interval."""
+    """Return B^T B as a lower band and B^T y of (1), summed interval by interval."""
     intervals = len(interval_start)
     band = np.zeros((DEGREE + 1, intervals + DEGREE))
     right = np.zeros(intervals + DEGREE)

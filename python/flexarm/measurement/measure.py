@@ -52,7 +52,7 @@ def measure(
     description: str = "",
     **tables: Any,
 ) -> Record:
-    """A record of what the sensors see of a simulated motion.
+    """Return a record of a simulated motion as its sensors measure it.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _signal(
     clock_errors: Mapping[str, ClockError],
     places: Mapping[str, Registration],
 ) -> Signal:
-    """What one sensor writes."""
+    """Return the signal that one sensor writes."""
     from flexarm.record import Signal
 
     planned, instants = _instants(simulation, sensor, rng)
@@ -171,14 +171,14 @@ def _signal(
 
 
 def _default_unit(arm: Any, sensor: Sensor) -> str:
-    """SI unit of a sensor that states none; joints that slide have units of their own."""
+    """Return the SI unit of a sensor that states none; prismatic joints have units of their own."""
     units = sensor.spec.units
     slides = sensor.joint is not None and arm.joint(sensor.joint).type == "prismatic"
     return units[-1] if slides else units[0]
 
 
 def _instants(simulation: Any, sensor: Sensor, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Planned and true instants (1), as many as fit into the run."""
+    """Return planned and true instants (1), as many as fit into the run."""
     from flexarm.simulation.step_limit import MOST_STEPS
 
     first, last = float(simulation.time[0]), float(simulation.time[-1])

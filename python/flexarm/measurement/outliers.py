@@ -1,4 +1,4 @@
-"""Samples so far off that they would pull an alignment: a tracker that caught a reflection, a broken word.
+"""Outliers: samples so far off that they would bias an alignment.
 
 A row is an outlier if, in any channel, its residual differs from the median of its seven neighbours, and from
 the nearest of the parabolas (1) through them, by more than `NOISE` times the stated noise, `SPREAD` times the
@@ -42,7 +42,7 @@ SMOOTH = ("position", "deflection", "joint_angle", "inclination", "orientation")
 
 
 def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
-    """Rows of a residual that are outliers.
+    """Return the rows of a residual that are outliers.
 
     Parameters
     ----------
@@ -66,14 +66,14 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
 
 
 def beyond_range_of_others(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Rows that are further from the middle of the others than twice the range these have."""
+    """Return the rows further from the median of the others than twice the range of these."""
     middle = np.nanmedian(residual, axis=0)
     usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)
     return np.asarray(np.any(np.abs(residual - middle) > 2 * RANGES * usual, axis=1))
 
 
 def nearby(size: Floats) -> Floats:
-    """What most rows around each row do not exceed, shape (n, channels), n above `AROUND`."""
+    """Return the size that most rows around each row do not exceed, shape (n, channels), n above `AROUND`."""
     edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)
     return np.asarray(np.quantile(np.delete(windows, AROUND, axis=-1), MOST_OF_THEM, axis=-1))
@@ -84,7 +84,7 @@ SHOWN = 5
 
 
 def listed(rows: Sequence[int | str], what: str = "row") -> str:
-    """Numbers of rows, or names of poses, for a person.
+    """Return numbers of rows, or names of poses, as text.
 
     >>> listed([4]), listed([1, 2, 3, 4, 5, 6])
     ('row 4', 'rows 1, 2, 3, 4, 5, ...')
@@ -94,7 +94,7 @@ def listed(rows: Sequence[int | str], what: str = "row") -> str:
 
 
 def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDArray[np.bool_]:
-    """Rows of a residual that an effect takes for outliers; `noise` and the usual scatter bound it below.
+    """Return the rows of a residual that an effect takes for outliers, given the noise or the usual scatter.
 
     Parameters and result as for `outliers`.
     """
@@ -105,7 +105,7 @@ def expected_outliers(residual: Floats, noise: Floats, effect: Outliers) -> NDAr
 
 
 def drive_outliers(samples: Floats, noise: float, effect: Outliers) -> NDArray[np.bool_]:
-    """Samples of a drive, shape (n,), that an effect takes for outliers; drop-outs are none."""
+    """Return the samples of a drive, shape (n,), that an effect takes for outliers; drop-outs are none."""
     found = np.zeros(len(samples), dtype=bool)
     rows = np.flatnonzero(np.isfinite(samples))
     if len(rows) <= NEIGHBOURS:
@@ -117,7 +117,7 @@ def drive_outliers(samples: Floats, noise: float, effect: Outliers) -> NDArray[n
 
 
 def parabolas(samples: Floats) -> Floats:
-    """The three predictions (1) of every sample, shape (3, n): from before, from after, from both sides."""
+    """Return the predictions (1) of every sample, shape (3, n): from before, after and both sides."""
     n = len(samples)
     y = np.full(n + 6, np.nan)
     y[3:-3] = samples
@@ -128,14 +128,14 @@ def parabolas(samples: Floats) -> Floats:
 
 
 def deviation_from_parabolas(values: Floats) -> Floats:
-    """Distance to the nearest of the three parabolas (1), shape (n, channels)."""
+    """Return the distance to the nearest of the three parabolas (1), shape (n, channels)."""
     off = np.stack([np.abs(y - parabolas(y)) for y in values.T], axis=-1)
     known = np.where(np.isfinite(off), off, np.inf).min(axis=0)
     return np.where(np.isfinite(known), known, 0.0)
 
 
 def deviation_from_median(residual: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
-    """Rows with a value in every channel, their differences from the median, and the usual size of these.
+    """Return rows with a value in every channel, their differences from the median, and the usual size.
 
     No rows where there are too few for a median.
     """

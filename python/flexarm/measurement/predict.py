@@ -1,4 +1,4 @@
-"""What a sensor would read in a simulated motion, at given stamps and without noise.
+"""Prediction of a sensor's readings in a simulated motion, at given stamps and without noise.
 
 `measure` and `compare` both read simulations here, so a virtual measurement and the prediction of a real one
 are the same code. `read` is the perfect sensor; effects of the model on sensors, clocks and frames are those
@@ -48,7 +48,7 @@ def predict(
     rounded: bool = True,
     stamps: Floats | None = None,
 ) -> Floats:
-    """Values of a signal in a simulated motion, at the signal's own stamps, as the model's sensors show them.
+    """Return the values of a signal in a simulated motion, at its stamps, as the model's sensors show them.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def predict(
     arm : Arm, optional
         The model whose effects on sensors, clocks and frames count; default: that of the simulation.
     rounded : bool
-        Whether an effect `encoder_quantisation` rounds; without it readings have derivatives.
+        False leaves out the effect `encoder_quantisation`: readings then have derivatives.
     stamps : ndarray, shape (n,), optional
         In place of the signal's own: of a static record the number of each row's pose.
 
@@ -85,7 +85,7 @@ def predict(
 
 
 def read(simulation: Any, what: Described, instants: Floats, registration: Registration = IDENTITY) -> Floats:
-    """Values that a perfect sensor shows at true instants, shape (n, channels); errors as `predict`."""
+    """Return the values of a perfect sensor at true instants, shape (n, channels); errors as `predict`."""
     if what.quantity in FRAMED_READINGS:
         return FRAMED_READINGS[what.quantity](simulation, what, instants, registration)
     if what.quantity in READINGS:

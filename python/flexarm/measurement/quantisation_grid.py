@@ -1,7 +1,4 @@
-"""Readings that are counts: they lie on a lattice,
-
-y_i = y_0 + k_i step,    k_i whole numbers.                                                       (1)
-"""
+"""Quantisation grid of readings that are counts: y_i = y_0 + k_i step, k_i whole numbers (1)."""
 
 from __future__ import annotations
 
@@ -12,11 +9,11 @@ from flexarm.arrays import Floats
 ON_LATTICE = 0.02
 """Greatest distance of a reading from (1), in steps."""
 FEW = 8
-"""Different readings that show no lattice."""
+"""Least number of different readings that show a grid."""
 
 
 def quantisation_step(values: Floats) -> float:
-    """Step of (1), 0 if readings are on no lattice or too few to tell."""
+    """Return the step of (1); 0 if readings lie on no grid or are too few."""
     found = np.unique(np.round(values[np.isfinite(values)], 14))
     if len(found) < FEW:
         return 0.0

@@ -1,4 +1,4 @@
-"""A simulated motion at the very instants of a sensor, between the steps of the simulation.
+"""Interpolation of a simulated motion at the instants of a sensor, between the steps of the simulation.
 
 In a step h from t_0 to t_1, with s = (t - t_0)/h, values x and rates v,
 
@@ -23,7 +23,7 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
 EARLY = 0.05
-"""How long before its first step a motion is taken as having its rate [s]: clocks are late by less."""
+"""Time before its first step in which a motion keeps its first rate [s]: clocks are late by less."""
 
 
 class CannotMeasure(InvalidParameter):
@@ -31,7 +31,7 @@ class CannotMeasure(InvalidParameter):
 
 
 class Described(Protocol):
-    """What sensors of a model and signals of a record have in common: the quantity and its place."""
+    """Attributes that sensors of a model and signals of a record have in common: quantity and place."""
 
     @property
     def name(self) -> str:
@@ -71,7 +71,7 @@ class Described(Protocol):
 
 
 def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None = None) -> Floats:
-    """Values at `instants` by (1).
+    """Return the values at `instants` by (1).
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
 
 
 def _slope(time: Floats, values: Floats, i: NDArray[np.intp]) -> Floats:
-    """Differences at steps i alone, central and exact of a parabola; one-sided at both ends."""
+    """Return differences at steps i alone, central and exact of a parabola; one-sided at both ends."""
     if len(time) < 3:
         return np.asarray(np.gradient(values, time, axis=0)[i])
     j = np.clip(i, 1, len(time) - 2)  # the middle one of three
@@ -122,12 +122,12 @@ def _slope(time: Floats, values: Floats, i: NDArray[np.intp]) -> Floats:
 
 
 def _column(values: NDArray[Any], like: Floats) -> NDArray[Any]:
-    """`values` with as many trailing axes as `like` has beyond its first."""
+    """Return `values` with as many trailing axes as `like` has beyond its first."""
     return values.reshape(-1, *[1] * (like.ndim - 1))
 
 
 def stored(simulation: Any, name: str, what: Described) -> Floats:
-    """An array of the simulation.
+    """Return an array of the simulation.
 
     Raises
     ------
@@ -144,12 +144,12 @@ def stored(simulation: Any, name: str, what: Described) -> Floats:
 
 
 def point_index(simulation: Any, what: Described, point: str | None = None) -> int:
-    """Place of the signal's point, or of another one that it needs, in the simulation's arrays."""
+    """Return the index of the signal's point, or of another one that it needs, in the simulation's arrays."""
     return _index(simulation.points, point or what.point, "point", what)
 
 
 def joint_index(simulation: Any, what: Described) -> int:
-    """Place of the signal's joint in the simulation's arrays."""
+    """Return the index of the signal's joint in the simulation's arrays."""
     return _index(simulation.joints, what.joint, "joint", what)
 
 
@@ -163,5 +163,5 @@ def _index(names: Sequence[str], name: str | None, kind: str, what: Described) -
 
 
 def columns(axes: Sequence[str] | None) -> list[int]:
-    """Indices of axes named x, y, z; all three where none are named."""
+    """Return the indices of axes named x, y, z; all three where none are named."""
     return ["xyz".index(axis) for axis in axes or "xyz"]

@@ -47,7 +47,7 @@ def predict_slopes(
     *,
     stamps: Floats | None = None,
 ) -> Floats:
-    """Derivatives of a predicted signal by every parameter that a run was differentiated by.
+    """Return the derivatives of a predicted signal with respect to every parameter of a run.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def predict_slopes(
 
 @dataclass(frozen=True)
 class _Directions:
-    """What a linear sensor asks a run for, with the derivatives of its arrays in their place."""
+    """A run with the derivatives of its arrays in their place, as a linear sensor reads it."""
 
     simulation: Any
 
@@ -119,7 +119,7 @@ class _Linear:
     registration: Registration
 
     def slopes(self) -> Floats:
-        """dy/dp by all parameters."""
+        """Return dy/dp for all parameters."""
         arm, along = self.simulation.arm, self._along()
         seen = effects_of(arm, self.signal)
         true = self._true(arm, seen)
@@ -138,7 +138,7 @@ class _Linear:
         return slopes
 
     def _shown(self, arm: Any, change: Floats) -> Floats:
-        """What the sensors of an arm show of the run's own motion, its true values changed."""
+        """Return the readings of an arm's sensors of the run's own motion, its true values changed."""
         seen = effects_of(arm, self.signal)
         return seen.reading(self._true(arm, seen) + change, rounded=False)
 
@@ -151,7 +151,7 @@ class _Linear:
         return instants
 
     def _along(self) -> Floats:
-        """u(dx/dp), shape (n, channels, parameter)."""
+        """Return u(dx/dp), shape (n, channels, parameter)."""
         seen = effects_of(self.simulation.arm, self.signal)
         directions = _Directions(self.simulation)
         found = _LINEAR[self.signal.quantity](directions, self.signal, self._instants(seen))
@@ -163,7 +163,7 @@ class _Linear:
 
 
 def _changes_sensors(arm: Any, parameter: Parameter) -> bool:
-    """Whether sensors may show the same motion in another way: by effects on them, or gear ratios."""
+    """Return True if a parameter changes the readings of the same motion: effects on sensors, gear ratios."""
     from flexarm.sensitivity import moves_arm
 
     return not moves_arm(arm, parameter) or path_of(arm, parameter.key).table in ("joints", "gears")

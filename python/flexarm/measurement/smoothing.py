@@ -1,4 +1,4 @@
-"""Smoothing of a measured drive by its stated noise: what is above the noise stays, the rest goes.
+"""Smoothing of a measured drive: variations above its stated noise stay, the rest is removed.
 
 An encoder's samples are y_i = f(t_i) + sigma e_i. Joined as they are they accelerate the arm at random (5e-6
 rad at 2 ms is 1 rad/s^2) and ring its first mode. f is sought as a cubic spline whose breaks are dense only
@@ -9,11 +9,11 @@ where the samples demand it:
 
 The spaces of (1) are nested, so s_p - s_{p+1} is a projection of the samples, and E, if they hold nothing but
 noise there, is chi-square distributed with as many degrees of freedom as breaks were added in the window.
-Windows of 2, 4, 8, ... intervals up to the whole record are tested from the narrow to the wide, what a narrow
-one has explained being left out of the wider: a narrow window finds the sharp start of a move, a wide one a
+Windows of 2, 4, 8, ... intervals up to the whole record are tested from narrow to wide; intervals that a
+narrow one explains are left out of the wider. A narrow window finds the sharp start of a move, a wide one a
 weak oscillation that lasts. Wherever E is above its limit for the false-alarm probability `ALARM`, breaks of
 step p are set; neighbouring intervals differ by about a factor of two. One last fit with all breaks gives f,
-which stands still where the samples do (`knots_at_rest`).
+which is constant in dwells of the samples (`knots_at_rest`).
 
 No property of the arm enters, and noise passes only while the motion itself is as quick as the arm's modes.
 Drives are held before their first sample: the fit starts at rest unless the samples contradict that.
@@ -55,7 +55,7 @@ def smooth(
     noise_std: float,
     shown: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Pieces:
-    """Twice continuously differentiable drive through noisy samples.
+    """Return a twice continuously differentiable drive through noisy samples.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ def smooth(
 def _layout(
     stamps: bytes, reading: bytes, noise_std: float
 ) -> tuple[NDArray[np.intp], bool, frozenset[int]] | None:
-    """Breaks, whether the fit starts at rest, its equal coefficients; None where every sample counts.
+    """Return breaks, start at rest, and equal coefficients of the fit; None if every sample is a break.
 
-    A record drives many models: what its readings say is found once.
+    A record drives many models: its layout is found once.
     """
     t, y = np.frombuffer(stamps), np.frombuffer(reading)
     steps = _steps(t, y / noise_std)
@@ -118,7 +118,7 @@ def _layout(
 
 
 def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:
-    """Cubic spline through the samples, with the not-a-knot condition at both ends.
+    """Return the cubic spline through the samples, with the not-a-knot condition at both ends.
 
     Two samples are joined by a line, three by a parabola. Parameters, result and errors as for `smooth`.
     """
@@ -141,7 +141,7 @@ def _finite(time: ArrayLike, values: ArrayLike) -> tuple[NDArray[np.float64], ND
 
 
 def _every(step: int, count: int) -> NDArray[np.intp]:
-    """Indices 0, step, 2 step, ... and the last of `count`; less than half a step joins its neighbour."""
+    """Return indices 0, step, 2 step, ... and the last of `count`; a rest below half a step is joined."""
     found = np.arange(0, count, step)
     if count - 1 - found[-1] >= step / 2 and found[-1] < count - 1:
         return np.append(found, count - 1)
@@ -150,7 +150,7 @@ def _every(step: int, count: int) -> NDArray[np.intp]:
 
 
 def _steps(t: NDArray[np.float64], scaled: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Exponent p that every sample needs: the smallest for which (2) finds more than noise around it."""
+    """Return the exponent p that every sample needs: the smallest for which (2) exceeds the noise there."""
     count = len(t)
     coarsest = int(np.log2(count / COARSEST))
     need = np.full(count, coarsest)
@@ -167,7 +167,7 @@ def _steps(t: NDArray[np.float64], scaled: NDArray[np.float64]) -> NDArray[np.in
 
 
 def _above_noise(energy: NDArray[np.float64], freedom: float) -> NDArray[np.bool_]:
-    """Which intervals lie in a window whose energy (2) noise does not explain; `freedom` per interval."""
+    """Return the intervals in a window whose energy (2) noise does not explain; `freedom` per interval."""
     from scipy.special import chdtri  # chi2.isf is this; all of scipy.stats takes half a second to import
 
     found = np.zeros(len(energy), dtype=bool)
@@ -191,7 +191,7 @@ def _window_sums(values: NDArray[_Number], window: int) -> NDArray[_Number]:
 
 
 def _cover(starts: NDArray[np.intp], window: int, count: int) -> NDArray[np.bool_]:
-    """Intervals covered by the windows that begin at `starts`."""
+    """Return the intervals covered by the windows that begin at `starts`."""
     ends = np.zeros(count + 1, dtype=np.intp)
     ends[starts] += 1
     np.subtract.at(ends, starts + window, 1)
@@ -199,7 +199,7 @@ def _cover(starts: NDArray[np.intp], window: int, count: int) -> NDArray[np.bool
 
 
 def _breaks(need: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Breaks that give every sample the step it needs, and an interval on either side of it half as fine."""
+    """Return breaks that give every sample the step it needs, and half of that on either side."""
     count = len(need)
     keep = np.zeros(count, dtype=bool)
     keep[_every(2 ** int(need.max()), count)] = True
@@ -222,7 +222,7 @@ def _starts_at_rest(
     equal: frozenset[int],
     noise_std: float,
 ) -> bool:
-    """Whether chi-square does not tell the fit that starts at rest from the free one."""
+    """Return True if chi-square does not separate the fit that starts at rest from the free one."""
     at_rest, fitted = (fit_spline(t, y, breaks, resting, equal)[1] for resting in (True, False))
     increase = (np.sum((y - at_rest) ** 2) - np.sum((y - fitted) ** 2)) / noise_std**2
     return bool(increase < REST_LIMIT)

@@ -1,7 +1,7 @@
-"""StateSnapshots of an arm looked at one by one, as sensors see a run.
+"""Snapshots of states, as sensors read a run.
 
-Sensors read a simulation at their instants; here every state is an instant of its own, 0, 1, 2 ..., and the
-acceleration of points comes from the states themselves instead of the derivative of their velocities.
+Every state is an instant of its own, 0, 1, 2 ... The acceleration of points comes from the states themselves
+instead of the derivative of their velocities.
 """
 
 from __future__ import annotations
@@ -16,16 +16,55 @@ from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.measurement.predict import read
-from flexarm.measurement.states import StateSnapshots
 
 
 @dataclass(frozen=True, eq=False)
-class SystemSnapshots(StateSnapshots):
-    """StateSnapshots of an assembled system."""
+class StateSnapshots:
+    """Arrays that measurements take from a `Simulation`; the first axis is the state.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    time : ndarray, shape (n,)
+        Numbers of the states: 0, 1, 2, ...
+    position, velocity, angular_rate, acceleration : ndarray, shape (n, point, 3)
+        Of the points: base axes [m], [m/s]; body axes: rate [rad/s] and specific force [m/s2].
+    orientation : ndarray, shape (n, point, 4)
+        Quaternion x, y, z, w.
+    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
+        As in `Simulation`.
+    section_forces : ndarray, shape (n, link, 2, 6)
+        As in `Simulation`.
+    """
+
+    arm: Arm
+    time: Floats
+    position: Floats
+    velocity: Floats
+    orientation: Floats
+    angular_rate: Floats
+    acceleration: Floats
+    joint_angle: Floats
+    joint_rate: Floats
+    drive_angle: Floats
+    drive_rate: Floats
+    motor_torque: Floats
+    section_forces: Floats
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of the points, in the order of the arrays."""
+        return tuple(point.name for point in self.arm.points)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, in the order of the arrays."""
+        return tuple(joint.name for joint in self.arm.joints)
 
     @classmethod
-    def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> SystemSnapshots:
-        """The states of a system assembled from the arm."""
+    def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> StateSnapshots:
+        """Return the snapshots of states of a system assembled from the arm."""
         gravity = np.array(arm.gravity)
         seen = _core.snapshots(system, list(states), _core.Loads(gravity=gravity))
         n, p, run = len(states), len(arm.points), seen.run
@@ -47,12 +86,12 @@ class SystemSnapshots(StateSnapshots):
         )
 
     def readings(self, sensor: Sensor) -> Floats:
-        """What the sensor reads of each state, without noise, rounding or delay: shape (n, channels)."""
+        """Return the sensor's readings without noise, rounding or delay, shape (n, channels)."""
         return read(self, sensor, self.time)
 
 
 def _in_body(orientation: Floats, vectors: Floats) -> Floats:
-    """Vectors in base axes, in the axes that quaternions (x, y, z, w) turn the base's into."""
+    """Return vectors of base axes in the axes of bodies with quaternions (x, y, z, w)."""
     axis, w = -orientation[..., :3], orientation[..., 3:]
     twice = 2 * np.cross(axis, vectors)
     turned: Floats = vectors + w * twice + np.cross(axis, twice)

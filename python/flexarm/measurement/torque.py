@@ -15,7 +15,7 @@ from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, 
 
 
 def gear_ratio(arm: Any, joint: str) -> float:
-    """Motor's angle over the joint's: the ratio of a gear with this output, else the joint's own."""
+    """Return the gear ratio of a joint: that of a gear with this output, else the joint's own."""
     for gear in arm.gears:
         if gear.output == joint:
             return float(gear.ratio)
@@ -23,7 +23,7 @@ def gear_ratio(arm: Any, joint: str) -> float:
 
 
 def motor_torque(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Torque at the motor's shaft (motor side) or times the ratio (output side) [N m or N], shape (n, 1)."""
+    """Return the torque at the motor's shaft, or at the output side [N m or N], shape (n, 1)."""
     j = joint_index(simulation, what)
     torque = stored(simulation, "motor_torque", what)[:, [j]]
     ratio = 1.0 if what.side == "output" else gear_ratio(simulation.arm, simulation.joints[j])
@@ -31,7 +31,7 @@ def motor_torque(simulation: Any, what: Described, instants: Floats) -> Floats:
 
 
 def motor_voltage(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Voltage of the motor [V], shape (n, 1); only of a run that has a motor."""
+    """Return the voltage of the motor [V], shape (n, 1); only of a run that has a motor."""
     j = joint_index(simulation, what)
     voltage = stored(simulation, "motor_voltage", what)[:, [j]]
     if not np.isfinite(voltage).all():

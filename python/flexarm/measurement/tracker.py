@@ -17,13 +17,13 @@ from flexarm.measurement.sampling import Described, columns, point_index, sample
 
 
 def position(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
-    """Position of the signal's point in the frame of measurement [m], shape (n, axes)."""
+    """Return the position of the signal's point in the frame of measurement [m], shape (n, axes)."""
     places = base_position(simulation, what, instants)
     return registration.positions(places, instants - simulation.time[0])[:, columns(what.axes)]
 
 
 def base_position(simulation: Any, what: Described, instants: Floats, point: str | None = None) -> Floats:
-    """Position of the signal's point (or of another one) in the base's axes [m], shape (n, 3)."""
+    """Return the position of the signal's point (or another one) in the base's axes [m], shape (n, 3)."""
     p = point_index(simulation, what, point)
     return sample(
         simulation.time,
@@ -34,12 +34,12 @@ def base_position(simulation: Any, what: Described, instants: Floats, point: str
 
 
 def orientation(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
-    """Quaternion (x, y, z, w) of the signal's body in the frame of measurement, shape (n, 4)."""
+    """Return the quaternion (x, y, z, w) of the signal's body in the frame of measurement, shape (n, 4)."""
     return registration.orientations(base_orientation(simulation, what, instants))
 
 
 def base_orientation(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Quaternion (x, y, z, w) of the signal's body in the base, shape (n, 4).
+    """Return the quaternion (x, y, z, w) of the signal's body in the base, shape (n, 4).
 
     Components are interpolated and normalised; signs are made continuous first (q and -q are one rotation).
     """

@@ -1,4 +1,4 @@
-"""What was measured, or would be: a directory with `record.toml` and CSV files as frozen objects."""
+"""Records, measured or virtual: a directory with `record.toml` and CSV files as frozen objects."""
 
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal

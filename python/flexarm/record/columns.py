@@ -104,12 +104,12 @@ class CsvFile:
         return self.header.index(column) if column in self.header else None
 
     def texts(self, column: str) -> list[str]:
-        """The cells of a column as they stand."""
+        """Return the cells of a column as they stand."""
         index = self.header.index(column)
         return [row[index].strip() for _, row in self._rows()]
 
     def numbers(self, columns: Sequence[str]) -> Floats:
-        """Columns as an array of shape (rows, columns), drop-outs as NaN.
+        """Return columns as an array of shape (rows, columns), drop-outs as NaN.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class CsvFile:
         return values
 
     def _fast(self, where: list[int]) -> Floats | None:
-        """The columns by NumPy's reader, or None where a cell needs a closer look."""
+        """Return the columns by NumPy's reader, or None where a cell needs a closer look."""
         try:
             with self._open() as file:
                 for _ in range(self._header_line):

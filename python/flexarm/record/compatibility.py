@@ -1,4 +1,4 @@
-"""What in a record does not fit a model: names it does not have, values beyond its reach."""
+"""Compatibility of a record with a model: unknown names, values that the arm cannot show."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
-    """Joints, points, links and payloads that the model does not have."""
+    """Return joints, points, links and payloads that the model does not have."""
     known = {
         "joint": [joint.name for joint in arm.moving_joints],
         "point": [point.name for point in arm.points],
@@ -57,26 +57,27 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
 
 
 def validate(record: Record, arm: Arm) -> list[Problem]:
-    """Values that contradict their unit, seen from the size of the arm; effects that act on nothing here."""
+    """Return values that this arm cannot show, and effects that act on nothing in the record."""
     return [*implausible_values(record, arm), *unplaced_effects(record, arm)]
 
 
 def implausible_values(record: Record, arm: Arm) -> list[Problem]:
-    """Values that this arm cannot show, as they stand in the record."""
+    """Return values that this arm cannot show, as they stand in the record."""
+    shafts = {gear.input for gear in arm.gears}
     return [
         *_positions(record, arm),
         *_angles(record, arm),
         *_undriven(record, arm),
-        *_too_fast(record, arm),
+        *implausible_rates(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts]),
         *frame_problems(record, arm),
         *payload_problems(record, arm),
     ]
 
 
 def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
-    """Effects of the model at signals, clocks and frames that the record has not.
+    """Return effects of the model at signals, clocks and frames that the record has not.
 
-    One model serves several records, so this is a doubt and no error.
+    One model serves several records, so this is a warning and no error.
     """
     known = {
         "signal": list(record.signals),
@@ -94,7 +95,7 @@ def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
 
 
 def with_overrides(record: Record, arm: Arm) -> Arm:
-    """The arm with the payloads and lengths of a run; a weighed mass wins over an effect `payload_mass`."""
+    """Return the arm with the payloads, lengths and controllers of a run."""
     arm = with_link_lengths(_set(arm, record), record.links)
     if not record.payloads:
         return arm
@@ -108,7 +109,7 @@ def with_overrides(record: Record, arm: Arm) -> Arm:
 
 
 def _set(arm: Arm, record: Record) -> Arm:
-    """The arm with its controllers as they were set in a run."""
+    """Return the arm with its controllers as they were set in a run."""
     own = {controller.joint: controller for controller in arm.controllers}
     for joint, values in record.controllers.items():
         if joint not in own:
@@ -122,7 +123,7 @@ def _set(arm: Arm, record: Record) -> Arm:
 
 
 def with_payload_masses(arm: Arm, masses: Mapping[str, float]) -> Arm:
-    """The arm with weighed payloads [kg], by name; an effect `payload_mass` there gives way to them."""
+    """Return the arm with payload masses [kg] by name, which replace effects `payload_mass` there."""
     if not masses:
         return arm
     loads = (load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads)
@@ -149,7 +150,7 @@ def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _too_small(record: Record, arm: Arm, signal: Signal, span: float, far: float | None) -> Iterable[Problem]:
-    """Places much nearer to the base than the rigid arm has them when they are measured, or much less moved.
+    """Yield positions much nearer to the base, or that move much less, than those of the rigid arm.
 
     A turn of the frame leaves at least 1/sqrt(3) of a motion along one of its axes.
     """
@@ -168,29 +169,19 @@ def _too_small(record: Record, arm: Arm, signal: Signal, span: float, far: float
 
 
 def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
-    """Encoders of motors that move while nothing drives their joint: the model holds it."""
+    """Yield encoders of motors that move while nothing drives their joint: the model holds it."""
     if record.kind != "motion" or not record.drive:
         return
     driven = {str(record.signals[name].joint) for name in record.drive}
     driven = coupled_joints(driven | {controller.joint for controller in arm.controllers}, arm.gears)
     for signal in record.of_quantity("joint_angle").values():
-        if signal.side == "motor" and signal.joint not in driven and _moves(signal):
+        seen = signal.values[signal.valid, 0]
+        moves = len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)
+        if signal.side == "motor" and signal.joint not in driven and moves:
             yield Problem(
                 f"signals.{signal.name}",
                 f"is a motor's angle and moves, but is not in drive: the model holds {signal.joint!r} still",
             )
-
-
-def _moves(signal: Signal) -> bool:
-    """Whether an encoder shows more than its noise and one of its steps do."""
-    seen = signal.values[signal.valid, 0]
-    return len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)
-
-
-def _too_fast(record: Record, arm: Arm) -> Iterable[Problem]:
-    """Joints that turn as fast as motors; shafts before gears are motors' own."""
-    shafts = {gear.input for gear in arm.gears}
-    return implausible_rates(record, [joint.name for joint in arm.moving_joints if joint.name not in shafts])
 
 
 def _angles(record: Record, arm: Arm) -> Iterable[Problem]:

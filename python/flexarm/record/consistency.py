@@ -1,4 +1,4 @@
-"""Do the tables of `record.toml` fit together."""
+"""Consistency of the tables of `record.toml`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Found = Iterable[tuple[Path, str]]
 
 
 def inconsistencies(record: RecordTable) -> list[tuple[Path, str]]:
-    """Pairs of place and sentence for all that does not fit."""
+    """Return pairs of place and sentence for all that does not fit."""
     if not record.signals:
         return [(("signals",), "is missing; a record needs at least one signal")]
     return [*_names(record), *_clocks_and_frames(record), *_stamps(record), *_drive(record)]

@@ -1,4 +1,4 @@
-"""Frames of measurement that cannot stand where a record says, or are not known at all.
+"""Plausibility rules of frames: positions that cannot be, registrations that tell nothing.
 
 Position and registration are in m and rad. Millimetres taken for metres put what was measured a thousand
 times too far from the base, and make a good registration none:
@@ -32,7 +32,7 @@ UNKNOWN = 'a frame of which nothing is known is "unknown"'
 
 
 def frame_rotation_problems(record: Record) -> Iterable[Problem]:
-    """Angles of (2), which need no arm."""
+    """Yield implausible rotations of (2), which need no arm."""
     for name, frame in record.frames.items():
         if frame.rotation > TURNED:
             what = f"is {frame.rotation:g} rad (1 sigma), {np.degrees(frame.rotation):.3g} degrees"
@@ -42,7 +42,7 @@ def frame_rotation_problems(record: Record) -> Iterable[Problem]:
 
 
 def frame_problems(record: Record, arm: Arm) -> Iterable[Problem]:
-    """(1) and lengths of (2), seen from the size of the arm."""
+    """Yield frames that violate (1), or (2) in translation."""
     for name, frame in record.frames.items():
         seen = [s for s in record.of_quantity("position").values() if s.frame == name and s.valid.any()]
         if frame.unknown or not seen:
@@ -68,7 +68,7 @@ def _beyond(record: Record, arm: Arm, frame: Frame, seen: Sequence[Signal]) -> I
 
 
 def _far(signal: Signal, frame: Frame) -> float:
-    """How far the middle of what a signal shows lies from the base [m], by the axes that are known there."""
+    """Return the distance of the median position of a signal from the base [m], along its axes."""
     middle = np.nanmedian(signal.values, axis=0)
     axes = ["xyz".index(axis) for axis in signal.axes]
     if any(frame.rpy) and len(axes) < 3:

@@ -12,7 +12,7 @@ those by all other parameters mean the model's.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flexarm.arm.consistency import missing
 from flexarm.arm.effect import read_effect
@@ -26,34 +26,25 @@ if TYPE_CHECKING:
 
 
 def with_link_lengths(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
-    """The arm with links of the lengths that a record states, eq. (1).
+    """Return the arm with links of the lengths that a record states, eq. (1).
 
     Raises
     ------
     InvalidParameter
         If there is no such link, or it is no beam.
     """
+    known = {link.name: link for link in arm.links}
     for name, drawn in links.items():
-        own, nominal = arm.effect("link_length", name), _length(arm, name)
-        error = float(getattr(own, "error", 0.0)) + drawn.length - nominal
-        longer = read_effect({"name": "link_length", "at": name, "error": error})
-        arm = _bowed(arm.with_effect(longer), name, (drawn.length / nominal) ** 2)  # eq. (1)
+        if name not in known:
+            raise InvalidParameter(missing("link", name, known), where=f"links.{name}")
+        link = known[name]
+        if not isinstance(link, Beam):
+            what = f"must be a beam to have a length, {name!r} is a {link.type} link"
+            raise InvalidParameter(what, where=f"links.{name}.length")
+        own, bow = arm.effect("link_length", name), arm.effect("link_bow", name)
+        error = float(getattr(own, "error", 0.0)) + drawn.length - link.length
+        arm = arm.with_effect(read_effect({"name": "link_length", "at": name, "error": error}))
+        if bow is not None:
+            tip_offset = scaled((drawn.length / link.length) ** 2, bow.tip_offset)  # type: ignore[attr-defined]
+            arm = arm.with_effect(bow.replace(tip_offset=tip_offset))  # eq. (1)
     return arm
-
-
-def _bowed(arm: Arm, link: str, factor: float) -> Arm:
-    """The arm with the tip of a bowed link so many times further off."""
-    bow: Any = arm.effect("link_bow", link)
-    return arm if bow is None else arm.with_effect(bow.replace(tip_offset=scaled(factor, bow.tip_offset)))
-
-
-def _length(arm: Arm, name: str) -> float:
-    found = {link.name: link for link in arm.links}
-    if name not in found:
-        raise InvalidParameter(missing("link", name, found), where=f"links.{name}")
-    link = found[name]
-    if not isinstance(link, Beam):
-        raise InvalidParameter(
-            f"must be a beam to have a length, {name!r} is a {link.type} link", where=f"links.{name}.length"
-        )
-    return link.length

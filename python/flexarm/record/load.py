@@ -64,7 +64,7 @@ class _Reader:
         self._times: dict[tuple[str, str, str], Floats] = {}
 
     def signal(self, i: int, table: SignalTable, reference: str) -> Signal:
-        """One signal in SI units."""
+        """Return one signal in SI units."""
         self._check_columns(i, table)
         unit, factor = table.si
         for column in table.channels:
@@ -99,7 +99,7 @@ class _Reader:
         )
 
     def _check_columns(self, i: int, table: SignalTable) -> None:
-        """Opens the file of a signal and looks for its columns."""
+        """Open the file of a signal and look for its columns."""
         if table.file not in self._files:
             path = self.toml.parent / table.file
             if not (self.outside or is_inside(path, self.toml.parent)):
@@ -128,7 +128,7 @@ class _Reader:
         return InvalidFile(self.toml, f"signals.{table.name}.{key}", what, line=line)
 
     def _column(self, file: str, name: str) -> Floats:
-        """A column of numbers; the first call reads all that the record needs from the file."""
+        """Return a column of numbers; the first call reads all that the record needs from the file."""
         if file not in self._columns:
             motion = self.table.kind == "motion"
             users = [signal for signal in self.table.signals if signal.file == file]
@@ -150,7 +150,7 @@ class _Reader:
             raise InvalidFile(csv.file, where, f"must lie within +-{most:g}, got {values[at]:.9g}")
 
     def _time(self, table: SignalTable) -> Floats:
-        """Stamps [s]; they must rise."""
+        """Return stamps [s]; they must rise."""
         assert table.time is not None
         key = (table.file, table.time, table.time_unit)
         if key not in self._times:
@@ -224,7 +224,7 @@ _SUFFIXES = {
 
 
 def _separated(header: Sequence[str]) -> str:
-    """A word on the separator, if a header is a single column that looks like several."""
+    """Return a word on the separator, if a header is a single column that looks like several."""
     found = next((mark for mark in ";\t|" if len(header) == 1 and mark in header[0]), None)
     return f"; cells are separated by commas, these look separated by {found!r}" if found else ""
 
@@ -237,7 +237,7 @@ def _exists(path: Path) -> bool:
 
 
 def _canonical(pose: str) -> str:
-    """One spelling for a pose: "3" for 3, 3.0 and 03."""
+    """Return one spelling for a pose: "3" for 3, 3.0 and 03."""
     try:
         number = float(pose)
     except ValueError:

@@ -90,12 +90,12 @@ def _step(signal: Signal) -> float:
 
 
 def _scatter(signal: Signal) -> float:
-    """The greatest noise that the channels can have by (1), 0 where they do not tell."""
+    """Return the greatest noise that the channels can have by (1), 0 where they do not tell."""
     return max(_bound(signal, column) for column in signal.values.T)
 
 
 def _bound(signal: Signal, values: Floats) -> float:
-    """The least s of (1) that the orders leave one channel."""
+    """Return the least s of (1) that the orders leave one channel."""
     found = []
     for order in ORDERS if signal.pose is None else (1,):
         steps = _differences(signal, values, order)
@@ -107,14 +107,14 @@ def _bound(signal: Signal, values: Floats) -> float:
 
 
 def _differences(signal: Signal, values: Floats, order: int) -> Floats:
-    """From one reading to the next, thinned out; in a record of poses to the next of the same pose."""
+    """Return differences of thinned readings; in a record of poses, those of rows of one pose."""
     if signal.pose is None:
         return np.diff(values[:: max(1, int(min(signal.rate_hz / THINNED, len(values))))], order)
     return np.concatenate([np.diff(values[signal.pose == pose], order) for pose in np.unique(signal.pose)])
 
 
 def clock_problems(record: Record) -> Iterable[Problem]:
-    """Clocks that are hardly known beside how long their signals last."""
+    """Yield clocks whose sigma is large compared with the duration of their signals."""
     for name, clock in record.clocks.items():
         spans = [s.time[-1] - s.time[0] for s in record.signals.values() if s.clock == name and len(s.time)]
         longest = float(max(spans, default=0.0))

@@ -1,4 +1,4 @@
-"""What a run carried, how far its booms were drawn out and where its joints stood, in units of no machine.
+"""Plausibility rules of payloads, link lengths and joint values that a record states.
 
 Grams for kilograms, millimetres for metres, degrees for radians. The model with what the run carried is
 doubted as any model is (`flexarm.arm.plausibility`), and a load of `MORE` times the nominal arm with its
@@ -30,7 +30,7 @@ DRAWN = 20.0
 
 
 def payload_problems(record: Record, arm: Arm) -> Iterable[Problem]:
-    """Loads, lengths and angles that a record states."""
+    """Yield implausible loads, lengths and angles that a record states."""
     of_loads = list(_as_model(record, arm))
     yield from of_loads
     known = {problem.where for problem in of_loads}
@@ -40,7 +40,7 @@ def payload_problems(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _as_model(record: Record, arm: Arm) -> Iterable[Problem]:
-    """What is doubted of the loads of the model that carries what the run did, and not of the model."""
+    """Yield implausible payloads of the model as configured in the run, unless the model has them too."""
     if not record.payloads:
         return
     carried = record.replace(links={}, controllers={}).applied_to(arm)
@@ -76,7 +76,7 @@ def _drawn(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _standing(record: Record, arm: Arm) -> Iterable[Problem]:
-    """Angles of several turns, but of motors' shafts, and joints that slid further than any arm reaches."""
+    """Yield angles of several turns, except of motor shafts, and slides further than any arm reaches."""
     shafts = {gear.input for gear in arm.gears}
     for name, value in record.joints.items():
         slides = arm.joint(name).type == "prismatic"

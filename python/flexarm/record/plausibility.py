@@ -1,4 +1,4 @@
-"""What looks wrong in a record by itself: units, dead channels, missing noise."""
+"""Plausibility rules of records: units, dead channels, missing noise."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DISTANT = 1000.0
 
 
 def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
-    """All doubts about a record, of an arm with gears if one is given."""
+    """Yield implausible values of a record; an arm tells the ratios of its gears."""
     if record.kind == "motion" and not record.drive:
         yield Problem("drive", "is not given: nothing drives the joints, all stand still")
     yield from disjoint_clocks(record)
@@ -60,7 +60,7 @@ def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
 
 
 def unit_problems(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
-    """Values that no sensor shows in the unit that is stated.
+    """Yield values that no sensor shows in the unit that is stated.
 
     Parameters
     ----------
@@ -82,12 +82,12 @@ def unit_problems(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
 
 
 def is_remote(frame: Frame) -> bool:
-    """Whether places in a frame are far from where they are in the base, as of a tracker or a map."""
+    """Return True if positions in a frame may be far from those in the base, as with a tracker or a map."""
     return frame.unknown or any(frame.xyz)
 
 
 def disjoint_clocks(record: Record) -> Iterable[Problem]:
-    """Signals whose clock, as stated, ran when the drive's did not."""
+    """Yield signals of another clock without an instant in common with the drive."""
     for signal, times, own in _apart(record):
         if signal.clock != own:
             yield Problem(
@@ -98,7 +98,7 @@ def disjoint_clocks(record: Record) -> Iterable[Problem]:
 
 
 def unknown_motion(record: Record) -> list[Problem]:
-    """Return drives of a single value, or what other signals show while a drive is unknown.
+    """Return drives of a single value, or motions of other signals while a drive is unknown.
 
     Nothing is said of signals that have no instant in common with the drive, nor where stamps are in no s.
     """
@@ -111,7 +111,7 @@ def unknown_motion(record: Record) -> list[Problem]:
 
 
 def disjoint_signals(record: Record) -> dict[str, str]:
-    """Signals of the drive's own clock that saw nothing of its motion, and what to do about it."""
+    """Return signals of the drive's clock without an instant in common with it, and a remedy."""
     return {
         signal.name: f"{times} by the same: they have no instant in common; if the stamps are not of one "
         'clock, give the signal its own, with its offset or "unknown"'
@@ -121,7 +121,7 @@ def disjoint_signals(record: Record) -> dict[str, str]:
 
 
 def _apart(record: Record) -> Iterable[tuple[Signal, str, str]]:
-    """Signals without an instant in common with the drive, the times of both, and the drive's clock."""
+    """Yield signals without an instant in common with the drive, a text on both, and the drive's clock."""
     drives = [record.signals[name] for name in record.drive]
     known = [s for s in drives if len(s.time) and not record.clocks[s.clock].unknown]
     if record.kind != "motion" or not known:
@@ -141,7 +141,7 @@ def _apart(record: Record) -> Iterable[tuple[Signal, str, str]]:
 
 
 def _ran(record: Record, signals: Sequence[Signal]) -> tuple[float, float]:
-    """First and last instant of signals, their clocks as stated [s]."""
+    """Return the first and last instant of signals by their stated clocks [s]."""
     late = [record.clocks[signal.clock].offset for signal in signals]
     first = min(signal.time[0] - by for signal, by in zip(signals, late, strict=True))
     last = max(signal.time[-1] - by for signal, by in zip(signals, late, strict=True))
@@ -149,7 +149,7 @@ def _ran(record: Record, signals: Sequence[Signal]) -> tuple[float, float]:
 
 
 def _unit(signal: Signal, ratio: float) -> Iterable[str]:
-    """Values that contradict their unit."""
+    """Yield values that contradict their unit."""
     largest = float(np.nanmax(np.abs(signal.values)))
     turned = largest / ratio
     if signal.quantity in ("joint_angle", "joint_command") and signal.unit == "rad" and turned > FARTHEST:
@@ -174,7 +174,7 @@ def _unit(signal: Signal, ratio: float) -> Iterable[str]:
 
 
 def _distant(signal: Signal, elsewhere: bool) -> Iterable[str]:
-    """Places beyond any arm, or that lie further apart."""
+    """Yield positions that no arm reaches, or further apart than that."""
     span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
     size, what = (span, "moves over") if elsewhere else (float(np.nanmax(np.abs(signal.values))), "reaches")
     if size > DISTANT:
@@ -182,7 +182,7 @@ def _distant(signal: Signal, elsewhere: bool) -> Iterable[str]:
 
 
 def _dead(signal: Signal) -> Iterable[str]:
-    """Channels that never change although their noise should make them."""
+    """Yield channels that never change although their noise should make them."""
     if signal.pose is not None or len(signal) < 10 or not signal.noise_std:
         return
     for name, column in zip(signal.channels or ("",) * signal.values.shape[1], signal.values.T, strict=True):
@@ -195,7 +195,7 @@ def _dead(signal: Signal) -> Iterable[str]:
 
 
 def _gaps(signal: Signal) -> Iterable[str]:
-    """Pauses of more than twenty samples between stamps."""
+    """Yield pauses of more than twenty samples between stamps."""
     if len(signal.time) < 3:
         return
     steps = np.diff(signal.time)

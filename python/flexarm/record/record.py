@@ -122,7 +122,7 @@ class Record:
     @classmethod
     @takes(path=PATH, allow_outside=FLAG)
     def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
-        """The record in a directory.
+        """Return the record in a directory.
 
         Parameters
         ----------
@@ -142,7 +142,7 @@ class Record:
 
     @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, force: bool = False) -> None:
-        """Writes `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
+        """Write `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
 
         Parameters
         ----------
@@ -178,7 +178,7 @@ class Record:
         return next(iter(self.clocks))
 
     def frame_of(self, signal: Signal) -> Frame:
-        """The frame of a signal; the base's own is exact."""
+        """Return the frame of a signal; the base's own is exact."""
         return self.frames.get(signal.frame, Frame())
 
     @property
@@ -189,16 +189,16 @@ class Record:
         )
 
     def of_quantity(self, quantity: str) -> dict[str, Signal]:
-        """The signals of one quantity."""
+        """Return the signals of one quantity."""
         return {name: signal for name, signal in self.signals.items() if signal.quantity == quantity}
 
     def replace(self, **changes: Any) -> Record:
-        """A changed copy."""
+        """Return a changed copy."""
         return replace(self, **changes)
 
     @takes(arm=ARM)
     def check(self, arm: Arm | None = None) -> list[Problem]:
-        """What looks wrong in the record by itself: units, dead channels, gaps.
+        """Return implausible values of the record: units, dead channels, gaps.
 
         Parameters
         ----------
@@ -211,7 +211,7 @@ class Record:
 
     @takes(arm=ARM)
     def check_against(self, arm: Arm) -> list[Problem]:
-        """What does not fit a model.
+        """Return values that do not fit a model.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class Record:
 
     @takes(arm=ARM)
     def applied_to(self, arm: Arm) -> Arm:
-        """The arm as it was in this run: with its payloads, its booms drawn out, its controllers set.
+        """Return the arm with the payloads, link lengths and controllers of this run.
 
         Parameters
         ----------

@@ -29,7 +29,7 @@ _UNIT_SUFFIX = {
 
 
 def write(record: Record, directory: Path) -> None:
-    """Writes `record.toml` and the CSV files into a directory."""
+    """Write `record.toml` and the CSV files into a directory."""
     placed = [_place(signal) for signal in record.signals.values()]
     files = _share_out(placed)
     tables = []
@@ -42,7 +42,7 @@ def write(record: Record, directory: Path) -> None:
 
 
 def _place(signal: Signal) -> Signal:
-    """The signal with a file and names for its columns, where it has none."""
+    """Return the signal with a file and names for its columns, where it has none."""
     suffix = _UNIT_SUFFIX.get(signal.unit)
     directions = signal.axes if signal.spec.channels is None else ()
     directions = ("x", "y", "z", "w") if signal.quantity == "orientation" else directions
@@ -59,12 +59,12 @@ def _place(signal: Signal) -> Signal:
 
 
 def _names_other_unit(column: str) -> bool:
-    """Whether a column's name ends in a unit that is not SI: values are written in SI."""
+    """Return True if the name of a column ends in a unit that is not SI."""
     return column.rpartition("_")[2] in ("mm", "cm", "um", "deg", "mrad", "ms", "us", "rpm", "g", "kN", "mV")
 
 
 def _share_out(signals: list[Signal]) -> dict[str, list[Signal]]:
-    """Signals by file: those that name one file share it if they have its instants and other columns."""
+    """Return signals by file; those of one file share its instants and have different columns."""
     files: dict[str, list[Signal]] = {}
     for signal in signals:
         file = signal.file
@@ -131,7 +131,7 @@ def _frame(plain: dict[str, Any]) -> Any:
 
 
 def _signal_table(signal: Signal, file: str) -> dict[str, Any]:
-    """The signal's table; keys that say nothing are left out."""
+    """Return the signal's table; keys that say nothing are left out."""
     where = {key: getattr(signal, key) for key in ("joint", "point", "link", "payload", "side")}
     stamp = "time" if signal.pose is None else "pose"
     axes = {"axes": list(signal.axes)} if signal.axes else {}

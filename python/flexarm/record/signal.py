@@ -177,7 +177,7 @@ class Signal:
         return float(1 / np.median(np.diff(self.time))) if len(self.time) > 1 else float("nan")
 
     def replace(self, **changes: Any) -> Signal:
-        """A changed copy."""
+        """Return a changed copy."""
         return replace(self, **changes)
 
     def __len__(self) -> int:

@@ -42,7 +42,7 @@ class Frame(Table):
 
 
 class CarriedPayload(Table):
-    """What a run carried, weighed: it takes precedence over the model."""
+    """A payload as weighed in a run, which takes precedence over the model."""
 
     mass: Number | None = value_in("kg", "mass", None, ge=0)
     inertia: Inertia | None = value_in("kg m2", "inertia about its own centre", None)
@@ -56,6 +56,6 @@ class CarriedPayload(Table):
 
 
 class DrawnLink(Table):
-    """How far a link was drawn out in a run, such as the boom of a crane."""
+    """The length of a link in a run, such as of the boom of a crane."""
 
     length: Number = value_in("m", "length of the beam", gt=0)

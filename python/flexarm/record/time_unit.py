@@ -1,4 +1,4 @@
-"""How long a record lasts, and stamps that cannot be the seconds that they are taken for.
+"""Unit of time stamps: records that last or move as if their stamps were in another unit than stated.
 
 Milliseconds read as seconds make 18 s last 5 hours. Stamps alone do not tell that from a slow motion, but
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexarm.record.signal import Signal
 
 REMEDY = 'say time_unit = "{unit}"'
-"""What to do about stamps of a record in another unit than it states."""
+"""Remedy for stamps in another unit than stated."""
 UNITS = {1e3: "ms", 1e6: "us", 1e9: "ns"}
 """Units of stamps by how many of them a second has."""
 ALIKE = 2.0
@@ -52,7 +52,7 @@ LEAST_ROWS = 3
 
 
 class Span(NamedTuple):
-    """How long samples last [s], and their rate [Hz]."""
+    """Duration of samples [s], and their rate [Hz]."""
 
     seconds: float
     rate: float
@@ -65,7 +65,7 @@ class Span(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """How fast something moves, in its unit a second."""
+    """Rate of a motion, in its unit a second."""
 
     name: str
     rate: float
@@ -76,13 +76,13 @@ class Motion(NamedTuple):
 
 
 def span_of(time: Floats) -> Span:
-    """Of stamps [s]."""
+    """Return duration and rate of stamps [s]."""
     with np.errstate(over="ignore"):
         return Span(float(time[-1] - time[0]), float(1 / np.median(np.diff(time))))
 
 
 def motion_of(name: str, time: Floats, values: Floats, unit: str) -> Motion:
-    """How fast values change but for a tenth of the time, at a look; NaN are drop-outs."""
+    """Return the rate of a motion: the quantile `SHARE` over `LOOKS` samples; NaN are drop-outs."""
     good = np.flatnonzero(np.isfinite(values))
     few = good[np.unique(np.linspace(0, len(good) - 1, LOOKS).astype(int))] if len(good) > 1 else good[:0]
     with np.errstate(over="ignore"):  # of numbers that no sensor gives
@@ -91,7 +91,7 @@ def motion_of(name: str, time: Floats, values: Floats, unit: str) -> Motion:
 
 
 def duration_problems(record: Record) -> Iterable[Problem]:
-    """(1), (2) and the first of (3) of a record's signals."""
+    """Yield signals whose durations violate (1), (2) or the first of (3)."""
     spans, apart = _spans(record), mismatched_durations(record)
     yield from apart
     if not spans or apart:
@@ -103,7 +103,7 @@ def duration_problems(record: Record) -> Iterable[Problem]:
 
 
 def mismatched_durations(record: Record) -> list[Problem]:
-    """(1) and the first of (3): signals that saw next to nothing of one another's motion."""
+    """Return signals whose durations violate (1) or the first of (3)."""
     return _apart(_spans(record))
 
 
@@ -116,7 +116,7 @@ def _motion(signal: Signal) -> Motion:
 
 
 def implausible_rates(record: Record, joints: Sequence[str]) -> Iterable[Problem]:
-    """Angles that drive these joints at rates that no output of a joint has (3)."""
+    """Yield drives of these joints at rates that no joint reaches at its output (3)."""
     for signal in (record.signals[name] for name in record.drive):
         motion = _motion(signal) if len(signal.time) >= LEAST_ROWS else None
         if motion and signal.joint in joints and motion.rate > FASTEST:
@@ -127,7 +127,7 @@ def implausible_rates(record: Record, joints: Sequence[str]) -> Iterable[Problem
 
 
 def _apart(spans: Mapping[str, Span]) -> list[Problem]:
-    """Signals that last so many times as long as another that their stamps, or the other's, are in no s."""
+    """Return signals whose duration differs from another's by the factor of a unit."""
     found: dict[str, list[tuple[str, str]]] = {}
     for (name, span), (other, its) in permutations(spans.items(), 2):
         factor = next((f for f in UNITS if 1 / ALIKE < span.seconds / its.seconds / f < ALIKE), None)
@@ -143,14 +143,14 @@ def _apart(spans: Mapping[str, Span]) -> list[Problem]:
 
 
 def _one_of(alike: list[tuple[str, str]]) -> Problem:
-    """The first of signals whose stamps are wrong alike, and the names of the others."""
+    """Return the problem of the first of signals with the same unit, and the names of the others."""
     name, what = alike[0]
     others = ", ".join(other for other in dict.fromkeys(other for other, _ in alike) if other != name)
     return Problem(f"signals.{name}.time", what + (f"; the same holds for {others}" if others else ""))
 
 
 def implausible_duration(span: Span, motions: Sequence[Motion], remedy: str = REMEDY) -> Iterable[str]:
-    """A sentence on a run of hours (2), with what its stamps may be.
+    """Yield a sentence on a run of hours (2), with the likely unit of its stamps.
 
     Parameters
     ----------
@@ -173,13 +173,13 @@ def implausible_duration(span: Span, motions: Sequence[Motion], remedy: str = RE
 
 
 def unit_hint(factor: float, span: Span, remedy: str = REMEDY) -> str:
-    """What to do if stamps are in so many parts of a second, and how long they last then."""
+    """Return the remedy for stamps in a unit of which a second has `factor`, and the duration then."""
     unit = UNITS[factor]
     return f"if its stamps are in {unit}, {remedy.format(unit=unit)}: {span / factor}"
 
 
 def _duration(seconds: float) -> str:
-    """A duration as a person reads it.
+    """Return a duration as a person reads it.
 
     >>> _duration(0.018), _duration(18), _duration(600), _duration(18e3), _duration(18e6)
     ('0.018 s', '18 s', '10 min', '5 h', '208 d')

@@ -1,4 +1,4 @@
-"""Where the rigid arm of a record is: places that what was measured cannot be far from."""
+"""Workspace of the rigid arm along a record: positions of its points, and the distance that they reach."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SURE = 3.0
 
 
 def rigid_places(record: Record, arm: Arm, point: str) -> Floats:
-    """Where the rigid arm has a point along the recorded joint angles, shape (n, 3) [m].
+    """Return positions of a point of the rigid arm along the recorded joint angles, shape (n, 3) [m].
 
     Joints that no angle drives stand as the record says.
     """
@@ -32,13 +32,13 @@ def rigid_places(record: Record, arm: Arm, point: str) -> Floats:
 
 
 def span_by(record: Record, arm: Arm, drive: str, point: str) -> float:
-    """Over how much one drive alone moves a point of the rigid arm, the others where they began [m]."""
+    """Return the range over which one drive alone moves a point of the rigid arm [m]."""
     rows = {name: each[_looks(len(each)) * (name == drive)] for name, each in _drives(record).items()}
     return float(np.max(np.ptp(_places(record, arm, point, rows), axis=0)))
 
 
 def predicted_places(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
-    """The same at the readings of a position, once for each way in which its clock may stand."""
+    """Return rigid positions at the readings of a signal, for each plausible offset of its clock."""
     rows = np.flatnonzero(signal.valid)
     rows = rows[_looks(len(rows))]
     if signal.pose is not None:
@@ -50,7 +50,7 @@ def predicted_places(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
 
 
 def _places(record: Record, arm: Arm, point: str, rows: Mapping[str, NDArray[np.intp]]) -> Floats:
-    """The same at rows of the drives, by name."""
+    """Return rigid positions of a point at rows of the drives, by name."""
     from flexarm.measurement.kinematics import link_pose
 
     count = len(next(iter(rows.values()))) if rows else 1
@@ -67,13 +67,13 @@ def _looks(count: int) -> NDArray[np.intp]:
 
 
 def _drives(record: Record) -> dict[str, NDArray[np.intp]]:
-    """Rows with a value of every drive that has some."""
+    """Return rows with a value of every drive that has some."""
     rows = {name: np.flatnonzero(record.signals[name].valid) for name in record.drive}
     return {name: each for name, each in rows.items() if len(each)}
 
 
 def _rows_of_poses(record: Record, poses: NDArray[np.str_]) -> dict[str, NDArray[np.intp]]:
-    """A row of each drive for each of these poses that all drives hold."""
+    """Return a row of each drive for each of these poses that all drives hold."""
     first = {
         name: {str(record.signals[name].pose[row]): row for row in rows[::-1]}  # type: ignore[index]
         for name, rows in _drives(record).items()
@@ -83,7 +83,7 @@ def _rows_of_poses(record: Record, poses: NDArray[np.str_]) -> dict[str, NDArray
 
 
 def _rows_at(record: Record, instants: Floats) -> dict[str, NDArray[np.intp]]:
-    """The last row of each drive before each instant, or its first."""
+    """Return the last row of each drive before each instant, or its first."""
     found = {}
     for name, rows in _drives(record).items():
         at = np.searchsorted(_true(record, record.signals[name])[rows], instants, side="right") - 1
@@ -96,7 +96,7 @@ def _true(record: Record, signal: Signal) -> Floats:
 
 
 def _late(record: Record, signal: Signal) -> list[float]:
-    """How late a clock may be [s]: as stated, or that the signal and the drives begin, or end, together."""
+    """Return plausible offsets of a clock [s]: as stated, or from a common begin or end with the drives."""
     clock = record.clocks[signal.clock]
     if not clock.unknown:
         return [clock.offset + k * SURE * clock.sigma for k in (0, -1, 1)]
@@ -106,11 +106,11 @@ def _late(record: Record, signal: Signal) -> list[float]:
 
 
 def farthest_point(record: Record, arm: Arm) -> float:
-    """How far from the base the points of the rigid arm come [m]; 0 if it has none."""
+    """Return the greatest distance of points of the rigid arm from the base [m]; 0 without points."""
     places = (rigid_places(record, arm, point.name) for point in arm.points)
     return max((float(np.max(np.linalg.norm(place, axis=1))) for place in places), default=0.0)
 
 
 def workspace_radius(record: Record, arm: Arm) -> float:
-    """How far from the base any point can be [m]; what slides, and solid parts, as the record has them."""
+    """Return the greatest distance of any point from the base [m], including joints that slide."""
     return max(reach(arm), farthest_point(record, arm))

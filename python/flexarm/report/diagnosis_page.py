@@ -23,8 +23,7 @@ from flexarm.report.sentences import (
     verdict_sentence,
 )
 from flexarm.report.template import filled
-from flexarm.residual_analysis.cells import FOLLOWS
-from flexarm.residual_analysis.joint_rotations import NAMED
+from flexarm.residual_analysis.policy import POLICY
 from flexarm.tables import toml_text
 from flexarm.wording import interval, number, place_words, probability, scale, signed, with_unit
 
@@ -105,8 +104,8 @@ def _where_rows(d: Diagnosis) -> Iterator[Row]:
 
 def _follows_rows(d: Diagnosis) -> Iterator[Row]:
     """Which state explains the gap of a signal best, where one does."""
-    for signal, found in (d.located.follows if d.located is not None else {}).items():
-        if found.share >= FOLLOWS:
+    for signal, found in (d.located.dependence if d.located is not None else {}).items():
+        if found.share >= POLICY.explained_share:
             yield {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
 
 
@@ -116,13 +115,13 @@ def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
     if found is None or len(found.joints) < 2:
         return
     for each in found.joints:
-        named = each.share >= NAMED
+        named = each.share >= POLICY.listed_share
         yield {
             "joint": each.joint,
             "rms": with_unit(each.rms, each.unit),
             "alone": f"{100 * each.alone:.0f} %",
             "share": f"{100 * each.share:.0f} %",
-            "follows": f"{each.follows.best} ({100 * each.follows.share:.0f} %)" if named else "–",
+            "follows": f"{each.dependence.best} ({100 * each.dependence.share:.0f} %)" if named else "–",
             "hint": each.hint if named else "",
         }
 

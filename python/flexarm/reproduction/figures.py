@@ -155,15 +155,10 @@ def tangential(table: Table) -> Figure:
     axes["run"].set(xlim=(0, time[-1]), ylabel="tangential error [mm]")
     _legend(axes["run"])
     _enlarge(axes["start"], table, (0.0, 8.0), "the start")
-    turn = _later_turn(table)
+    turn = float(time[np.argmin(table["sine_m"].values)])  # the arm bends most to the other side
     _enlarge(axes["later"], table, (turn - 4.0, turn + 5.0), "a later turn")
     axes["start"].set_ylabel("tangential error [mm]")
     return figure
-
-
-def _later_turn(table: Table) -> float:
-    """Return when the pure sine bends the arm most to the other side [s]."""
-    return float(table["time_s"].values[np.argmin(table["sine_m"].values)])
 
 
 def _enlarge(ax: Axes, table: Table, window: tuple[float, float], title: str) -> None:

@@ -6,11 +6,11 @@ interpolated between its samples.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.drive import Drive
@@ -143,36 +143,24 @@ def zoom_window(study: Study, seconds: float = 4.5) -> tuple[float, float]:
     return turn - 0.7 * seconds, turn + 0.3 * seconds
 
 
-def _rows(study: Study, window: tuple[float, float] | None) -> tuple[Floats, _Placed]:
+def _rows(study: Study, window: tuple[float, float] | None) -> tuple[Floats, Callable[[Floats], Floats]]:
     """Return the instants of a table, and a function that puts the tracker's samples among them."""
     stamps, equal = study.stamps, grid(study)
     first, last = window or (-np.inf, np.inf)
     kept = (stamps >= first) & (stamps <= last)
     equal = equal[(equal >= first) & (equal <= last)]
     time = np.unique(np.concatenate([equal, stamps[kept]]))
-    return time, _Placed(np.searchsorted(time, stamps[kept]), kept, len(time))
 
-
-@dataclass(frozen=True)
-class _Placed:
-    """Puts the tracker's samples into rows of a table; the others stay empty."""
-
-    rows: NDArray[np.intp]
-    kept: NDArray[np.bool_]
-    count: int
-
-    def __call__(self, values: Floats) -> Floats:
-        found = np.full((self.count, values.shape[1]), np.nan)
-        found[self.rows] = values[self.kept]
+    def placed(values: Floats) -> Floats:
+        found = np.full((len(time), values.shape[1]), np.nan)
+        found[np.searchsorted(time, stamps[kept])] = values[kept]
         return found
+
+    return time, placed
 
 
 def write_csv(table: Table, path: Path) -> None:
     """Write one row an instant; empty cells where nothing was measured."""
-    columns = [[_cell(value) for value in column.values] for column in table.values()]
+    columns = [["" if np.isnan(x) else f"{x:.9g}" for x in column.values] for column in table.values()]
     rows = [",".join(cells) for cells in zip(*columns, strict=True)]
     write_file(path, "\n".join([",".join(table), *rows]) + "\n")
-
-
-def _cell(value: float) -> str:
-    return "" if np.isnan(value) else f"{value:.9g}"

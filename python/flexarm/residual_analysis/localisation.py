@@ -1,7 +1,7 @@
-"""Where simulation and measurement disagree: by signal, direction, band and state, against the noise.
+"""Localisation of the residual: by signal, direction, band and state of the motion, against the noise.
 
-No simulation is run here. Records are looked at together, each beside its own simulation after alignment
-(`flexarm.comparison.aligned_record`), with the nominal model or any other.
+Localisation runs no simulation. It analyses all records together, each with its own simulation after
+alignment (`flexarm.comparison.aligned_record`), of the nominal model or any other.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.errors import InvalidParameter
-from flexarm.residual_analysis.cells import WHOLE, Cell, cells_of, dominant_cells
+from flexarm.residual_analysis.cells import WHOLE, Cell, cell_table, dominant_cells
 from flexarm.residual_analysis.covariates import CovariateDependence, covariate_dependence
 from flexarm.residual_analysis.joint_rotations import JointRotations, joint_rotations
 from flexarm.residual_analysis.motion_states import covariate_groups, moved_joints
@@ -29,33 +29,33 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Localisation:
-    """Where the gap is.
+    """Where the residual lies.
 
     Attributes
     ----------
     cells : tuple of Cell
         Every cell that holds samples: signal x direction x band x condition of a state.
     where : tuple of dict
-        The few that say most, largest share first: signal, direction, when, band_hz, rms, noise_rms.
-    follows : dict of str to CovariateDependence
-        By signal: which state the gap follows.
+        The dominant cells, largest share first: signal, direction, when, band_hz, rms, noise_rms.
+    dependence : dict of str to CovariateDependence
+        By signal: the state that the residual follows.
     rotations : JointRotations or None
-        The gap of positions as small rotations of the joints.
+        The residual of positions as small rotations of the joints.
     gaps : dict of str to SignalResidual
-        By signal: the gap itself, with the states at its samples.
+        By signal: the residual itself, with the states at its samples.
     notes : tuple of str
-        What a reader should know: aliasing, noise that was estimated.
+        Notes for the reader: aliasing, noise that was estimated.
     """
 
     cells: tuple[Cell, ...]
     where: tuple[Mapping[str, Any], ...]
-    follows: Mapping[str, CovariateDependence]
+    dependence: Mapping[str, CovariateDependence]
     rotations: JointRotations | None
     gaps: Mapping[str, SignalResidual]
     notes: tuple[str, ...] = ()
 
     def cell(self, signal: str, direction: str, band: str, when: str = WHOLE) -> Cell:
-        """One cell.
+        """Return one cell.
 
         Raises
         ------
@@ -72,33 +72,16 @@ class Localisation:
         )
 
     def summary(self) -> str:
-        """Tables that a person reads: parts of the gap, where it is, what it follows."""
-        lines = [*self._part_table(), "", *self._where_table(), ""]
-        lines.append(f"{'signal':<18}what the gap follows, by share")
-        for name, found in self.follows.items():
-            lines.append(f"{name:<18}{found}")
-        if self.rotations is not None:
-            lines += ["", self.rotations.summary()]
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
-
-    def _part_table(self) -> list[str]:
-        """One line a signal, direction and band."""
-        head = f"{'signal':<18}{'direction':<13}{'band':<27}{'Hz':>16}{'rms':>11}{'noise':>11}{'share':>8}"
-        lines = [head]
-        for cell in self.cells:
-            if cell.state != "all":
-                continue
+        """Return tables that a person reads: parts of the residual, where it lies, which state it follows."""
+        lines = [f"{'signal':<18}{'direction':<13}{'band':<27}{'Hz':>16}{'rms':>11}{'noise':>11}{'share':>8}"]
+        for cell in (cell for cell in self.cells if cell.state == "all"):
             hz = f"{cell.band_hz[0]:.3g} to {cell.band_hz[1]:.3g}"
             rms, noise = (with_unit(value, cell.unit) for value in (cell.rms, cell.noise_rms))
             lines.append(
                 f"{cell.signal:<18}{cell.direction:<13}{cell.band:<27}{hz:>16}{rms:>11}{noise:>11}"
                 f"{100 * cell.share:7.1f}%{'' if cell.exceeds else '  noise'}"
             )
-        return lines
-
-    def _where_table(self) -> list[str]:
-        """The entries of `where`."""
-        lines = ["where the gap is"]
+        lines += ["", "where the gap is" if self.where else "nowhere does the gap exceed the noise"]
         for each in self.where:
             low, high = each["band_hz"]
             unit = self.gaps[each["signal"]].unit
@@ -106,10 +89,14 @@ class Localisation:
                 f"  {each['signal']}, {each['direction']}, {each['when']}, {low:.3g} to {high:.3g} Hz: "
                 f"{with_unit(each['rms'], unit)} rms, noise {with_unit(each['noise_rms'], unit, 2)}"
             )
-        return lines if self.where else ["nowhere does the gap exceed the noise"]
+        lines += ["", f"{'signal':<18}what the gap follows, by share"]
+        lines += [f"{name:<18}{found}" for name, found in self.dependence.items()]
+        if self.rotations is not None:
+            lines += ["", self.rotations.summary()]
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def plot(self, signal: str | None = None) -> Figure:
-        """The gap of a signal against angle, rate, torque and time; default: the signal that holds most."""
+        """Draw the residual of a signal (default: the largest) against angle, rate, torque and time."""
         from flexarm.report.gap_figure import gap_figure
 
         return gap_figure(self, signal=signal)
@@ -119,77 +106,67 @@ class Localisation:
 
 
 def localise(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Localisation:
-    """Where the gap is, over all records together.
+    """Return where the residual lies, over all records together.
 
     Parameters
     ----------
     pairs : dict of str to AlignedRecord, or AlignedRecord
-        Records by name, each beside its simulation, as `flexarm.comparison.aligned_record.simulate_record`
-        gives it; all of one kind, motions or poses.
-
-    Returns
-    -------
-    Localisation
+        Records by name, as `flexarm.comparison.aligned_record.simulate_record` gives them; all of one kind,
+        motions or poses.
 
     Raises
     ------
     InvalidParameter
-        If there is nothing to look at.
+        If there is no record, or motions and poses are mixed: they have no bands in common.
 
     Examples
     --------
     >>> print(localise({"train_a": simulate_record(arm, record)}))  # doctest: +SKIP
     """
-    beside = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
-    if not beside:
+    records = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
+    if not records:
         raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
-    _of_one_kind(beside)
-    joints = moved_joints(list(beside.values()))
-    shown = {pair.joint for pair in beside.values()}
-    joint = shown.pop() if len(shown) == 1 else None
-    names = list(dict.fromkeys(name for pair in beside.values() for name in pair.simulated.evidence))
-    noise, notes = _noise(beside, names)
-    waves = {name: MotorHarmonics(pair) for name, pair in beside.items()}
-    found = {name: signal_residual(beside, waves, name, joints, joint, noise[name]) for name in names}
-    gaps = {name: rows for name, rows in found.items() if rows is not None}
-    modes_hz = [pair.modes_hz[0] for pair in beside.values() if pair.modes_hz]
-    cells = cells_of(list(gaps.values()), min(modes_hz, default=None))
-    notes += dict.fromkeys(note for rows in gaps.values() for note in rows.notes)
-    return Localisation(
-        cells,
-        dominant_cells(list(gaps.values()), cells),
-        {
-            name: covariate_dependence(covariate_groups(rows.states, rows.time, rows.record), rows.whitened)
-            for name, rows in gaps.items()
-        },
-        joint_rotations(beside),
-        gaps,
-        tuple(notes),
-    )
-
-
-def _of_one_kind(pairs: Mapping[str, AlignedRecord]) -> None:
-    """Motions and poses have no bands in common."""
-    kinds = {pair.record.kind: name for name, pair in pairs.items()}
+    kinds = {pair.record.kind: name for name, pair in records.items()}
     if len(kinds) > 1:
         raise InvalidParameter(
             f"must be all motions or all poses, but {kinds['static']!r} holds poses and "
             f"{kinds['motion']!r} holds a motion",
             where="pairs",
         )
+    joints = moved_joints(list(records.values()))
+    shown = {pair.joint for pair in records.values()}
+    joint = shown.pop() if len(shown) == 1 else None
+    waves = {name: MotorHarmonics(pair) for name, pair in records.items()}
+    gaps, notes = {}, []
+    for name in dict.fromkeys(name for pair in records.values() for name in pair.simulated.evidence):
+        noise = _noise_where_none_is_stated(records, name)
+        if noise is not None:
+            notes.append(f"no noise is stated for {name}: {noise:.2g} is taken, from the gap itself")
+        rows = signal_residual(records, waves, name, joints, joint, 1.0 if noise is None else noise)
+        if rows is not None:
+            gaps[name] = rows
+    modes_hz = [pair.modes_hz[0] for pair in records.values() if pair.modes_hz]
+    cells = cell_table(list(gaps.values()), min(modes_hz, default=None))
+    return Localisation(
+        cells,
+        dominant_cells(gaps.values(), cells),
+        {
+            name: covariate_dependence(covariate_groups(rows.states, rows.time, rows.record), rows.whitened)
+            for name, rows in gaps.items()
+        },
+        joint_rotations(records),
+        gaps,
+        (*notes, *dict.fromkeys(note for rows in gaps.values() for note in rows.notes)),
+    )
 
 
-def _noise(pairs: Mapping[str, AlignedRecord], names: list[str]) -> tuple[dict[str, float], list[str]]:
-    """Noise of the signals that state none, from their gaps; 1 where a gap has no scatter at all."""
-    found, notes = {}, []
-    for name in names:
-        pair = next(pair for pair in pairs.values() if name in pair.simulated.evidence)
-        signal = pair.simulated.signals[name]
-        found[name] = 1.0
-        if not signal.noise_std:
-            residual = pair.simulated.residual(signal, pair.aligned.placement)
-            scatter = estimated_noise(pair, signal, residual)
-            scale = float(np.sqrt(np.nanmean(residual**2))) if np.isfinite(residual).any() else 0.0
-            found[name] = max(scatter or 0.0, 1e-6 * scale) or 1.0
-            notes.append(f"no noise is stated for {name}: {found[name]:.2g} is taken, from the gap itself")
-    return found, notes
+def _noise_where_none_is_stated(pairs: Mapping[str, AlignedRecord], name: str) -> float | None:
+    """Return 1 sigma from the residual of a signal, 1 without scatter; None where noise is stated."""
+    pair = next(pair for pair in pairs.values() if name in pair.simulated.evidence)
+    signal = pair.simulated.signals[name]
+    if signal.noise_std:
+        return None
+    residual = pair.simulated.residual(signal, pair.aligned.placement)
+    scatter = estimated_noise(pair, signal, residual)
+    scale = float(np.sqrt(np.nanmean(residual**2))) if np.isfinite(residual).any() else 0.0
+    return max(scatter or 0.0, 1e-6 * scale) or 1.0

@@ -1,13 +1,12 @@
-"""What the arm did at each sample: angle, rate, acceleration and torque of its joints, and time.
+"""States of the motion at the samples of a residual: angle, rate, acceleration, torque, and time.
 
-States are those of the simulation beside the record, which knows torques that nothing measured.
-
-How states sort the samples of a gap: conditions for a table, and groups of what a gap may follow.
+The states are those of the simulation, which also knows torques that nothing measured. They sort the samples:
+into conditions for a table of cells, and into groups for covariates.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +14,13 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
-from flexarm.residual_analysis.covariates import BINS, SAMPLES, Groups, intervals
+from flexarm.residual_analysis.covariates import Covariates, Groups, intervals
+from flexarm.residual_analysis.policy import POLICY
 
 Mask = NDArray[np.bool_]
 
-STILL = 1e-3
-"""Share of the greatest rate below which a joint counts as standing."""
+ZONES = 5
+"""Intervals of angle and of time in a table of cells."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class JointStates:
     since_motion, since_torque : ndarray
         Time since rate and torque last changed sign [s]; infinite before that.
     sense : ndarray of int
-        1 or -1: which way it moved last, as friction remembers it; 0 before it moved.
+        1 or -1: direction of the last motion, as friction remembers it; 0 before it moved.
     slides : bool
-        Whether it is prismatic.
+        True for a prismatic joint.
     """
 
     joint: str
@@ -53,106 +53,82 @@ class JointStates:
 
     @property
     def units(self) -> dict[str, str]:
-        """By state."""
+        """Unit by state."""
         length, force = ("m", "N") if self.slides else ("rad", "N m")
-        return {
-            "angle": length,
-            "rate": f"{length}/s",
-            "acceleration": f"{length}/s2",
-            "torque": force,
-        }
+        return {"angle": length, "rate": f"{length}/s", "acceleration": f"{length}/s2", "torque": force}
 
     def label(self, state: str) -> str:
-        """Of an axis: the state as a joint that turns or slides has it, with its unit."""
+        """Return the label of an axis: the state of a joint that turns or slides, with its unit."""
         word = {"angle": "position", "torque": "force"}.get(state, state) if self.slides else state
         return f"{word} of {self.joint} [{self.units[state]}]"
 
     @property
-    def stands(self) -> Mask:
-        """Where it does not move."""
-        return np.asarray(np.abs(self.rate) <= STILL * np.abs(self.rate).max(initial=0.0))
-
-    @property
     def moves(self) -> bool:
-        """Whether it moves in time, as in no record of poses."""
+        """True if the joint moves in time, as in no record of poses."""
         return bool(np.any(self.rate != 0))
 
 
-_ARRAYS = ("angle", "rate", "acceleration", "torque", "since_motion", "since_torque", "sense")
-
-
 def joined_states(parts: Sequence[JointStates]) -> JointStates:
-    """The samples of several records, one after the other."""
-    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
+    """Return the states at the samples of several records, one after the other."""
+    names = ("angle", "rate", "acceleration", "torque", "since_motion", "since_torque", "sense")
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return JointStates(parts[0].joint, **arrays, slides=parts[0].slides)
 
 
 def moved_joints(pairs: Sequence[AlignedRecord]) -> list[str]:
-    """Joints that at least one of the records moves; all uncertain_clock_and_frame ones if none does."""
-    found: dict[str, None] = {}
+    """Return the joints that at least one of the records moves; all movable ones if none does."""
+    found: set[str] = set()
     for pair in pairs:
         run = pair.simulated.simulation
         spans = np.ptp(np.asarray(run.drive_angle), axis=0)
-        found |= dict.fromkeys(name for name, span in zip(run.joints, spans, strict=True) if span > 1e-9)
-    uncertain_clock_and_frame = [joint.name for joint in pairs[0].simulated.arm.moving_joints]
-    return [name for name in uncertain_clock_and_frame if name in found] or uncertain_clock_and_frame
+        found |= {name for name, span in zip(run.joints, spans, strict=True) if span > 1e-9}
+    movable = [joint.name for joint in pairs[0].simulated.arm.moving_joints]
+    return [name for name in movable if name in found] or movable
 
 
 def joint_states(pair: AlignedRecord, joint: str, instants: Floats) -> JointStates:
-    """States of a joint at instants of the simulation."""
+    """Return the states of a joint at instants of the simulation."""
     run = pair.simulated.simulation
     time, j = np.asarray(run.time), run.joints.index(joint)
     rate = np.asarray(run.drive_rate)[:, j]
     torque = np.asarray(getattr(run, "joint_torque", run.motor_torque))[:, j]
     moving = pair.record.kind == "motion" and len(time) > 1
-
-    def at(values: Floats) -> Floats:
-        return np.interp(instants, time, values)
-
+    acceleration = np.gradient(rate, time) if moving else np.zeros(len(time))
+    sense, since_motion = _sign_history(time, rate, instants)
+    since_torque = _sign_history(time, torque, instants)[1]
     never = np.full(len(instants), np.inf)
     return JointStates(
         joint,
-        at(np.asarray(run.drive_angle)[:, j]),
-        at(rate),
-        at(np.gradient(rate, time)) if moving else np.zeros(len(instants)),
-        at(torque),
-        _since(time, rate, instants) if moving else never,
-        _since(time, torque, instants) if moving else never,
-        _last_sign(time, rate, instants),
+        np.interp(instants, time, np.asarray(run.drive_angle)[:, j]),
+        np.interp(instants, time, rate),
+        np.interp(instants, time, acceleration),
+        np.interp(instants, time, torque),
+        since_motion if moving else never,
+        since_torque if moving else never,
+        sense,
         pair.simulated.arm.joint(joint).type == "prismatic",
     )
 
 
-def _signs(values: Floats) -> Floats:
-    """Signs of values; what is below `STILL` of the greatest has none."""
-    return np.sign(np.where(np.abs(values) > STILL * np.abs(values).max(initial=0.0), values, 0.0))
-
-
-def _last_sign(time: Floats, values: Floats, instants: Floats) -> NDArray[np.intp]:
-    """The sign that values had last; 0 before they had one."""
-    sign = _signs(values)
+def _sign_history(time: Floats, values: Floats, instants: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """Return the last sign of values (0 before any), and the time since it changed [s] (infinite before)."""
+    least = POLICY.rest * np.abs(values).max(initial=0.0)
+    sign = np.sign(np.where(np.abs(values) > least, values, 0.0))
     known = np.flatnonzero(sign)
-    last = np.searchsorted(time[known], instants, side="right")
-    return np.concatenate([[0.0], sign[known]])[last].astype(np.intp)
-
-
-def _since(time: Floats, values: Floats, instants: Floats) -> Floats:
-    """Time since values last changed sign."""
-    sign = _signs(values)
-    known = np.flatnonzero(sign)
+    last = np.concatenate([[0.0], sign[known]])[np.searchsorted(time[known], instants, side="right")]
     turns = time[known[1:]][np.diff(sign[known]) != 0]
-    last = np.searchsorted(turns, instants, side="right")
-    return np.where(last > 0, instants - np.concatenate([[-np.inf], turns])[last], np.inf)
-
-
-ZONES = 5
-"""Intervals of angle and of time in a table."""
+    changed = np.concatenate([[-np.inf], turns])[np.searchsorted(turns, instants, side="right")]
+    return last.astype(np.intp), instants - changed
 
 
 def conditions(
-    states: Sequence[JointStates], time: Floats, record: Groups, labels: Sequence[str], window: float
+    states: Sequence[JointStates],
+    time: Floats,
+    record: Groups,
+    labels: Sequence[str],
+    first_mode: float | None,
 ) -> Iterator[tuple[str, str, Mask]]:
-    """State, wording and samples of every condition; those of one state share out all samples.
+    """Yield state, wording and samples of every condition; those of one state share out all samples.
 
     Parameters
     ----------
@@ -164,36 +140,44 @@ def conditions(
         Number of the record of each sample.
     labels : sequence of str
         Names of the records.
-    window : float
-        How long after a reversal counts as one [s].
+    first_mode : float or None
+        Its frequency [Hz]: a reversal lasts for one period of it, or three samples.
     """
     yield "all", "throughout", np.ones(len(time), dtype=bool)
+    steps = np.diff(time)
+    step = float(np.median(steps[steps > 0])) if np.any(steps > 0) else 0.0
+    window = max(1 / first_mode if first_mode else 0.0, 3 * step)
     for each in states:
         yield from _of_joint(each, f" of {each.joint}" if len(states) > 1 else "", window)
-    if any(each.moves for each in states):
-        yield from _of_time(time, record, labels)
-    elif len(labels) > 1:
-        yield from ((("record", name, record == i)) for i, name in enumerate(labels))
+    in_time = any(each.moves for each in states)
+    for k, name in enumerate(labels if in_time or len(labels) > 1 else ()):
+        inside = record == k
+        if not in_time:
+            yield "record", name, inside
+        elif inside.any():
+            edges = np.linspace(time[inside].min(), time[inside].max(), ZONES + 1)
+            zone = np.clip(np.digitize(time, edges) - 1, 0, ZONES - 1)
+            of = f" of {name}" if len(labels) > 1 else ""
+            for i in range(ZONES):
+                yield "time", f"{edges[i]:.3g} to {edges[i + 1]:.3g} s{of}", inside & (zone == i)
 
 
 def _of_joint(states: JointStates, of: str, window: float) -> Iterator[tuple[str, str, Mask]]:
-    """Conditions of one joint."""
+    """Yield the conditions of one joint."""
     zone, unit = intervals(states.angle, ZONES), states.units["angle"]
     width = np.ptp(states.angle) / ZONES
     for i in range(ZONES if width > 0 else 0):
         middle = states.angle.min() + (i + 0.5) * width
         yield f"angle{of}", f"near {middle:+.2g} {unit}{of}", zone == i
     if np.any(states.torque != 0):
-        for sign, wording in ((-1, "negative"), (1, "positive")):
-            yield f"torque sign{of}", f"torque{of} {wording}", np.where(states.torque > 0, 1, -1) == sign
+        yield f"torque sign{of}", f"torque{of} negative", ~(states.torque > 0)
+        yield f"torque sign{of}", f"torque{of} positive", states.torque > 0
     if not states.moves:
         return
-    for wording, mask in (
-        ("rising", ~states.stands & (states.rate > 0)),
-        ("falling", ~states.stands & (states.rate < 0)),
-        ("standing", states.stands),
-    ):
-        yield f"motion{of}", f"angle{of} {wording}", mask
+    rests = np.abs(states.rate) <= POLICY.rest * np.abs(states.rate).max(initial=0.0)
+    yield f"motion{of}", f"angle{of} rising", ~rests & (states.rate > 0)
+    yield f"motion{of}", f"angle{of} falling", ~rests & (states.rate < 0)
+    yield f"motion{of}", f"angle{of} standing", rests
     for kind, since in (("torque", states.since_torque), ("motion", states.since_motion)):
         yield f"{kind} reversal{of}", f"after {kind} reversal{of}", since < window
         yield f"{kind} reversal{of}", f"away from {kind} reversal{of}", ~(since < window)
@@ -202,36 +186,19 @@ def _of_joint(states: JointStates, of: str, window: float) -> Iterator[tuple[str
     yield f"acceleration{of}", f"acceleration{of} weak", ~strong
 
 
-def _of_time(time: Floats, record: Groups, labels: Sequence[str]) -> Iterator[tuple[str, str, Mask]]:
-    """Intervals of time of each record."""
-    for k, name in enumerate(labels):
-        inside = record == k
-        if not inside.any():
-            continue
-        edges = np.linspace(time[inside].min(), time[inside].max(), ZONES + 1)
-        zone = np.clip(np.digitize(time, edges) - 1, 0, ZONES - 1)
-        of = f" of {name}" if len(labels) > 1 else ""
-        for i in range(ZONES):
-            yield "time", f"{edges[i]:.3g} to {edges[i + 1]:.3g} s{of}", inside & (zone == i)
-
-
-def covariate_groups(
-    states: Sequence[JointStates], time: Floats, record: Groups
-) -> Mapping[str, tuple[int, Groups]]:
-    """What a gap may follow: by name how much it claims, and the groups of the samples."""
-    n = len(time)
+def covariate_groups(states: Sequence[JointStates], time: Floats, record: Groups) -> Covariates:
+    """Return the covariates that a residual may follow, with 12 samples an interval or more, 4 poses."""
     found: dict[str, tuple[int, Groups]] = {}
     if record.max(initial=0) > 0:
         found["the record"] = (1, record)
     moving = [each for each in states if each.moves]
-    bins = int(np.clip(n // SAMPLES, 2, BINS)) if moving else int(np.clip(n // 4, 2, BINS))
+    bins = int(np.clip(len(time) // (12 if moving else 4), 2, 25))
     for each in states:
         of = f" of {each.joint}" if len(states) > 1 else ""
         if np.any(each.torque > 0) and np.any(each.torque < 0):
             found[f"sign of torque{of}"] = (1, (each.torque > 0).astype(np.intp))
-        kinds = ("angle", "rate", "torque", "acceleration") if each.moves else ("angle", "torque")
-        curves = {kind: intervals(getattr(each, kind), bins) for kind in kinds}
-        found |= {f"{kind}{of}": (2, groups) for kind, groups in curves.items()}
+        for kind in ("angle", "rate", "torque", "acceleration") if each.moves else ("angle", "torque"):
+            found[f"{kind}{of}"] = (2, intervals(getattr(each, kind), bins))
         if each.moves:
             found[f"sense of motion{of}"] = (1, each.sense + 1)
             for kind in ("angle", "torque"):
@@ -243,11 +210,14 @@ def covariate_groups(
 
 
 def _slow_time(states: Sequence[JointStates], time: Floats, record: Groups, bins: int) -> Groups:
-    """Intervals of time in which every joint's angle comes and goes at least once, by record."""
+    """Return intervals of time, by record, no shorter than cycles of the motion.
+
+    Any slow residual follows finer ones.
+    """
     groups, first = np.zeros(len(time), dtype=np.intp), 0
     for k in np.unique(record):
         inside = record == k
-        turns = [int(np.count_nonzero(np.diff(each.sense[inside]))) for each in states if each.moves]
+        turns = [int(np.count_nonzero(np.diff(each.sense[inside]))) for each in states]
         count = int(np.clip(min((t for t in turns if t), default=0) // 2, 1, bins))
         groups[inside] = first + intervals(time[inside], count)
         first += count

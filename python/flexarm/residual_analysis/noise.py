@@ -1,15 +1,15 @@
-r"""Noise of a signal told from its own samples.
+r"""Noise of a signal estimated from its own samples.
 
-    quiet bands   of a gap: its frequencies in `BANDS` bands, k freedoms each,
+    quiet bands   of a residual: its frequencies in 16 bands with k degrees of freedom each,
                   sigma^2 = lower quartile of their sums of squares / that of chi-square             (1)
     differences   of a drive: third differences of its samples have the variance 20 sigma^2,
                   sigma = 1.4826 median |D^3 y| / sqrt(20)                                           (2)
     repeats       of poses: the scatter of rows about the mean of their pose, pooled                 (3)
 
-A slow gap, and a vibration that rings, touch few of the bands of (1) and do not count; the strongest sines,
-which leak into others, are taken away before (orthogonal matching pursuit [Pati1993]), and so is what an
-outlier spreads over all of them. A gap that is fast and broad, as from impacts, does count: (1) is then more
-than the noise.
+A slow residual and a vibration touch few of the bands of (1) and do not count. The strongest sines, which
+leak into other bands, are removed first (orthogonal matching pursuit [Pati1993]), and so are outliers, which
+spread over all of them. A residual that is fast and broad, as from impacts, does count: (1) is then more than
+the noise.
 """
 
 from __future__ import annotations
@@ -23,22 +23,26 @@ from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_split
 from flexarm.measurement.outliers import outliers
+from flexarm.residual_analysis.policy import POLICY
 
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
-
 BANDS = 16
-SINES = 8
-"""Most sines that are taken away."""
-TOWERS = 15.0
-"""How far one of them stands out of the spectrum, its power over the median: noise reaches ten."""
-LEAST = 8 * BANDS
-"""Samples below which no noise is estimated by (1)."""
+LEAST_SAMPLES = 8 * BANDS
+
+
+def exceeds_noise(squares: float, freedoms: float, false_alarm: float) -> bool:
+    """Return True if a sum of squares, over their variance, exceeds the chi-square of white noise."""
+    from scipy.special import chdtri
+
+    # less than one degree of freedom spreads no wider than one whose variance is that much smaller
+    scale = min(freedoms, 1.0)
+    return bool(scale > 0 and squares / scale > chdtri(max(freedoms, 1.0), false_alarm))
 
 
 def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> float | None:
-    """1 sigma of a channel of a signal, from its gap by (1) or (3); None where too few samples tell."""
+    """Return 1 sigma of a channel by (1) or (3), from the residual; None given too few samples."""
     keep = np.isfinite(residual).all(axis=1)
     if pair.record.kind == "static":
         return repeated_noise(np.asarray(signal.pose)[keep], residual[keep])
@@ -47,9 +51,9 @@ def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> fl
 
 
 def quiet_band_noise(time: Floats, values: Floats) -> float | None:
-    """1 sigma of a channel by (1), values of shape (n, channels)."""
+    """Return 1 sigma of a channel by (1), given values of shape (n, channels)."""
     n, channels = values.shape
-    if n < LEAST:
+    if n < LEAST_SAMPLES:
         return None
     from scipy.special import chdtri
 
@@ -61,17 +65,17 @@ def quiet_band_noise(time: Floats, values: Floats) -> float | None:
     return float(np.sqrt(np.quantile(squares, 0.25) / chdtri(k, 0.75)))  # eq. (1)
 
 
-def _without_sines(time: Floats, values: Floats) -> tuple[Floats, int]:
-    """Values without their strongest sines, and the freedoms that these took from each channel."""
+def _without_sines(time: Floats, values: Floats, most: int = 8) -> tuple[Floats, int]:
+    """Return values without their strongest sines, and the degrees of freedom taken from each channel."""
     step = float(np.median(np.diff(time)))
     place = np.round((time - time[0]) / step).astype(np.intp)
     grid = np.zeros((place[-1] + 1, values.shape[1]))
     columns, rest = np.empty((len(time), 0)), values
-    for _ in range(SINES):
+    for _ in range(most):
         grid[place] = rest
         powers = np.sum(np.abs(np.fft.rfft(grid, 4 * len(grid), axis=0)) ** 2, axis=1)
         peak = int(np.argmax(powers))
-        if powers[peak] <= TOWERS * np.median(powers):
+        if powers[peak] <= POLICY.peak_over_median * np.median(powers):
             break
         phase = np.pi * peak / (2 * len(grid)) * (time - time[0]) / step
         columns = np.column_stack([columns, np.cos(phase), np.sin(phase)])
@@ -81,16 +85,16 @@ def _without_sines(time: Floats, values: Floats) -> tuple[Floats, int]:
 
 
 def drive_noise(samples: Floats) -> float | None:
-    """1 sigma of evenly spaced samples of a smooth motion by (2), shape (n,)."""
+    """Return 1 sigma of evenly spaced samples of a smooth motion by (2), shape (n,)."""
     third = np.diff(samples, 3)
     third = third[np.isfinite(third)]
-    if len(third) < LEAST:
+    if len(third) < LEAST_SAMPLES:
         return None
     return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20))  # eq. (2)
 
 
 def repeated_noise(pose: NDArray[np.str_], values: Floats) -> float | None:
-    """1 sigma of a channel by (3); None where no pose was measured twice."""
+    """Return 1 sigma of a channel by (3); None where no pose was measured twice."""
     names, number = np.unique(pose, return_inverse=True)
     freedoms = len(pose) - len(names)
     if freedoms < 1:
@@ -101,17 +105,15 @@ def repeated_noise(pose: NDArray[np.str_], values: Floats) -> float | None:
 
 
 def effective_samples(values: Floats) -> float:
-    r"""Number of independent samples that have as sure a mean as these, of shape (n, channels).
+    r"""Return the effective sample size of values, shape (n, channels).
 
         n_eff = n/(1 + 2 sum_k rho_k),                                                               (4)
 
     the autocorrelations rho_k summed up to the first that is not positive [Geyer1992].
     """
     n = len(values)
-    if n < 4:
-        return float(n)
-    centred = values - values.mean(axis=0)
-    if not np.any(centred):
+    centred = values - values.mean(axis=0) if n else values
+    if n < 4 or not np.any(centred):
         return float(n)
     spectrum = np.fft.rfft(centred, 2 * n, axis=0)
     covariance = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1))[:n]

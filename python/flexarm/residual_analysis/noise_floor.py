@@ -1,18 +1,15 @@
-"""The floor of every signal as a table: noise, independent samples, and the simulation's error beside it.
+"""Noise floor of every signal: how small a residual could be, and the error of the simulation relative to it.
 
-The floor: how small a gap could be, and whether the simulation is good enough to be compared.
-
-Per signal: the noise that its record states, the noise that its own samples show (`residual_analysis.noise`),
-and what the simulation is wrong by, as the rms change of the predicted signal, all channels together, when
+Per signal: the noise that its record states, the noise that its samples show (`residual_analysis.noise`), and
+the error of the simulation as the rms change of the predicted signal, all channels together, when
 
     step     is halved: the method is of order two, so this is 3/4 of the error                      (1)
     mesh     of every beam is twice as fine: of order four, 15/16 of the error                       (2)
     alpha    is 0, without numerical damping, instead of its default                                 (3)
 
-Each should be below the noise. (1) is found for every record, the others for that with the liveliest drive,
-or for all. A gap is
-correlated from sample to sample unless it is white noise; the number of independent samples in it is what an
-information criterion may count.
+Each should be below the noise. (1) is found for every record, the others for that with the fastest drive, or
+for all. A residual is correlated from sample to sample unless it is white noise; its effective sample size is
+what an information criterion may count.
 """
 
 from __future__ import annotations
@@ -24,45 +21,40 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.step_check import change, step_note
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.residual_analysis.noise import drive_noise, effective_samples, estimated_noise
+from flexarm.residual_analysis.policy import POLICY
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from flexarm.arm import Arm
-    from flexarm.record import Signal
-
-
-CONTRADICTS = 1.5
-"""Factor between stated and estimated noise that is told."""
 
 
 @dataclass(frozen=True)
 class SignalFloor:
-    """The floor of one signal in one record.
+    """Noise floor of one signal in one record.
 
     Attributes
     ----------
     record, signal, unit : str
         Which one; the unit of everything below.
     channels : int
-        Number of channels of the gap.
+        Number of channels of the residual.
     stated, estimated : float or None
         Noise of a channel, 1 sigma: from the record, effects of the model included, and from the samples.
     errors : dict of str to float
         By "step", "mesh" and "alpha": change of the prediction, rms of all channels together; infinite where
-        the other simulation came to no end.
+        the other simulation did not converge.
     samples : int
         Rows with a value.
     independent : float
-        Number of independent samples in the gap, as it is.
+        Effective sample size of the residual.
     is_drive : bool
-        Whether it drives the simulation.
+        True if it drives the simulation.
     """
 
     record: str
@@ -77,31 +69,27 @@ class SignalFloor:
     is_drive: bool = False
 
     @property
-    def noise(self) -> float | None:
-        """Noise of a channel that counts: the stated one, else what the samples show."""
-        return self.stated if self.stated else self.estimated
-
-    @property
     def total(self) -> float | None:
-        """Noise of all channels together, as `compare` has it."""
-        return None if self.noise is None else self.noise * float(np.sqrt(self.channels))
+        """Noise of all channels together: the stated one, else the estimated one."""
+        noise = self.stated or self.estimated
+        return None if noise is None else noise * float(np.sqrt(self.channels))
 
     @property
     def below(self) -> Mapping[str, bool]:
-        """By error: whether it is below the noise; without noise, whether it is nothing."""
+        """By error: True if it is below the noise; without noise, if it is zero."""
         return {name: error <= (self.total or 0.0) for name, error in self.errors.items()}
 
     @property
     def contradicts(self) -> bool:
-        """Whether the samples show another noise than is stated."""
+        """True if the samples show another noise than is stated."""
         if not self.stated or not self.estimated:
             return False
-        return not 1 / CONTRADICTS < self.estimated / self.stated < CONTRADICTS
+        return not 1 / POLICY.noise_ratio < self.estimated / self.stated < POLICY.noise_ratio
 
 
 @dataclass(frozen=True, repr=False)
 class NoiseFloor:
-    """The floor of every signal.
+    """Noise floor of every signal.
 
     Attributes
     ----------
@@ -116,12 +104,12 @@ class NoiseFloor:
 
     @property
     def is_below_noise(self) -> bool:
-        """Whether step, mesh and alpha change every prediction by less than its noise."""
+        """True if step, mesh and alpha change every prediction by less than its noise."""
         return all(below for each in self.signals for below in each.below.values())
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know."""
+        """Contradictions of the stated noise, and errors above the noise, in words."""
         found = []
         for each in self.signals:
             at = f"{each.signal} of {each.record}"
@@ -145,24 +133,25 @@ class NoiseFloor:
         return tuple(found)
 
     def summary(self) -> str:
-        """A table that a person reads: noise of a channel, errors over the noise of all."""
+        """Return a table that a person reads: noise of a channel, errors over the noise of all."""
         names = list(dict.fromkeys(name for each in self.signals for name in each.errors))
         head = f"{'record':<12}{'signal':<18}{'unit':<7}{'stated':>11}{'estimated':>11}"
         head += "".join(f"{name + '/noise':>13}" for name in names) + f"{'samples':>9}{'independent':>13}"
         lines = ["floor: noise of a channel, 1 sigma; change of the prediction over the noise", head]
         for each in self.signals:
-            cells = [_ratio(each.errors.get(name), each.total) for name in names]
             label = f"{each.signal} (drive)" if each.is_drive else each.signal
+            noise = ["-" if value is None else f"{value:.2e}" for value in (each.stated, each.estimated)]
+            total = each.total
+            ratios = [f"{each.errors[n] / total:.3f}" if total and n in each.errors else "-" for n in names]
             lines.append(
-                f"{each.record:<12}{label:<18}{each.unit:<7}{_number(each.stated):>11}"
-                f"{_number(each.estimated):>11}"
-                + "".join(f"{cell:>13}" for cell in cells)
+                f"{each.record:<12}{label:<18}{each.unit:<7}{noise[0]:>11}{noise[1]:>11}"
+                + "".join(f"{ratio:>13}" for ratio in ratios)
                 + f"{each.samples:9d}{each.independent:13.0f}"
             )
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Errors of the simulation over the noise, one bar each; below 1 they do not matter."""
+        """Draw the errors of the simulation over the noise, one bar each; below 1 they do not matter."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax
@@ -182,14 +171,6 @@ class NoiseFloor:
         return self.summary()
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2e}"
-
-
-def _ratio(error: float | None, noise: float | None) -> str:
-    return "-" if error is None or not noise else f"{error / noise:.3f}"
-
-
 def noise_floor(
     pairs: Mapping[str, AlignedRecord] | AlignedRecord,
     *,
@@ -197,16 +178,16 @@ def noise_floor(
     step: float = 2e-3,
     alpha: float = -0.05,
 ) -> NoiseFloor:
-    """How small a gap could be: noise of every record, and error of the simulation.
+    """Return the noise of every record, and the error of its simulation.
 
-    Takes a simulation of twice the work for each motion, and two more of the liveliest; of poses one.
+    Takes a simulation of twice the work for each motion, and two more of the fastest; of poses one.
 
     Parameters
     ----------
     pairs : dict of str to AlignedRecord, or AlignedRecord
-        Records by name, each beside its simulation, as for `localise`.
+        Records by name, as for `localise`.
     thorough : bool
-        Find (2) and (3) of every record, not only of the one with the liveliest drive.
+        Find (2) and (3) of every record, not only of the one with the fastest drive.
     step, alpha : float
         Of the simulations in `pairs` [s], [-].
 
@@ -215,55 +196,52 @@ def noise_floor(
     InvalidParameter
         If there is no record.
     """
-    found = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
-    if not found:
+    records = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
+    if not records:
         raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
-    liveliest = max(found, key=lambda name: _liveliness(found[name]))
+
+    def speed(name: str) -> float:
+        """Return the greatest rms rate of a drive [rad/s]; the number of poses."""
+        pair = records[name]
+        if pair.record.kind == "static":
+            return float(len(pair.record.poses))
+        rates = np.asarray(pair.simulated.simulation.drive_rate)
+        return float(np.sqrt(np.mean(rates**2, axis=0)).max(initial=0.0))
+
+    fastest = max(records, key=speed)
     signals: list[SignalFloor] = []
-    for name, pair in found.items():
-        whole = thorough or name == liveliest
-        signals += _of_record(name, pair, _variants(pair, step, alpha, whole))
+    for name, pair in records.items():
+        signals += _floors(name, pair, _variants(pair, step, alpha, thorough or name == fastest))
     return NoiseFloor(tuple(signals), step)
 
 
 def refined(arm: Arm) -> Arm:
-    """The arm with twice as many elements in every beam."""
+    """Return the arm with twice as many elements in every beam."""
     links = [link.replace(elements=2 * link.elements) if link.type == "beam" else link for link in arm.links]
     return arm.replace(links=tuple(links))
 
 
-def _liveliness(pair: AlignedRecord) -> float:
-    """Greatest rms rate of a drive [rad/s]; of poses their number."""
-    if pair.record.kind == "static":
-        return float(len(pair.record.poses))
-    rates = np.asarray(pair.simulated.simulation.drive_rate)
-    return float(np.sqrt(np.mean(rates**2, axis=0)).max(initial=0.0))
-
-
-def _of_record(
-    name: str, pair: AlignedRecord, others: Mapping[str, AlignedRecord | None]
+def _floors(
+    name: str, pair: AlignedRecord, variants: Mapping[str, AlignedRecord | None]
 ) -> list[SignalFloor]:
-    """Floors of the signals of one record, with the same record beside other simulations."""
+    """Return the floors of the signals of one record, given its variants with other simulations."""
     found = []
     for signal in pair.simulated.signals.values():
-        is_drive = signal.name in pair.record.drive
-        errors = (
-            {}
-            if is_drive
-            else {kind: inf if b is None else change(pair, b, signal) for kind, b in others.items()}
-        )
         residual = pair.simulated.residual(signal, pair.aligned.placement)
         rows = residual[np.isfinite(residual).all(axis=1)]
-        noise = pair.simulated.noise(signal)
+        is_drive = signal.name in pair.record.drive
+        smooth = is_drive and pair.record.kind == "motion"
+        others = {} if is_drive else variants
+        stated = float(np.sqrt(np.mean(pair.simulated.noise(signal) ** 2)))
         found.append(
             SignalFloor(
                 name,
                 signal.name,
                 "rad" if signal.quantity == "orientation" else signal.unit,
                 residual.shape[1],
-                float(np.sqrt(np.mean(noise**2))) if signal.noise_std is not None else None,
-                _estimated(pair, signal, residual, is_drive),
-                errors,
+                None if signal.noise_std is None else stated,
+                drive_noise(signal.values[:, 0]) if smooth else estimated_noise(pair, signal, residual),
+                {kind: inf if each is None else change(pair, each, signal) for kind, each in others.items()},
                 len(rows),
                 effective_samples(rows),
                 is_drive,
@@ -272,25 +250,18 @@ def _of_record(
     return found
 
 
-def _estimated(pair: AlignedRecord, signal: Signal, residual: Floats, is_drive: bool) -> float | None:
-    """Noise from the samples: of a drive's own, else of the gap."""
-    if is_drive and pair.record.kind == "motion":
-        return drive_noise(signal.values[:, 0])
-    return estimated_noise(pair, signal, residual)
-
-
 def _variants(pair: AlignedRecord, step: float, alpha: float, whole: bool) -> dict[str, AlignedRecord | None]:
-    """The record beside other simulations, (1) or all; None where one comes to no end."""
-    arm, record = pair.simulated.arm, replace(pair.record, links={})  # the arm is drawn out already
+    """Return the record with other simulations, (1) or the whole; None where one does not converge."""
+    arm, record = pair.simulated.arm, replace(pair.record, links={})  # the arm has these lengths already
     wanted: dict[str, tuple[Arm, float, float]] = {}
-    if whole and any(link.type == "beam" for link in arm.links):
-        wanted["mesh"] = (refined(arm), step, alpha)  # eq. (2)
     if record.kind == "motion":
         wanted["step"] = (arm, step / 2, alpha)  # eq. (1)
+    if whole and any(link.type == "beam" for link in arm.links):
+        wanted["mesh"] = (refined(arm), step, alpha)  # eq. (2)
     if whole and record.kind == "motion":
         wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (3)
     found: dict[str, AlignedRecord | None] = {}
-    for kind, (model, length, damping) in sorted(wanted.items(), reverse=True):
+    for kind, (model, length, damping) in wanted.items():
         try:
             found[kind] = simulate_record(model, record, align=False, step=length, alpha=damping)
         except NotConverged:

@@ -1,9 +1,9 @@
-"""The gap of one signal over several records, before and after the repair.
+"""Gap of one signal, pooled over several records, before and after the repair.
 
     rms^2 = sum_r n_r rms_r^2 / sum_r n_r                                                            (1)
 
-n_r rows of record r, rms_r what `flexarm compare` prints as the signal's total on that record alone; the
-noise is pooled likewise, the greatest gap is the greatest of all.
+with n_r rows of record r, and rms_r the total that `flexarm compare` prints for that record alone. The
+noise is pooled likewise; the greatest gap is the greatest of all.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class PooledGap:
     before_rms, after_rms : float or None
         Eq. (1) of the nominal and of the updated model.
     noise_rms : float or None
-        What a model without a gap would leave.
+        Gap that a model without an error would leave.
     before_max, after_max : float or None
         Greatest gap.
     """
@@ -42,7 +42,7 @@ class PooledGap:
 def pooled_gap(
     before: Mapping[str, Comparison], after: Mapping[str, Comparison], names: Iterable[str], signal: str
 ) -> PooledGap:
-    """The gap of a signal over the records of these names."""
+    """Return the gap of a signal over the records of these names."""
     wanted = list(names)
     old, new = _gaps(before, wanted, signal), _gaps(after, wanted, signal)
     return PooledGap(
@@ -55,7 +55,7 @@ def pooled_gap(
 
 
 def pooled(values: Sequence[float | None], gaps: Sequence[SignalGap]) -> float | None:
-    """Eq. (1); None if a value is not known or there is none."""
+    """Return (1); None if a value is not known or there is none."""
     rows = [len(gap.time) for gap in gaps]
     known = [value for value in values if value is not None]
     if len(known) < len(rows) or sum(rows) == 0:
@@ -64,7 +64,7 @@ def pooled(values: Sequence[float | None], gaps: Sequence[SignalGap]) -> float |
 
 
 def _gaps(comparisons: Mapping[str, Comparison], names: Sequence[str], signal: str) -> list[SignalGap]:
-    """The signal's gaps on the records that hold values of it."""
+    """Return the gaps of the signal on the records that hold values of it."""
     found = [comparisons[name].signals.get(signal) for name in names if name in comparisons]
     return [gap for gap in found if gap is not None and gap.rms["total"] is not None]
 

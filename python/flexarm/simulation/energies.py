@@ -1,7 +1,6 @@
-"""Energies of a run, recorded with it or computed when somebody asks for them.
+"""Energies of a run, recorded with it or computed on demand.
 
-To sum them takes a quarter of a run, and few are asked for. A run is the same to the last bit when it is
-made again, so they can be recorded by a second one.
+They take a quarter of a run, and few are needed. A second run records them: it repeats the first bit by bit.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ class Energies:
 
     @classmethod
     def of(cls, run: _core.Transient, led: int = 0) -> Energies:
-        """As the core recorded them after `led` instants; what sums up counts from there."""
+        """Return the energies that the core recorded after `led` instants; sums count from there."""
         found = {name: getattr(run, name)[led:] for name in NAMES}
         if led:
             found |= {name: found[name] - found[name][0] for name in SUMS}
@@ -44,7 +43,7 @@ def energies_of(
     options: _core.TransientOptions,
     led: int,
 ) -> Energies | Callable[[], Energies]:
-    """Recorded, or how to get them."""
+    """Return the recorded energies, or a function that computes them."""
     if options.record_energies:
         return Energies.of(found, led)
     return _recorded_again(system, equilibrium, motions, options, float(found.time[-1]), led)
@@ -58,7 +57,7 @@ def _recorded_again(
     end: float,
     led: int,
 ) -> Callable[[], Energies]:
-    """Makes the same run once more up to `end` [s], for its energies alone."""
+    """Return a function that repeats the run up to `end` [s] for its energies alone."""
 
     def run() -> Energies:
         again = _core.TransientOptions()

@@ -19,7 +19,7 @@ def simulation_of(
     energies: Energies | Callable[[], Energies],
     led: int = 0,
 ) -> Simulation:
-    """The core's columns as arrays with the instant first; they stay where the core wrote them.
+    """Return the core's columns as arrays with the instant first, without copies.
 
     The first `led` instants, in which a drive is led in, are left out.
     """

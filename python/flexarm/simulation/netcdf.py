@@ -38,7 +38,7 @@ _VARIABLES = {
     "motor_voltage": (("time", "joint"), "V", "voltage of the motor"),
 }
 _ALWAYS = list(_VARIABLES)[:13]
-"""What every run has; the rest is there if it was asked for."""
+"""Variables of every run; the others are optional."""
 _COUNTS = (
     "drive_sha256",
     "backend",
@@ -54,7 +54,7 @@ _COUNTS = (
 
 
 def contents(run: Simulation) -> Contents:
-    """What is stored: all arrays with units, and where they come from."""
+    """Return the stored content: all arrays with units, and their provenance."""
     variables: dict[str, Variable] = {
         name: (dims, getattr(run, name), {"units": unit, "long_name": text})
         for name, (dims, unit, text) in _VARIABLES.items()
@@ -68,7 +68,7 @@ def contents(run: Simulation) -> Contents:
 
 
 def stored(path: str | Path) -> dict[str, Any]:
-    """The attributes of the run that a file holds.
+    """Return the attributes of the run that a file holds.
 
     Raises
     ------

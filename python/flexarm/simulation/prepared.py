@@ -1,4 +1,4 @@
-"""From what a user asks for to what the core is asked for, checked: arm, drive of its joints, options."""
+"""Preparation of a run: arm, drive of its joints and options, checked, for the core."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexarm.simulation.step_limit import check_step_count
 
 @dataclass(frozen=True)
 class PreparedRun:
-    """What the core is asked for."""
+    """Input of the core."""
 
     arm: Arm
     drive: Drive
@@ -22,12 +22,12 @@ class PreparedRun:
 
     @property
     def kinds(self) -> dict[str, _core.DriveKind]:
-        """What is prescribed at each driven joint."""
+        """Prescribed quantity of each driven joint."""
         return {name: joint.kind for name, joint in self.drive.joints.items()}
 
     @property
     def prescribed(self) -> dict[str, _core.DriveKind]:
-        """Joints whose angle is told from the start; motors driven by torque are held until then."""
+        """Joints whose angle is prescribed from the start; motors driven by torque are held until then."""
         return {name: joint.kind for name, joint in self.drive.joints.items() if joint.side != "torque"}
 
     @property
@@ -37,14 +37,14 @@ class PreparedRun:
 
     @property
     def motions(self) -> list[_core.PiecewisePolynomial]:
-        """What moves every joint, in the order of the arm's."""
+        """Motion of every joint, in the order of the arm's."""
         return motions(self.arm, self.drive)
 
 
 def prepared(
     arm: Arm, drive: Drive, step: float, alpha: float, end: float | None, forces: bool, rotations: bool
 ) -> PreparedRun:
-    """The run, checked."""
+    """Return the run, checked."""
     _core.check_step(float(step))
     if not isinstance(drive, Drive):
         raise InvalidParameter(
@@ -70,7 +70,7 @@ def prepared(
 
 
 def coordinates(name: str) -> _core.Dimension:
-    """What the core calls the coordinates that a run may take."""
+    """Return the coordinates of a run in the core."""
     known = {
         "auto": _core.Dimension.automatic,
         "plane": _core.Dimension.plane,
@@ -82,7 +82,7 @@ def coordinates(name: str) -> _core.Dimension:
 
 
 def motions(arm: Arm, drive: Drive) -> list[_core.PiecewisePolynomial]:
-    """What moves every joint; joints that nothing drives are not read."""
+    """Return the motion of every joint; the core does not read those of joints that nothing drives."""
     hold = _core.PiecewisePolynomial.constant(0.0)
     return [
         drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints

@@ -1,4 +1,4 @@
-"""How far a long computation is: a bar at the terminal, or a function of the caller's own."""
+"""Progress of a long computation: a bar at the terminal, or a function of the caller."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 Progress = bool | Callable[[float], object] | None
-"""What a caller may give: True for a bar, or what gets the share done and may return False to stop."""
+"""True for a bar, or a function that gets the share done and may return False to stop."""
 Report = Callable[[float], object] | None
-"""What the core is given."""
+"""Callback of the core."""
 
 
 @contextmanager
 def reported(progress: Progress, name: str) -> Iterator[Report]:
-    """The callback for the core: a bar, the caller's own, or none."""
+    """Yield the callback for the core: a bar, the caller's own, or none."""
     if progress is None or progress is False or callable(progress):
         yield progress if callable(progress) else None
         return
@@ -24,7 +24,7 @@ def reported(progress: Progress, name: str) -> Iterator[Report]:
 
 @contextmanager
 def bar(keep: bool = False) -> Iterator[Callable[[float, str], None]]:
-    """A bar on standard error, told how much is done, 0 to 1, and what is; kept at the end or not."""
+    """Yield a function of the share done, 0 to 1, and its name, that draws a bar on standard error."""
     from shutil import get_terminal_size
 
     from tqdm import tqdm

@@ -44,7 +44,7 @@ def simulate(
     dimension: str = "auto",
     progress: Progress = None,
 ) -> Simulation:
-    """A run from equilibrium at rest along the drives.
+    """Simulate a run from equilibrium at rest along the drives.
 
     Parameters
     ----------

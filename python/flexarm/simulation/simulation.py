@@ -1,4 +1,4 @@
-"""What a run gives: the motion of an arm, its torques, forces and energies."""
+"""Result of a run: the motion of an arm, its torques, forces and energies."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class Simulation(Result):
 
     @property
     def damped(self) -> Floats:
-        """What damping and friction took since the start [J], shape (n,)."""
+        """Energy that damping and friction took since the start [J], shape (n,)."""
         return self.energies.damped
 
     @property
@@ -134,7 +134,7 @@ class Simulation(Result):
 
     @takes(times=NUMBERS, point=TEXT)
     def at(self, times: ArrayLike, point: str) -> Floats:
-        """Positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation.
+        """Return positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation.
 
         Before the run the arm rests where it starts; after its end nothing is known, and NaN stands there.
 
@@ -152,7 +152,7 @@ class Simulation(Result):
         return sample(self.time, self.position[:, i], when, self.velocity[:, i])
 
     def contents(self) -> Contents:
-        """What is stored: all arrays with units, and where they come from."""
+        """Return the stored content: all arrays with units, and their provenance."""
         from flexarm.simulation.netcdf import contents
 
         return contents(self)
@@ -160,7 +160,7 @@ class Simulation(Result):
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> Simulation:
-        """Reads what `save` wrote.
+        """Read a run that `save` wrote.
 
         Raises
         ------
@@ -172,7 +172,7 @@ class Simulation(Result):
         return cls(**stored(path))
 
     def plot(self, ax: Axes | None = None, point: str | None = None) -> Axes:
-        """Coordinates of a point (default: the last one) against time; all joints' angles without points."""
+        """Draw the coordinates of a point (default: the last) against time; without points joint angles."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax

@@ -1,4 +1,4 @@
-"""The core's part of a run: equilibrium at the start, then the motion, alone or with its derivatives.
+"""Solution of a run: equilibrium at the start, then the motion, alone or with its derivatives.
 
 A motor that is driven by torque has no angle to begin with: it is held where it rests and let go at the
 start.
@@ -43,7 +43,7 @@ _DERIVED = (
 
 
 def solved(run: PreparedRun, report: Report) -> Simulation:
-    """The run alone."""
+    """Return the run alone."""
     system, motions = assemble(run.arm, run.kinds), run.motions
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
@@ -57,7 +57,7 @@ def solved(run: PreparedRun, report: Report) -> Simulation:
 def differentiated(
     run: PreparedRun, wanted: tuple[Parameter, ...], redrive: Redrive | None, report: Report
 ) -> Simulation:
-    """The run with the derivatives of its arrays."""
+    """Return the run with the derivatives of its arrays."""
     system, motions = assemble(run.arm, run.kinds), run.motions
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
@@ -89,7 +89,7 @@ def differentiated(
 
 
 def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int = 0) -> dict[str, Floats]:
-    """Derivatives of a run's arrays by so many parameters, from the core's columns after `led` instants."""
+    """Return the derivatives of a run's arrays from the core's columns after `led` instants."""
     return {
         name: getattr(derivatives, name).T[led:].reshape(*value.shape, count)
         for name in _DERIVED
@@ -98,14 +98,14 @@ def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int 
 
 
 def _held(run: PreparedRun, system: _core.System) -> _core.System:
-    """The arm with its motors held until the start; the same one if none is driven by torque."""
+    """Return the arm with its motors held until the start; the same one if none is driven by torque."""
     return system if run.prescribed == run.kinds else assemble(run.arm, run.prescribed)
 
 
 def _start(
     run: PreparedRun, held: _core.System, motions: list[_core.PiecewisePolynomial]
 ) -> _core.Equilibrium:
-    """Equilibrium under the first drive values; motors driven by torque stand where they rest until then."""
+    """Return the equilibrium under the first drive values; motors driven by torque are held at rest."""
     told = run.prescribed
     first = {
         joint.name: motion(run.options.start)[0]

@@ -1,4 +1,4 @@
-"""Runs of more steps than a machine can keep are refused before they begin."""
+"""Limit of the number of steps of a run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST_STEPS = 20_000_000
 
 
 def check_step_count(start: float, end: float, step: float) -> None:
-    """Refuses a run from `start` to `end` [s] at a time step [s] that is too long.
+    """Refuse a run from `start` to `end` [s] at a time step [s] that is too long.
 
     Raises
     ------
@@ -27,7 +27,7 @@ def check_step_count(start: float, end: float, step: float) -> None:
 
 
 def endless(record: Record, step: float) -> Iterable[Problem]:
-    """That a record is too long for a run at a time step [s]."""
+    """Yield the problem of a record that is too long for a run at a time step [s]."""
     spans = [
         float(signal.time[-1] - signal.time[0]) for signal in record.signals.values() if len(signal.time)
     ]

@@ -1,6 +1,6 @@
-"""Derivatives by the width of a gap that is closed: which there are, and which are refused.
+"""Derivatives with respect to backlash at zero: which exist, and which are refused.
 
-A gap b of a reducer can only open, so that the derivative at b = 0 is one-sided. Where the joint carries a
+The gap b of a reducer can only open, so that the derivative at b = 0 is one-sided. Where the joint carries a
 torque its teeth stay on the flank that they lie on, and the link's angle moves by -b/2 or b/2. Without one
 
     an arm that hangs     comes to rest in the middle of the opening gap, with the angle it had    (exact)
@@ -36,7 +36,7 @@ def require_backlash_derivative(
     *,
     stiff: bool = False,
 ) -> None:
-    """Refuses gaps that open to no certain side.
+    """Refuse backlash at zero whose derivative does not exist.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def require_backlash_derivative(
     at_rest : callable
         Equilibrium of another system under the same drives and loads.
     stiff : bool
-        Whether the joint's stiffness must stay, too.
+        True if the stiffness of the joint must stay, too.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""An arm whose drives are held: assembled once, in equilibrium at as many poses as are asked for.
+"""A batch of statics: one arm, its drives held, assembled once and solved at several poses.
 
-The assembled system depends on the model, on which points carry loads and on which joints are held behind
-their reducers, not on angles and forces. So poses of one arm share it, and the models beside it from which
-derivatives by parameters come.
+The assembled system depends on the model, on the loaded points and on the joints that are held behind their
+reducers, not on angles and forces. So all poses of one arm share it, and the perturbed models of which
+derivatives with respect to parameters are made.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class StaticSolution:
 
 @dataclass(frozen=True)
 class DriveVariation:
-    """A parameter that turns the drives, such as the offset of an encoder.
+    """A change of the drive angles by a parameter, such as the offset of an encoder.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class DriveVariation:
 
 
 class StaticsBatch:
-    """An arm whose drives are held.
+    """Equilibria of an arm with its drives held.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class StaticsBatch:
         forces: Mapping[str, ArrayLike] | None = None,
         turning: Mapping[str, DriveVariation] | None = None,
     ) -> StaticSolution:
-        """Equilibrium under gravity and point forces, the drives at given angles.
+        """Return the equilibrium under gravity and point forces, the drives at given angles.
 
         Parameters
         ----------
@@ -143,7 +143,7 @@ class StaticsBatch:
         loads: _core.Loads,
         turning: Mapping[str, DriveVariation],
     ) -> dict[str, Floats]:
-        """Along the state's own derivative, in the models beside this one."""
+        """Return derivatives of the arrays along the derivative of the state."""
         state, keys = equilibrium.state, [parameter.key for parameter in self.parameters]
         beside = [*self._beside, *(self._turned(each) for each in turning.values())]
         places = [*self._places, *(keys.index(key) for key in turning)]
@@ -166,7 +166,7 @@ class StaticsBatch:
         return dict(collected(self.parameters, places, found).arrays)
 
     def _turned(self, turning: DriveVariation) -> _core.Varied:
-        """This model with its drives at other angles."""
+        """Return this model with its drives at other angles."""
         sides = [
             [_core.PiecewisePolynomial.constant(value) for value in joint_values(self.arm, joints)]
             for joints in (turning.above, turning.below)
@@ -174,7 +174,7 @@ class StaticsBatch:
         return _core.Varied(self.system, self.system, turning.up, turning.down, *sides)
 
     def _drive_slopes(self, turning: Mapping[str, DriveVariation]) -> Floats:
-        """Derivatives of the drives' angles, shape (joint, parameter)."""
+        """Return derivatives of the drives' angles, shape (joint, parameter)."""
         found = np.zeros((len(self.arm.joints), len(self.parameters)))
         for k, parameter in enumerate(self.parameters):
             if (each := turning.get(parameter.key)) is not None:
@@ -184,7 +184,7 @@ class StaticsBatch:
 
 
 def _input_of(arm: Arm, joint: str) -> str:
-    """The joint whose drive moves a joint: itself, or at the input of its gears."""
+    """Return the joint whose drive moves a joint: itself, or at the input of its gears."""
     inputs = {gear.output: gear.input for gear in arm.gears}
     while joint in inputs:
         joint = inputs[joint]
@@ -192,12 +192,12 @@ def _input_of(arm: Arm, joint: str) -> str:
 
 
 def positions(system: _core.System, state: _core.State, count: int) -> Floats:
-    """Places of the first `count` points [m], shape (count, 3)."""
+    """Return places of the first `count` points [m], shape (count, 3)."""
     return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
 
 
 def _seen(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads) -> dict[str, Floats]:
-    """What is seen of a state."""
+    """Return the observed arrays of a state."""
     count = len(arm.points)
     return {
         "position": positions(system, state, count),
@@ -211,12 +211,9 @@ def _seen(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads
     }
 
 
-_NO_FORCES = np.full((2, 6), np.nan)
-"""Of links without sections."""
-
-
 def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:
+    """Return section forces at both ends, shape (2, 6); NaN for links without sections."""
     if kind != "beam":
-        return _NO_FORCES
+        return np.full((2, 6), np.nan)
     forces = _core.section_forces(system, state, loads, link)
     return np.array([forces.start, forces.end])

@@ -36,7 +36,7 @@ _PART_VARIABLES = (
 
 
 def contents(found: Statics) -> Contents:
-    """What is stored: the equilibrium with units, and where it comes from."""
+    """Return the contents of the file: the equilibrium with units, and its provenance."""
     parts = {
         f"{name}_{what}": (
             (*(f"{name}_{axis}" for axis in axes),),
@@ -69,7 +69,7 @@ def contents(found: Statics) -> Contents:
 
 
 def stored(path: str | Path) -> dict[str, Any]:
-    """The attributes of the equilibrium that a file holds.
+    """Return the attributes of the equilibrium that a file holds.
 
     Raises
     ------

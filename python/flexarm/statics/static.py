@@ -25,7 +25,7 @@ def static(
     at_link: Collection[str] = (),
     sensitivities: Iterable[str] = (),
 ) -> Statics:
-    """Equilibrium under gravity and point forces, the joints' drives held.
+    """Return the equilibrium under gravity and point forces, the joints' drives held.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def static(
 
 
 def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
-    """The points of the rigid arm without effects: what effects move counts as displacement."""
+    """Return the points of the rigid arm without effects: what effects move counts as displacement."""
     if not arm.effects:
         return positions(system, system.rigid_state(values), len(arm.points))
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}

@@ -1,4 +1,4 @@
-"""What an equilibrium gives: places of the points, torques, section forces, shapes of parts."""
+"""Results of an equilibrium: positions of points, torques, section forces, shapes of parts."""
 
 from __future__ import annotations
 
@@ -61,13 +61,13 @@ class Statics(Result):
     sensitivities: Sensitivities | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The object of `flexarm static --json`."""
+        """Return the object of `flexarm static --json`."""
         from flexarm.statics.summary import to_json_dict
 
         return to_json_dict(self)
 
     def contents(self) -> Contents:
-        """What is stored: the equilibrium with units, and where it comes from."""
+        """Return the contents of the file: the equilibrium with units, and its provenance."""
         from flexarm.statics.netcdf import contents
 
         return contents(self)
@@ -75,7 +75,7 @@ class Statics(Result):
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> Statics:
-        """Reads what `save` wrote.
+        """Read what `save` wrote.
 
         Raises
         ------
@@ -102,7 +102,7 @@ class Statics(Result):
         return axes
 
     def summary(self) -> str:
-        """The result in lines that a person reads."""
+        """Return the result in lines that a person reads."""
         from flexarm.statics.summary import summary
 
         return summary(self)

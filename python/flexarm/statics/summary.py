@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def summary(found: Statics) -> str:
-    """The result in lines that a person reads."""
+    """Return the result in lines that a person reads."""
     lines = [f"equilibrium of {found.arm.name} under gravity {list(found.arm.gravity)} m/s2"]
     if found.points:
         lines.append(f"{'point':<16}{'x [m]':>12}{'y [m]':>12}{'z [m]':>12}{'moved [mm]':>34}")
@@ -40,7 +40,7 @@ def summary(found: Statics) -> str:
 
 
 def to_json_dict(found: Statics) -> dict[str, Any]:
-    """The object of `flexarm static --json`."""
+    """Return the object of `flexarm static --json`."""
     beams = [(i, link.name) for i, link in enumerate(found.arm.links) if link.type == "beam"]
     ends = ("start", "end")
     return {

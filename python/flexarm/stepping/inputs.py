@@ -1,4 +1,4 @@
-"""What joints are told, and the numbers that the core takes of it."""
+"""Inputs of joints, and the numbers that the core takes of them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
@@ -71,10 +72,7 @@ class Inputs:
         moving = [joint.name for joint in self._arm.moving_joints]
         for name, what in self.told.items():
             if name not in moving:
-                raise InvalidParameter(
-                    f"there is no moving joint {name!r}; there are {', '.join(moving) or 'none'}",
-                    where="told",
-                )
+                raise InvalidParameter(missing("moving joint", name, moving), where="told")
             if what not in _KINDS:
                 raise InvalidParameter(
                     f"must be one of {', '.join(_KINDS)}, got {what!r}", where=f"told.{name}"
@@ -91,7 +89,7 @@ class Inputs:
         return self._joints[name], factor, self.told.get(name, "motor") != "torque"
 
     def kinds(self, held: bool = False) -> dict[str, _core.DriveKind]:
-        """What the core's joints are told; a motor's angle at the input of the gears before it.
+        """Return the kind of drive of each joint; a motor's angle acts at the input of its gears.
 
         Parameters
         ----------
@@ -107,7 +105,7 @@ class Inputs:
 
 
 def _checked(name: str, value: Input, is_angle: bool) -> Floats:
-    """A number that is no float, or an angle with rate and acceleration, as a row.
+    """Return a number that is no float, or an angle with rate and acceleration, as a row.
 
     Raises
     ------

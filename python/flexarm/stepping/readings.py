@@ -1,4 +1,4 @@
-"""What is read of a state."""
+"""Readings of a state."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class Stored:
 
     @classmethod
     def of(cls, moment: _core.Moment) -> Stored:
-        """The numbers of a moment."""
+        """Return the numbers of a moment."""
         return cls(
             {name: frozen(array) for name, array in moment.arrays().items()},
             {name: frozen(array) for name, array in moment.factored_arrays().items()},
@@ -51,13 +51,13 @@ class Stored:
         )
 
     def moment(self, system: _core.System) -> _core.Moment:
-        """The moment of these numbers."""
+        """Return the moment of these numbers."""
         forces: dict[SupportsInt | SupportsIndex, ArrayLike] = {}
         forces.update((point, force) for point, force in self.forces.items())
         return _core.moment(system, self.state, self.factored, forces, self.counts)
 
     def flat(self) -> dict[str, Any]:
-        """The same under one name each, as a file holds them."""
+        """Return the same under one name each, as a file holds them."""
         return {
             **{f"state.{name}": array for name, array in self.state.items()},
             **{f"factored.{name}": array for name, array in self.factored.items()},
@@ -68,7 +68,7 @@ class Stored:
 
     @classmethod
     def from_flat(cls, flat: dict[str, Any]) -> Stored:
-        """What `flat` made."""
+        """Return the numbers that `flat` made."""
 
         def group(prefix: str) -> dict[str, Floats]:
             begin = f"{prefix}."
@@ -115,14 +115,14 @@ class State:
         return self._stored
 
     def moment(self, system: _core.System) -> _core.Moment:
-        """The state as the core has it."""
+        """Return the state as the core has it."""
         if self._moment is None:
             self._moment = self.stored.moment(system)
         return self._moment
 
     @takes(path=PATH)
     def save(self, path: str | Path) -> None:
-        """Writes the state as an .npz file, whatever its name.
+        """Write the state as an .npz file, whatever its name.
 
         Raises
         ------
@@ -136,7 +136,7 @@ class State:
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> State:
-        """Reads what `save` wrote.
+        """Read what `save` wrote.
 
         Raises
         ------

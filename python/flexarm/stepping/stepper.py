@@ -20,10 +20,11 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
 from flexarm.arm import Arm
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
 from flexarm.errors import InvalidParameter
-from flexarm.measurement.state_snapshots import SystemSnapshots
+from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.stepping.inputs import Input, Inputs
 from flexarm.stepping.readings import JointReading, PointReading
 from flexarm.stepping.state import State
@@ -96,7 +97,7 @@ class Stepper:
     def start(
         self, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
     ) -> State:
-        """Equilibrium at rest, all joints held; those told a torque or nothing are then let go.
+        """Return the equilibrium at rest, all joints held; those told a torque or nothing are then let go.
 
         The torque that held a joint is `joint(state, name).motor_torque`.
 
@@ -124,7 +125,7 @@ class Stepper:
     def step(
         self, state: State, inputs: Mapping[str, Input], forces: Mapping[str, ArrayLike] | None = None
     ) -> State:
-        """The state one step later; the one given stays as it is.
+        """Return the state one step later; the one given stays as it is.
 
         Parameters
         ----------
@@ -147,7 +148,7 @@ class Stepper:
         return State(self._key, self._core.advance(self._moment(state), self._inputs.rows(inputs), points))
 
     def joint(self, state: State, name: str) -> JointReading:
-        """Angles, rates and torques of a joint.
+        """Return angles, rates and torques of a joint.
 
         Raises
         ------
@@ -170,7 +171,7 @@ class Stepper:
         return PointReading(x, v, a, R, omega)
 
     def sensor(self, state: State, name: str) -> Floats:
-        """What a sensor of the model reads, without noise, rounding or delay: one number a channel, SI.
+        """Return the reading of a sensor without noise, rounding or delay: one number a channel, SI.
 
         Raises
         ------
@@ -178,8 +179,8 @@ class Stepper:
             If there is no such sensor, or it measures what no state holds, such as a voltage.
         """
         if name not in self._sensors:
-            raise InvalidParameter(_unknown(name, "sensor", self._sensors))
-        instant = SystemSnapshots.of(self._arm, self._system, [self._moment(state).state])
+            raise InvalidParameter(missing("sensor", name, self._sensors))
+        instant = StateSnapshots.of(self._arm, self._system, [self._moment(state).state])
         values: Floats = instant.readings(self._sensors[name])[0]
         return values
 
@@ -206,7 +207,7 @@ class Stepper:
         return state.moment(self._system)
 
     def _hash(self) -> str:
-        """Of the model, its parts, and what is told and pushed: all that decides what a state is made of."""
+        """Return the hash of the model, its parts, the inputs and the loaded points."""
         found = hashlib.sha256(toml_text(self._arm.to_dict()).encode())
         for link in self._arm.links:
             if link.type == "superelement" and Path(link.file).is_file():
@@ -221,9 +222,5 @@ class Stepper:
 
 def _index(places: Mapping[str, int], name: str, kind: str) -> int:
     if not isinstance(name, str) or name not in places:
-        raise InvalidParameter(_unknown(name, kind, places))
+        raise InvalidParameter(missing(kind, name, places))
     return places[name]
-
-
-def _unknown(name: str, kind: str, known: Collection[str]) -> str:
-    return f"there is no {kind} {name!r}; there are {', '.join(known) or 'none'}"

@@ -18,7 +18,7 @@ AnyTable = TypeVar("AnyTable", bound=BaseModel)
 def check_table(
     table: type[AnyTable], data: dict[str, Any], file: str | FilePath | None = None, text: str = ""
 ) -> AnyTable:
-    """`data` as a `table`.
+    """Return `data` as a `table`.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def check_table(
 
 
 def refuse(found: list[tuple[Path, str]], data: dict[str, Any], file: str | FilePath, text: str) -> None:
-    """Raises InvalidFile with all the pairs of place and sentence, if there are any."""
+    """Raise InvalidFile with all the pairs of place and sentence, if there are any."""
     problems = tuple(Problem(dotted(path, data), what, line_in(text, path)) for path, what in found)
     if problems:
         first = problems[0]
@@ -53,7 +53,7 @@ def refuse(found: list[tuple[Path, str]], data: dict[str, Any], file: str | File
 
 
 def parameter_error(table: type[BaseModel], error: ValidationError, data: Any) -> InvalidParameter:
-    """The error of a table that was made in Python."""
+    """Return the error of a table that was made in Python."""
     problems = tuple(Problem(dotted(path, data), what) for path, what in problems_of(table, error, data))
     label = getattr(table, "name", None)  # effects carry their name on the class
     first = problems[0]
@@ -64,7 +64,7 @@ def parameter_error(table: type[BaseModel], error: ValidationError, data: Any) -
 def problems_of(
     table: type[BaseModel], error: ValidationError, data: Any, prefix: Path = ()
 ) -> list[tuple[Path, str]]:
-    """Pairs of place and sentence."""
+    """Return pairs of place and sentence."""
     found: list[tuple[Path, str]] = []
     for entry in error.errors(include_url=False):
         path = prefix + without_tags(entry["loc"], data, entry["type"] == "missing")

@@ -27,11 +27,11 @@ class Nested(ValueError):
 
 
 def value_in(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
-    """A field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
+    """Return a field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
     return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Unit that `value_in` gave a field, empty if none."""
+    """Return unit that `value_in` gave a field, empty if none."""
     extra = field.json_schema_extra
     return str(extra.get("unit", "")) if isinstance(extra, dict) else ""

@@ -32,7 +32,7 @@ _TYPES = {
 
 
 def sentence(error: dict[str, Any], field: FieldInfo | None, allowed: list[str]) -> str:
-    """The message for one entry of `ValidationError.errors()`."""
+    """Return the message for one entry of `ValidationError.errors()`."""
     kind, value, context = error["type"], error.get("input"), error.get("ctx", {})
     unit = unit_of(field) if field else ""
     unit = "" if unit == "unit" else unit  # that of the signal, which the message does not know
@@ -61,7 +61,7 @@ def sentence(error: dict[str, Any], field: FieldInfo | None, allowed: list[str])
 
 
 def shown(value: Any, limit: int = 60) -> str:
-    """A value as a person reads it: numbers short, texts quoted, nothing longer than `limit` characters."""
+    """Return the text of a value: numbers short, texts quoted, at most `limit` characters."""
     if isinstance(value, float):
         return f"{value:.9g}"
     try:

@@ -14,7 +14,7 @@ from flexarm.tables.field import Path
 
 
 def without_tags(location: Path, data: Any, ends_in_missing: bool) -> Path:
-    """Drops what pydantic adds to a location for the chosen member of a union ("beam", "tube")."""
+    """Drop what pydantic adds to a location for the chosen member of a union ("beam", "tube")."""
     path: list[str | int] = []
     for i, step in enumerate(location):
         keep = ends_in_missing and i == len(location) - 1
@@ -54,7 +54,7 @@ def _child(data: Any, step: str | int) -> Any:
 
 
 def field_at(table: type[BaseModel], location: Path) -> tuple[FieldInfo | None, list[str]]:
-    """The field at a location, tags included, and the keys that are allowed beside it."""
+    """Return the field at a location, tags included, and the keys that are allowed beside it."""
     tables, field = [table], None
     allowed: list[str] = []
     for step in location:
@@ -131,7 +131,7 @@ def line_in(text: str, path: Path) -> int | None:
 
 
 def _nested_block(layout: _Layout, path: Path) -> tuple[int, Path] | None:
-    """As `_block`, under the header of a table within a table such as `[a.b]`; None if there is none."""
+    """Return the result of `_block` for a table within a table such as `[a.b]`; None without one."""
     for depth in range(len(path) - 1, 1, -1):
         found = layout.below.get(".".join(map(str, path[:depth])))
         if found:
@@ -140,7 +140,7 @@ def _nested_block(layout: _Layout, path: Path) -> tuple[int, Path] | None:
 
 
 def _block(layout: _Layout, path: Path) -> tuple[int, Path]:
-    """First line after the header of the path's top table, 0 without one, and the path within it."""
+    """Return first line after the header of the path's top table, 0 without one, and the path within it."""
     nth = path[1] if len(path) > 1 and isinstance(path[1], int) else None
     found = layout.below.get(str(path[0]), [])
     if (nth or 0) < len(found):

@@ -143,7 +143,7 @@ class Table(BaseModel):
         return out
 
     def replace(self, **changes: Any) -> Self:
-        """A changed copy, checked like a new one.
+        """Return a changed copy, checked like a new one.
 
         Raises
         ------

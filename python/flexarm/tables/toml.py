@@ -13,7 +13,7 @@ from flexarm.reading import regular_file
 
 
 def read_text(file: Path) -> str:
-    """The text of a file (UTF-8).
+    """Return the text of a file (UTF-8).
 
     Raises
     ------
@@ -34,7 +34,7 @@ def read_text(file: Path) -> str:
 
 
 def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
-    """The tables of a TOML file and its text.
+    """Return the tables of a TOML file and its text.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def toml_text(data: Mapping[str, Any]) -> str:
 
 
 def _has_header(value: Any) -> bool:
-    """Whether a value at the top stands below a header of its own, hence after all that do not."""
+    """Return True if a value at the top stands below a header of its own, hence after all that do not."""
     return isinstance(value, Mapping) or (
         isinstance(value, list) and bool(value) and all(isinstance(item, Mapping) for item in value)
     )

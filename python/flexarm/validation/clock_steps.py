@@ -94,18 +94,15 @@ def _remarks(signal: Signal) -> list[str]:
                 f"its samples are usually {np.median(steps):.3g} s apart"
             )
     if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= POLICY.smooth_rate_hz:
-        found += _noise(signal, signal.noise_std)
+        third = np.diff(signal.values[:, 0], 3)
+        third = np.abs(third[np.isfinite(third)])
+        noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (2)
+        stated = signal.noise_std
+        if noise and not stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
+            found.append(
+                f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"
+            )
     return found
-
-
-def _noise(signal: Signal, stated: float) -> list[str]:
-    """Report the noise by (2), robustly, if it is unlike the stated one."""
-    third = np.diff(signal.values[:, 0], 3)
-    third = np.abs(third[np.isfinite(third)])
-    noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (2)
-    if noise == 0 or stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
-        return []
-    return [f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"]
 
 
 def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:

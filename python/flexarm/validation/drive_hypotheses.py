@@ -51,7 +51,7 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
     moving = [
         signal
         for signal in drives
-        if _spread(signal) > 3 * (signal.noise_std or 0.0)
+        if np.nanstd(signal.values) > 3 * (signal.noise_std or 0.0)
         and (channels is None or is_disturbed(arm, str(signal.joint), channels))
     ]
     found: list[Hypothesis] = [(SignError(at=signal.name),) for signal in moving]
@@ -98,7 +98,10 @@ def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
         for each in [*alike, *own]
         if all(_relative_range(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
-        and any(_spread(signal) / f > POLICY.min_drive_motion for signal, f in zip(drives, each, strict=True))
+        and any(
+            np.nanstd(signal.values) / f > POLICY.min_drive_motion
+            for signal, f in zip(drives, each, strict=True)
+        )
     ]
 
 
@@ -119,10 +122,6 @@ def _relative_range(signal: Signal, arm: Arm) -> float:
     """Return the range of a drive relative to the usual range of joints."""
     most = FARTHEST * shaft_ratio(signal.joint, arm.gears) if signal.unit == "rad" else LONGEST
     return float(np.nanmax(np.abs(signal.values), initial=0.0)) / most
-
-
-def _spread(signal: Signal) -> float:
-    return float(np.nanstd(signal.values))
 
 
 def is_disturbed(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> bool:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 NOTHING = 1e-12
-"""What is left at least: readings and prediction may both stand at 0 [SI]."""
+"""Least scatter: readings and prediction may both stand at 0 [SI]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -119,27 +119,17 @@ def _moved(
     ]
 
 
-def remarks_on_poses(records: Mapping[str, Record]) -> list[str]:
+def remarks_on_poses(records: Mapping[str, Record]) -> Iterator[str]:
     """Report poses whose rows do not repeat."""
-    return [
-        f"{name}: {remark}"
-        for name, record in records.items()
-        for signal in record.signals.values()
-        if signal.pose is not None and signal.noise_std
-        for remark in _scattered(signal, signal.noise_std)
-    ]
-
-
-def _scattered(signal: Signal, noise: float) -> list[str]:
-    found = []
-    for pose in dict.fromkeys(map(str, signal.pose if signal.pose is not None else [])):
-        rows = signal.values[(signal.pose == pose) & signal.valid]
-        if (
-            len(rows) > 1
-            and (scatter := float(np.max(np.std(rows, axis=0, ddof=1)))) > POLICY.min_noises * noise
-        ):
-            found.append(
-                f"{len(rows)} rows of {signal.name} in the pose {pose!r} scatter by {scatter:.2g} "
-                f"{signal.unit}, the stated noise is {noise:.2g}"
-            )
-    return found
+    signals = ((name, signal) for name, record in records.items() for signal in record.signals.values())
+    for name, signal in signals:
+        if signal.pose is None or not signal.noise_std:
+            continue
+        for pose in dict.fromkeys(map(str, signal.pose)):
+            rows = signal.values[(signal.pose == pose) & signal.valid]
+            scatter = float(np.max(np.std(rows, axis=0, ddof=1))) if len(rows) > 1 else 0.0
+            if scatter > POLICY.min_noises * signal.noise_std:
+                yield (
+                    f"{name}: {len(rows)} rows of {signal.name} in the pose {pose!r} "
+                    f"scatter by {scatter:.2g} {signal.unit}, the stated noise is {signal.noise_std:.2g}"
+                )

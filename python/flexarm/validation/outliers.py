@@ -19,6 +19,7 @@ see `flexarm.comparison.pose_outliers`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,7 +57,7 @@ def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutlier
             continue
         rows = _isolated(drive_spikes(signal.values[:, 0], signal.noise_std or 0.0))
         if rows.any() and rows.mean() < POLICY.max_spike_share:
-            record = blank_rows(record, signal, rows)
+            record = blank_rows(record, signal.name, rows)
             found.append(_removed(name, signal, rows, signal.values))
     return record, found
 
@@ -81,7 +82,7 @@ def clean_evidence(
         if signal.quantity not in SMOOTH:
             rows &= beyond_range_of_others(residual, rows)
         if rows.any() and rows.mean() < POLICY.max_spike_share:
-            record = blank_rows(record, signal, rows)
+            record = blank_rows(record, signal.name, rows)
             found.append(_removed(name, signal, rows, residual))
     return record, found
 
@@ -95,7 +96,7 @@ def _without_poses(
         signal, rows = record.signals[signal_name], np.flatnonzero(far.rows)
         size = float(np.sqrt(np.mean(far.size[rows] ** 2)))
         poses = tuple(map(str, np.asarray(signal.pose)[rows]))
-        record = blank_rows(record, signal, far.rows)
+        record = blank_rows(record, signal_name, far.rows)
         found.append(RemovedOutliers(name, signal_name, tuple(map(int, rows)), size, signal.unit, poses))
     return record, found
 
@@ -171,11 +172,11 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     return found
 
 
-def blank_rows(record: Record, signal: Signal, rows: NDArray[np.bool_]) -> Record:
-    """Return the record with rows of a signal set to NaN."""
-    values = np.where(rows[:, None], np.nan, record.signals[signal.name].values)
-    changed = record.signals[signal.name].replace(values=values)
-    return record.replace(signals={**record.signals, signal.name: changed})
+def blank_rows(record: Record, name: str, rows: NDArray[np.bool_] | Sequence[int]) -> Record:
+    """Return the record with rows of a signal, a mask or numbers, set to NaN."""
+    values = record.signals[name].values.copy()
+    values[np.asarray(rows)] = np.nan
+    return record.replace(signals={**record.signals, name: record.signals[name].replace(values=values)})
 
 
 def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -200,11 +201,3 @@ def _interpolate_neighbours(at: Floats, time: Floats, y: Floats) -> Floats:
     """Interpolate linearly between neighbours, and extrapolate at the ends."""
     first = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)
     return np.asarray(y[first] + (y[first + 1] - y[first]) * (at - time[first]) / np.diff(time)[first])
-
-
-def blank_listed_rows(record: Record, name: str, rows: tuple[int, ...]) -> Record:
-    """Return the record with rows of a signal, given by number, set to NaN."""
-    signal = record.signals[name]
-    lost = np.zeros(len(signal), dtype=bool)
-    lost[list(rows)] = True
-    return blank_rows(record, signal, lost)

@@ -61,7 +61,7 @@ def plausibility_doubts(
     arm : Arm
         The model.
     records : dict of str to Record
-        What was measured.
+        Measured data.
     borne_out : dict of str to collection of str, optional
         By record the drives whose angles places confirm, however far they turn.
     """

@@ -173,7 +173,9 @@ def nuisance_regressors(
     if simulated.record.kind == "motion":
         ahead, behind = (predicted_at(simulated, signal, placement, shift)[:, k] for shift in (-SHORT, SHORT))
         regressors.append((behind - ahead) / (2 * SHORT))  # eq. (6)
-        prior_std.append(max(POLICY.delay_std, 3 * _clock_sigma(simulated, signal)))
+        both = [simulated.record.clocks[name] for name in {signal.clock, drive_clock(simulated.record)}]
+        sigma = 0.05 if any(clock.unknown for clock in both) else hypot(*(clock.sigma for clock in both))
+        prior_std.append(max(POLICY.delay_std, 3 * sigma))
         if signal.quantity in ("motor_torque", "motor_voltage"):
             regressors += _friction(simulated, signal, placement)  # eq. (7)
             prior_std += [3 * float(np.nanstd(predicted[:, k]))] * 2
@@ -201,12 +203,6 @@ def _other_axes(simulated: SimulatedRecord, signal: Signal, placement: Placement
     clean = replace(simulated, arm=bare)
     values = predicted_at(clean, whole, placement)
     return [np.nan_to_num(values[:, j]) for j, axis in enumerate("xyz") if axis != signal.axes[k]]
-
-
-def _clock_sigma(simulated: SimulatedRecord, signal: Signal) -> float:
-    """Return 1 sigma of the delay between the clocks of a signal and the drive [s]."""
-    both = [simulated.record.clocks[name] for name in {signal.clock, drive_clock(simulated.record)}]
-    return 0.05 if any(clock.unknown for clock in both) else hypot(*(clock.sigma for clock in both))
 
 
 def _friction(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> list[Floats]:

@@ -19,8 +19,6 @@ angles, and only where p moves by `noisy_plateau_motion`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,29 +29,22 @@ from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import fit_at_gain
 
 Rows = NDArray[np.bool_]
+Run = tuple[int, int]  # first row, last row (exclusive)
 
 
-@dataclass(frozen=True)
-class Plateau:
-    """Hold rows first to last (exclusive) of a channel that agree."""
-
-    first: int
-    last: int
-
-
-def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Plateau]:
+def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Run]:
     """Return all runs (1), exact and noisy; a prediction that moves by less than `least` stands."""
     moves = max(10 * noise, POLICY.plateau_motion * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
     if noise > 0 and stays_within(y, 6 * noise, fewest).any():
         taken = np.zeros(len(y) + 1, dtype=int)
-        for run in exact:
-            taken[run.first + 1 : run.last + 1] = 1
+        for first, last in exact:
+            taken[first + 1 : last + 1] = 1
         taken = np.cumsum(taken)
         noisy = constant_runs(y, 6 * noise)
-        found = [*exact, *(run for run in noisy if taken[run.last] == taken[run.first])]
-    return [run for run in found if run.last - run.first >= fewest and moved(p, driven, run) >= moves]
+        found = [*exact, *((i, j) for i, j in noisy if taken[i] == taken[j])]
+    return [(i, j) for i, j in found if j - i >= fewest and moved(p, driven, (i, j)) >= moves]
 
 
 def rows_to_move(p: Floats, moves: float) -> int:
@@ -64,9 +55,9 @@ def rows_to_move(p: Floats, moves: float) -> int:
     return len(p) + 1 if step * len(p) < moves else int(moves / step)
 
 
-def moved(p: Floats, driven: Rows, run: Plateau) -> float:
+def moved(p: Floats, driven: Rows, run: Run) -> float:
     """Return the range of a prediction in a plateau while a drive moves."""
-    part = slice(run.first, run.last)
+    part = slice(*run)
     return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
 
@@ -81,25 +72,25 @@ def stays_within(y: Floats, width: float, rows: int) -> Rows:
     return found
 
 
-def repeats(y: Floats) -> list[Plateau]:
+def repeats(y: Floats) -> list[Run]:
     """Return the longest runs of rows of one value."""
     ends = np.flatnonzero(np.diff(y) != 0) + 1
     firsts, lasts = np.append(0, ends), np.append(ends, len(y))
     long = lasts - firsts >= POLICY.min_plateau_rows
-    return [Plateau(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
+    return [(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
 
 
-def constant_runs(y: Floats, width: float) -> list[Plateau]:
+def constant_runs(y: Floats, width: float) -> list[Run]:
     """Return the longest runs of rows that stay within `width`, from the left."""
     if width == 0:
         return repeats(y)
     begins = np.flatnonzero(stays_within(y, width, POLICY.min_plateau_rows))
-    found: list[Plateau] = []
+    found: list[Run] = []
     k = 0
     while k < len(begins):
         i = int(begins[k])
         j = _end_of_run(y, i, width)
-        found.append(Plateau(i, j))
+        found.append((i, j))
         k = int(np.searchsorted(begins, j))
     return found
 
@@ -215,7 +206,7 @@ def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
     at = np.zeros(len(y), dtype=bool)
     rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
     for run in plateaus(y, p, channel.driven, noise, rounding):
-        part = slice(run.first, run.last)
+        part = slice(*run)
         far = (
             moved(p, channel.driven, run) >= POLICY.noisy_plateau_motion * float(np.std(p))
             and channel.signal.quantity in QUASI_STATIC

@@ -23,13 +23,13 @@ from flexarm.record.plausibility import disjoint_clocks
 from flexarm.simulation.step_limit import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
-from flexarm.validation.drive_faults import DriveFault, apply_known_fault, find_drive_fault
+from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault
 from flexarm.validation.drive_hypotheses import implausible_drives
-from flexarm.validation.finding import ChannelFinding, RemovedOutliers, ValidationResult
+from flexarm.validation.finding import RemovedOutliers, ValidationResult
 from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_unstated_frames
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
-from flexarm.validation.outliers import blank_listed_rows, clean_drives, clean_evidence
+from flexarm.validation.outliers import blank_rows, clean_drives, clean_evidence
 from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
     drop_missing_channels,
@@ -112,7 +112,9 @@ def check(
                 name, simulations[name], initial_alignment(simulations[name])
             )
             outliers += removed
-            simulations[name] = _beside(arm, named[name], simulations[name])
+            simulation = simulations[name].simulation
+            pair = simulate_record(arm, named[name], align=False, simulation=simulation)
+            simulations[name] = pair.simulated
         findings = _judge(arm, name, named[name], simulations.get(name), step, alpha)
         all_findings.append(findings)
         named[name], notes = _without_frozen(named[name], findings)
@@ -236,15 +238,17 @@ def _judge(
     if simulated is None:
         return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
     found = find_channel_faults(name, simulated)
-    standing = stuck_drive(arm, record, found)
-    if standing is not None:
-        return RecordFindings(name, (), standing)
+    if (stuck := stuck_drive(arm, record, found)) is not None:
+        return RecordFindings(name, (), stuck)
     if not any(each.name or each.unexplained for each in found):
         return RecordFindings(name, found)
-    findings = _choose(name, found, find_drive_fault(arm, name, record, found, step, alpha))
-    if findings.drive is None and (still := constant_drive(arm, record, found)) is not None:
-        return RecordFindings(name, (), still)
-    return findings
+    drive = find_drive_fault(arm, name, record, found, step, alpha)
+    if drive is None:
+        constant = constant_drive(arm, record, found)
+        return RecordFindings(name, found if constant is None else (), constant)
+    if drive.log_bayes > POLICY.clear_log_odds:
+        return RecordFindings(name, drive.channels, drive)
+    return RecordFindings(name, found, drive, ambiguous=True)  # both explain the record alike
 
 
 def _reconsider(
@@ -267,26 +271,12 @@ def _reconsider(
     return findings
 
 
-def _beside(arm: Arm, record: Record, simulated: SimulatedRecord) -> SimulatedRecord:
-    """Return the simulated record without its outliers."""
-    return simulate_record(arm, record, align=False, simulation=simulated.simulation).simulated
-
-
-def _choose(name: str, found: Sequence[ChannelFinding], drive: DriveFault | None) -> RecordFindings:
-    """Choose the better explanation of the record; keep both if they are alike."""
-    if drive is None:
-        return RecordFindings(name, found)
-    if drive.log_bayes > POLICY.clear_log_odds:
-        return RecordFindings(name, drive.channels, drive)
-    return RecordFindings(name, found, drive, ambiguous=True)
-
-
 def _without_frozen(record: Record, findings: RecordFindings) -> tuple[Record, list[str]]:
     """Return the record without frozen rows, and remarks on channels that are no faults."""
     notes = []
     for each in findings.channels:
         if each.frozen_rows:
-            record = blank_listed_rows(record, each.channel.signal.name, each.frozen_rows)
+            record = blank_rows(record, each.channel.signal.name, each.frozen_rows)
             notes.append(f"{findings.record}: {each.sentence}; these rows are removed")
         elif each.sentence and not each.name:
             notes.append(f"{findings.record}: {each.sentence}")

@@ -26,14 +26,11 @@ from flexarm.validation.drive_faults import DriveFault
 from flexarm.validation.drive_hypotheses import is_disturbed, is_moved_by
 from flexarm.validation.finding import ChannelFinding
 from flexarm.validation.policy import POLICY
-from flexarm.validation.saturation import constant_runs
+from flexarm.validation.saturation import Run, constant_runs
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record, Signal
-
-
-Run = tuple[int, int]
 
 
 def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> DriveFault | None:
@@ -85,8 +82,7 @@ def _constant_spans(time: Floats, angle: Floats, noise: float) -> list[Run]:
     """Return runs of readings that agree, exactly or else to within the noise."""
     least = POLICY.min_standstill * float(time[-1] - time[0])
     for width in (0.0, 8 * noise):
-        found = [(each.first, each.last) for each in constant_runs(angle, width)]
-        found = [(i, j) for i, j in found if time[j - 1] - time[i] >= least]
+        found = [(i, j) for i, j in constant_runs(angle, width) if time[j - 1] - time[i] >= least]
         if found:
             break
     return found
@@ -173,7 +169,13 @@ def confirmed_inputs(arm: Arm, record: Record, found: Sequence[ChannelFinding]) 
     """Return the drives that a place confirms, if no channel is at fault or unexplained."""
     if any(each.name or each.unexplained for each in found):
         return set()
-    firm = [each.channel for each in found if each.channel.signal.quantity == "position" and _follows(each)]
+    places = [each.channel for each in found if each.channel.signal.quantity == "position"]
+    fits = [(channel, channel.fit()) for channel in places]
+    firm = [
+        channel
+        for channel, fit in fits
+        if fit.gain > POLICY.min_sigmas * fit.std and fit.unexplained_share < POLICY.max_unexplained
+    ]
     return {
         name
         for name in record.drive
@@ -181,8 +183,3 @@ def confirmed_inputs(arm: Arm, record: Record, found: Sequence[ChannelFinding]) 
             span_by(record, arm, name, str(c.signal.point)) > POLICY.min_motion * c.length_scale for c in firm
         )
     }
-
-
-def _follows(found: ChannelFinding) -> bool:
-    fit = found.channel.fit()
-    return fit.gain > POLICY.min_sigmas * fit.std and fit.unexplained_share < POLICY.max_unexplained

@@ -8,7 +8,7 @@ import pytest
 from flexarm.diagnosis import acceptance
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
-from flexarm.diagnosis.nuisance import Unknown
+from flexarm.diagnosis.nuisance import NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.effects import TimeDelay
 
@@ -24,12 +24,12 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
     monkeypatch, strained, gain, taken
 ):
     """It leaves no gap, and explains what matters."""
-    new, old = SimpleNamespace(strain=0.0, rest=None), SimpleNamespace(strain=strained)
+    new, old = SimpleNamespace(strain=0.0, projected=None), SimpleNamespace(strain=strained)
     monkeypatch.setattr(acceptance, "conflict", lambda fit, policy: fit.strain)
     monkeypatch.setattr(Criteria, "significant", lambda *_: True)
     monkeypatch.setattr(Criteria, "as_stated", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
-    monkeypatch.setattr(acceptance, "worth", lambda *_: {})
+    monkeypatch.setattr(acceptance, "variance_inflation", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: gain)
     assert Criteria(OBSERVED, old).accepts(new, old) is taken
 
@@ -39,14 +39,16 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
 )
 def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatch, cost, strained, taken):
     """However strong the evidence: a law that nobody knows is mimicked a little by many."""
-    new, old = (SimpleNamespace(strain=x, cost=c, rest=None) for x, c in ((0.0, cost), (strained, 100.0)))
+    new, old = (
+        SimpleNamespace(strain=x, cost=c, projected=None) for x, c in ((0.0, cost), (strained, 100.0))
+    )
     monkeypatch.setattr(acceptance, "conflict", lambda fit, policy: fit.strain)
     monkeypatch.setattr(Criteria, "significant", lambda *_: True)
     monkeypatch.setattr(Criteria, "as_stated", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
-    monkeypatch.setattr(acceptance, "worth", lambda *_: {})
+    monkeypatch.setattr(acceptance, "variance_inflation", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: 1e3)
-    monkeypatch.setattr(acceptance, "missed", lambda fit, observed: fit.cost)
+    monkeypatch.setattr(acceptance, "press_rms", lambda fit, problem: fit.cost)
     assert Criteria(OBSERVED, old).accepts(new, old) is taken
 
 
@@ -106,10 +108,10 @@ def test_no_effect_at_all_takes_part_in_the_odds():
 @pytest.mark.parametrize(("delay", "stated"), [(3e-3, True), (5e-3, False)])
 def test_a_clock_within_what_is_stated_of_it_is_no_effect(delay, stated):
     """Two milliseconds are stated, and up to two of these the model without the effect has it there too."""
-    clock = Unknown("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock")
+    clock = NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock")
     effect = TimeDelay(at="tracker", delay=delay)
     late = SimpleNamespace(name="time_delay", at="tracker", place=("time_delay", "tracker"), effect=effect)
-    old = SimpleNamespace(unknowns=SimpleNamespace(each=(clock,)), places=())
+    old = SimpleNamespace(nuisance=SimpleNamespace(parameters=(clock,)), places=())
     assert Criteria(OBSERVED, None).as_stated(SimpleNamespace(members=(late,)), old) is stated
     assert not Criteria(OBSERVED, None).as_stated(SimpleNamespace(members=()), old)
 
@@ -121,5 +123,5 @@ def test_far_more_plausible_is_what_also_foretells_about_as_well(monkeypatch, pl
     """Two springs, 7.7, beside thirty times a mass, 31.8, which foretells hardly better: odds of e^0.4."""
     new, old = SimpleNamespace(odd=plausible), SimpleNamespace(odd=31.8)
     monkeypatch.setattr(acceptance, "implausibility", lambda fit: fit.odd)
-    monkeypatch.setattr(acceptance, "odds_lost", lambda fits, observed: [least, 0.0])
+    monkeypatch.setattr(acceptance, "log_odds_lost", lambda fits, problem: [least, 0.0])
     assert Criteria(OBSERVED, None).far_more_plausible(new, old) is taken

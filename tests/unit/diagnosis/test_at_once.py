@@ -3,7 +3,7 @@
 import pytest
 from planted import run_of
 
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects import JointCompliance, PayloadMass
 from flexarm.errors import NotConverged
 from flexarm.threads import at_once
@@ -25,7 +25,7 @@ def test_residuals_do_not_depend_on_the_number_of_jobs():
     run = run_of("one joint")
     records = {name: run.showing({}, seed).record for name, seed in (("a", 1), ("b", 2))}
     arm = run.simulation.arm
-    one, two = (Observed(arm, records, step=4e-3, jobs=jobs).residual(arm) for jobs in (1, 2))
+    one, two = (Problem(arm, records, step=4e-3, jobs=jobs).residual(arm) for jobs in (1, 2))
     assert (one == two).all()
 
 
@@ -38,11 +38,11 @@ def test_models_prepared_at_once_are_what_they_are_alone():
     masses = [PayloadMass(at=load.name, mass=part * load.mass) for part in (0.9, 1.0, 1.1)]
     soft = JointCompliance(at="hinge", stiffness=1e-3, damping=1e-6)  # hangs far down
     models = [arm.with_effect(each) for each in (*masses, soft)]
-    one, two = (Observed(arm, records, step=4e-3, jobs=jobs) for jobs in (1, 2))
+    one, two = (Problem(arm, records, step=4e-3, jobs=jobs) for jobs in (1, 2))
     two.prepare(models)
-    made = two.runs.made
+    made = two.simulations.made
     for model in models[:3]:
         assert (two.residual(model) == one.residual(model)).all()
-    assert two.runs.made == made
+    assert two.simulations.made == made
     with pytest.raises(NotConverged):
         two.residual(models[3])

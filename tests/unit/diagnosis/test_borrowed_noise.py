@@ -6,7 +6,7 @@ from planted import two_joints
 from posed import NOISE, changed, posed, poses
 
 import flexarm
-from flexarm.diagnosis.noise_model import with_noise_of
+from flexarm.diagnosis.noise_model import impute_noise
 from flexarm.effects import JointCompliance
 
 
@@ -21,7 +21,7 @@ def test_signals_have_the_greatest_noise_that_the_training_states_of_them():
     one, other = diagnoses.record(1), diagnoses.record(2, 0.25)
     loud = changed(other, "tip", other.signals["tip"].values, noise_std=2e-4)
     silent = without_noise(diagnoses.record(3, 0.2), "tip", "hinge")
-    found, said = with_noise_of({"one": one, "loud": loud}, {"day": silent})
+    found, said = impute_noise({"one": one, "loud": loud}, {"day": silent})
     assert found["day"].signals["tip"].noise_std == 2e-4
     assert found["day"].signals["hinge"].noise_std == one.signals["hinge"].noise_std
     assert said == [
@@ -29,18 +29,18 @@ def test_signals_have_the_greatest_noise_that_the_training_states_of_them():
         "day states no noise of tip: 0.20 mm count, as the training states it",
     ]
     stated = diagnoses.record(3, 0.2)
-    found, said = with_noise_of({"loud": loud}, {"day": stated})
+    found, said = impute_noise({"loud": loud}, {"day": stated})
     assert (found["day"].signals["tip"].noise_std, said) == (diagnoses.TRACKER, [])
 
 
 def test_a_signal_without_any_noise_is_said_once():
     """Of a signal of the training it is said there; of another one, what it does not align."""
     silent = without_noise(diagnoses.record(3, 0.2), "tip")
-    found, said = with_noise_of({"one": without_noise(diagnoses.record(1), "tip")}, {"day": silent})
+    found, said = impute_noise({"one": without_noise(diagnoses.record(1), "tip")}, {"day": silent})
     assert (found["day"].signals["tip"].noise_std, said) == (None, [])
     one = diagnoses.record(1)
     lone = one.replace(signals=[one.signals["hinge"]])
-    assert with_noise_of({"one": lone}, {"day": silent})[1] == [
+    assert impute_noise({"one": lone}, {"day": silent})[1] == [
         "day states no noise of tip, nor does the training: it does not align clock tracker and frame tracker"
     ]
 

@@ -6,7 +6,7 @@ from arms import arm, beam, general, hinge, point
 
 from flexarm import Record, Signal
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 
 TIME = np.arange(0.0, 1.0, 0.05)
 
@@ -26,7 +26,7 @@ def test_only_the_part_across_the_link_is_free(end, across):
                file="run.csv", noise_std=1e-4),
     ]  # fmt: skip
     record = Record(signals={s.name: s for s in signals}, drive=("hinge",))
-    bows = [each for each in candidates(Observed(model, {"run": record}), model) if each.name == "link_bow"]
+    bows = [each for each in candidates(Problem(model, {"run": record}), model) if each.name == "link_bow"]
     assert len(bows) == 3  # constant, and growing in two ways
     for bow in bows:
         assert {key[-1] for key in bow.free if key.startswith("tip_offset")} == across

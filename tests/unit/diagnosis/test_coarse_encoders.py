@@ -6,7 +6,7 @@ from planted import run_of
 
 import flexarm
 from flexarm import Record, Signal
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.quantisation import coarse_encoders, with_coarse_encoders
 from flexarm.measurement.quantisation_grid import quantisation_step
 from flexarm.validation.outliers import clean_drives
@@ -53,15 +53,15 @@ def test_the_noise_that_steps_add_is_what_they_leave():
     """Without it residuals are many in places; with it hardly one and no less than a quarter, as of four
     roundings the largest error counts, twice."""
     arm = run_of("one joint").simulation.arm
-    observed = Observed(arm, {"run": read(STEP)}, step=4e-3)
-    noisier, (encoder,) = with_coarse_encoders(observed, seed=0)
+    problem = Problem(arm, {"run": read(STEP)}, step=4e-3)
+    noisier, (encoder,) = with_coarse_encoders(problem, seed=0)
     assert encoder.effect.step == pytest.approx(STEP, rel=1e-6)
 
     def left(of):
         residual = of.residual(of.arm)
         return {(r.signal, r.channel): np.sqrt(np.mean(residual[r.where] ** 2)) for r in of.rows}
 
-    before, after = left(observed), left(noisier)
+    before, after = left(problem), left(noisier)
     assert before["tip", 0] > 5
     assert 0.25 < after["tip", 0] < 1.2
     named = encoder.named()
@@ -77,8 +77,8 @@ def test_poses_beside_the_motion_have_no_part_in_it(encoder):
     angle = Signal(name=encoder, quantity="joint_angle", joint="hinge", values=[-0.4, 0.3, 0.9], pose=names)
     tip = motion.signals["tip"].replace(time=None, pose=names, values=np.ones((3, 2)))
     static = Record(kind="static", drive=(encoder,), signals=[angle, tip])
-    alone, [found] = with_coarse_encoders(Observed(arm, {"run": motion}, step=1e-2), seed=0)
-    beside, [same] = with_coarse_encoders(Observed(arm, {"run": motion, "poses": static}, step=1e-2), seed=0)
+    alone, [found] = with_coarse_encoders(Problem(arm, {"run": motion}, step=1e-2), seed=0)
+    beside, [same] = with_coarse_encoders(Problem(arm, {"run": motion, "poses": static}, step=1e-2), seed=0)
     assert same == found
     assert [rows.sigma for rows in beside.rows if rows.record == "run"] == [r.sigma for r in alone.rows]
     assert {rows.sigma for rows in beside.rows if rows.record == "poses"} == {tip.noise_std}
@@ -87,9 +87,9 @@ def test_poses_beside_the_motion_have_no_part_in_it(encoder):
 def test_steps_that_nothing_shows_are_left_alone():
     """Of 4 urad, eight times the noise of the encoder: all moves by less than half of its own noise."""
     arm = run_of("one joint").simulation.arm
-    observed = Observed(arm, {"run": read(4e-6, noise=5e-7)}, step=4e-3)
-    assert len(coarse_encoders(arm, observed.records)) == 1
-    assert with_coarse_encoders(observed, seed=0) == (observed, ())
+    problem = Problem(arm, {"run": read(4e-6, noise=5e-7)}, step=4e-3)
+    assert len(coarse_encoders(arm, problem.records)) == 1
+    assert with_coarse_encoders(problem, seed=0) == (problem, ())
 
 
 def test_counts_of_a_slow_drive_are_no_outliers():

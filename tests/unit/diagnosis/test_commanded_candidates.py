@@ -6,7 +6,7 @@ from arms import hinge, point, rigid
 
 from flexarm import Arm, Record, Signal
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.record import Clock
 
 TIME = np.arange(0.0, 1.0, 0.01)
@@ -34,7 +34,7 @@ def places(drive, clock="board"):
     ]  # fmt: skip
     clocks = {name: Clock() for name in dict.fromkeys(("board", clock))}
     record = Record(signals={s.name: s for s in signals}, drive=(drive,), clocks=clocks)
-    found = candidates(Observed(arm, {"run": record}), arm)
+    found = candidates(Problem(arm, {"run": record}), arm)
     return {each.place: each for each in found}
 
 

@@ -23,16 +23,16 @@ GAP = 26.0
     ],
 )
 def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, constant, left, far, ends, verdict):
-    null, fit = (SimpleNamespace(rest=rest, members=(), has_corners=False) for rest in (GAP, left))
+    null, fit = (SimpleNamespace(projected=rest, members=(), non_smooth=False) for rest in (GAP, left))
     choice = SimpleNamespace(best=fit, null=null, value={})
     monkeypatch.setattr(
-        "flexarm.diagnosis.acceptance.above_noise", lambda rest, observed, corners: {"tip": rest}
+        "flexarm.diagnosis.acceptance.above_noise", lambda rest, problem, non_smooth: {"tip": rest}
     )
     for name, said in {
         "estimates": None,
         "constancy": [{"constant": constant}],
-        "ends_sentence": ends,
-        "far_out": far,
+        "bound_sentence": ends,
+        "has_implausible_size": far,
         "named_effects": ["joint stiffening"],
         "worth_keeping": True,
         "repaired": None,

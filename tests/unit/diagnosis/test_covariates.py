@@ -6,7 +6,6 @@ import pytest
 from flexarm.residual_analysis.covariates import (
     correlation_ratio,
     covariate_dependence,
-    curve_share,
     intervals,
 )
 
@@ -15,9 +14,9 @@ RNG = np.random.default_rng(6)
 
 def test_a_curve_over_a_state_explains_what_depends_on_it():
     state = np.linspace(-1, 1, 2000)
-    assert curve_share(state, np.sign(state)[:, None]) > 0.95
+    assert correlation_ratio(intervals(state), np.sign(state)[:, None]) > 0.95
     alternating = np.where(np.arange(2000) % 2, 1.0, -1.0)
-    assert curve_share(state, alternating[:, None]) < 0.01
+    assert correlation_ratio(intervals(state), alternating[:, None]) < 0.01
 
 
 def test_the_sign_explains_three_quarters_of_a_line():
@@ -30,7 +29,7 @@ def test_noise_follows_nothing():
     """Less what the means get from noise, the share is zero within 4 sigma of 2/n sum of 25 chi-squares."""
     x, noise = RNG.uniform(-1, 1, 1000), RNG.standard_normal((1000, 1))
     found = covariate_dependence({"x": (2, intervals(x, 25))}, noise)
-    assert found.beyond["x"] < 4 * np.sqrt(2 * 25) / 1000
+    assert found.adjusted["x"] < 4 * np.sqrt(2 * 25) / 1000
     assert found.best == "a constant"
 
 
@@ -39,8 +38,7 @@ def test_shares_beyond_a_constant_are_of_what_it_leaves():
     x = np.linspace(-1, 1, 4001)
     found = covariate_dependence({"x": (2, intervals(x, 100))}, 3 + x[:, None])
     assert found.constant == pytest.approx(9 / (9 + 1 / 3), abs=1e-3)
-    assert found.beyond["x"] == pytest.approx(1.0, abs=1e-3)
-    assert found.shares["x"] == pytest.approx(1.0, abs=1e-3)
+    assert found.adjusted["x"] == pytest.approx(1.0, abs=1e-3)
     assert found.best == "a constant"  # the rest is 3.6 % of the whole
 
 

@@ -7,8 +7,13 @@ from arms import crane, hinge, smooth_step, tracker
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.evidence import above_noise
-from flexarm.diagnosis.noise_model import allow_for_drives, shaken_signals, shaken_told, weighed_by_drives
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.noise_model import (
+    allow_for_input_noise,
+    input_noise_by_signal,
+    input_noise_remarks,
+    weighted_by_input_noise,
+)
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Frame
 
@@ -21,7 +26,7 @@ def arm():
     return crane(effects=[]).with_effect(JointCompliance(at="hinge", stiffness=1.4e5, damping=180.0))
 
 
-def observed(arm, noise):
+def problem(arm, noise):
     """The tip beside the model along what an encoder showed of quick moves, all else exact."""
     t = np.arange(0, 20, 0.01)
     angle = 0.4 * np.sin(2 * np.pi * 0.4 * t) * smooth_step(t / 3)
@@ -35,7 +40,7 @@ def observed(arm, noise):
         clocks={"plc": Clock(), "tracker": Clock()},
         frames={"tracker": Frame()},
     )
-    return Observed(arm, {"run": record}, step=4e-3)
+    return Problem(arm, {"run": record}, step=4e-3)
 
 
 def left(there, residual):
@@ -45,67 +50,69 @@ def left(there, residual):
 
 def test_the_right_model_leaves_no_gap_but_the_noise_that_is_foretold(arm):
     """A tenth of a milliradian: what is left of it moves the tip by more than the tracker sees."""
-    there = observed(arm, 1e-4)
+    there = problem(arm, 1e-4)
     residual = there.residual(arm)
     assert left(there, residual).max() > 1.0
-    allow_for_drives(there, arm)
+    allow_for_input_noise(there, arm)
     assert left(there, residual).max() < 1.0  # a mode is shaken by a few independent values
-    [said] = shaken_told(shaken_signals(there), there)
+    [said] = input_noise_remarks(input_noise_by_signal(there), there)
     assert said.startswith("noise of hinge, as stated, moves tip by ")
     assert said.endswith(" times its noise, which is no gap")
 
 
 def test_a_gap_stays_a_gap(arm):
     """A softer spring moves the tip by more than the drive's noise does."""
-    there = observed(arm, 1e-4)
+    there = problem(arm, 1e-4)
     softer = arm.with_effect(JointCompliance(at="hinge", stiffness=1.2e5, damping=180.0))
-    allow_for_drives(there, arm)
+    allow_for_input_noise(there, arm)
     assert left(there, there.residual(softer)).max() > 2.0
 
 
 def test_a_good_encoder_changes_nothing(arm):
-    there = observed(arm, 1e-7)
+    there = problem(arm, 1e-7)
     rows = there.rows
-    allow_for_drives(there, arm)
+    allow_for_input_noise(there, arm)
     assert there.rows is rows
-    assert shaken_signals(there) == {}
-    assert shaken_told({}, there) == []
+    assert input_noise_by_signal(there) == {}
+    assert input_noise_remarks({}, there) == []
 
 
 def test_the_same_model_is_allowed_the_same_and_never_less(arm):
-    one, other = (observed(arm, 1e-4) for _ in range(2))
+    one, other = (problem(arm, 1e-4) for _ in range(2))
     for there in (one, other):
-        allow_for_drives(there, arm)
-    first = [row.shaken for row in one.rows]
-    assert first == [row.shaken for row in other.rows]
+        allow_for_input_noise(there, arm)
+    first = [row.input_noise for row in one.rows]
+    assert first == [row.input_noise for row in other.rows]
     rigid = arm.without_effect("joint_compliance", "hinge")  # follows its drive, and rings far less
-    allow_for_drives(one, rigid)
-    assert all(row.shaken >= before for row, before in zip(one.rows, first, strict=True))
+    allow_for_input_noise(one, rigid)
+    assert all(row.input_noise >= before for row, before in zip(one.rows, first, strict=True))
 
 
 def test_noise_that_is_larger_is_shaken_by_less_of_it(arm):
-    there = observed(arm, 1e-4)
-    allow_for_drives(there, arm)
+    there = problem(arm, 1e-4)
+    allow_for_input_noise(there, arm)
     noisier = there.with_noise(np.full(len(there.rows), 2.0))
-    assert [row.shaken for row in noisier.rows] == pytest.approx([row.shaken / 4 for row in there.rows])
+    assert [row.input_noise for row in noisier.rows] == pytest.approx(
+        [row.input_noise / 4 for row in there.rows]
+    )
 
 
 def test_a_signal_that_reads_little_but_the_drive_weighs_by_what_it_scatters():
     """A milliradian moves the tip of a rod of 2 m by 20 times its noise; across the plane it stays."""
     rod, there = posed(1e-3, 4)
-    allow_for_drives(there, rod)
-    weighed = weighed_by_drives(there)
+    allow_for_input_noise(there, rod)
+    weighed = weighted_by_input_noise(there)
     assert weighed is not there
     residual = there.residual(rod)
     for before, after in zip(there.rows, weighed.rows, strict=True):
-        loud = before.shaken > 25.0
-        expected = before.sigma * np.sqrt(1.0 + before.shaken) if loud else before.sigma
+        loud = before.input_noise > 25.0
+        expected = before.sigma * np.sqrt(1.0 + before.input_noise) if loud else before.sigma
         assert after.sigma == pytest.approx(expected)
-        assert (after.shaken == 0.0) == loud or before.shaken == 0.0
+        assert (after.input_noise == 0.0) == loud or before.input_noise == 0.0
         scatter = np.std(residual[before.where]) * before.sigma / after.sigma
         assert scatter < 2.0  # of its new size
     calm = posed(1e-5, 4)[1]
-    assert weighed_by_drives(calm) is calm
+    assert weighted_by_input_noise(calm) is calm
 
 
 def posed(angle_noise, seed, count=12):
@@ -140,7 +147,7 @@ def posed(angle_noise, seed, count=12):
         ),
     ]
     record = flexarm.Record(signals=signals, drive=("hinge",), kind="static")
-    return rod, Observed(rod, {"poses": record})
+    return rod, Problem(rod, {"poses": record})
 
 
 def test_angles_of_poses_are_no_better_known_than_their_encoder_reads_them():
@@ -148,10 +155,10 @@ def test_angles_of_poses_are_no_better_known_than_their_encoder_reads_them():
     rod, there = posed(2e-4, 3)
     residual = there.residual(rod)
     assert left(there, residual).max() > 2.0
-    allow_for_drives(there, rod)
+    allow_for_input_noise(there, rod)
     assert left(there, residual).max() < 1.0
-    shaken = sum(each.shaken for each in there.rows)
-    assert shaken == pytest.approx((2 * 2e-4 / 1e-4) ** 2, rel=0.5)  # 48 draws of n: within some 20 %
+    input_noise = sum(each.input_noise for each in there.rows)
+    assert input_noise == pytest.approx((2 * 2e-4 / 1e-4) ** 2, rel=0.5)  # 48 draws of n: within some 20 %
 
 
 def test_few_poses_scatter_by_chance_and_that_is_no_gap():

@@ -8,9 +8,9 @@ from diagnoses import lean
 import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.remarks import swings
 from flexarm.errors import InvalidParameter
 from flexarm.report.sentences import hold_out_sentence
@@ -96,9 +96,9 @@ def test_an_axis_without_a_value_leaves_the_other_one():
 
 def test_a_record_of_which_no_row_is_evidence_swings_with_nothing():
     """As where its noise is not known; what is left of it is a record without residuals."""
-    observed = Observed(crane(), {"one": poses(8), "other": poses(6, seed=1)})
-    observed.rows = tuple(rows for rows in observed.rows if rows.record == "one")
-    assert list(swings(Fitter.nominal(observed, unknowns(observed)).fit(()), observed)) == []
+    problem = Problem(crane(), {"one": poses(8), "other": poses(6, seed=1)})
+    problem.rows = tuple(rows for rows in problem.rows if rows.record == "one")
+    assert list(swings(Estimator.nominal(problem, nuisance_model(problem)).fit(()), problem)) == []
 
 
 def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_report():

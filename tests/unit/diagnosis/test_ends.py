@@ -11,56 +11,56 @@ from posed import posed, poses
 import flexarm
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.identifiability import at_ends, ends_sentence, far_out
-from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.identifiability import bound_sentence, estimates_at_bounds, has_implausible_size
+from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.effects import LinkStiffness, PayloadMass
 
-SCALE = Coordinate(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))
+SCALE = TransformedParameter(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))
 DAMPING = replace(SCALE, name="damping")
 
 
-def fit(*z, coordinates=(SCALE, DAMPING)):
+def fit(*z, parameters=(SCALE, DAMPING)):
     """A stiffer forearm of so many sigmas of its prior, and a second parameter."""
     member = SimpleNamespace(
         place=("link_stiffness", "forearm"), free=("scale", "damping"), effect=LinkStiffness
     )
     nothing = np.zeros(0)
-    chosen = coordinates[: len(z)]
+    chosen = parameters[: len(z)]
     return Fit((member,), chosen, np.array(z), nothing, nothing, nothing, None, None)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_size_at_either_end_is_told_with_what_machines_have(sign):
-    [said] = at_ends(fit(0.99 * sign * SCALE.bound))
+    [said] = estimates_at_bounds(fit(0.99 * sign * SCALE.bound))
     assert said.startswith("scale of link stiffness at forearm rests where fits end, at ")
     assert said.endswith("(95 % of machines have 0.600 to 1.25)")
-    assert ends_sentence(fit(0.99 * sign * SCALE.bound)).startswith(
+    assert bound_sentence(fit(0.99 * sign * SCALE.bound)).startswith(
         "What fits best has a value that no machine has"
     )
 
 
 def test_a_size_that_is_far_off_but_not_at_the_end_is_a_size():
-    assert at_ends(fit(0.7 * SCALE.bound)) == []
-    assert ends_sentence(fit(0.7 * SCALE.bound)) == ""
+    assert estimates_at_bounds(fit(0.7 * SCALE.bound)) == []
+    assert bound_sentence(fit(0.7 * SCALE.bound)) == ""
 
 
 def test_what_only_shapes_a_law_may_vanish():
     """A spring's damping that tends to nothing is none, and a spring all the same."""
-    assert at_ends(fit(1.0, -DAMPING.bound)) == []
+    assert estimates_at_bounds(fit(1.0, -DAMPING.bound)) == []
 
 
 def test_a_size_of_one_machine_in_ten_thousand_is_far_out_and_a_load_that_is_none_is_not():
     """Four sigmas; a linear prior, of an offset say, is of what is usual and excludes nothing."""
-    assert far_out(fit(4.1)) and far_out(fit(-4.1))
-    assert not far_out(fit(3.9))
-    assert not far_out(fit(1.0, -8.0))  # damping only shapes the law
-    linear = Coordinate(0, "scale", Prior(-1.0, 1.0, 0.0, "linear", "m", "a test"))
-    assert not far_out(fit(9.0, coordinates=(linear,)))
+    assert has_implausible_size(fit(4.1)) and has_implausible_size(fit(-4.1))
+    assert not has_implausible_size(fit(3.9))
+    assert not has_implausible_size(fit(1.0, -8.0))  # damping only shapes the law
+    linear = TransformedParameter(0, "scale", Prior(-1.0, 1.0, 0.0, "linear", "m", "a test"))
+    assert not has_implausible_size(fit(9.0, parameters=(linear,)))
 
 
 def test_phases_have_no_end():
-    phase = Coordinate(0, "scale", Prior(-np.pi, np.pi, 0.0, "uniform", "rad", "a test"))
-    assert at_ends(fit(phase.bound, coordinates=(phase,))) == []
+    phase = TransformedParameter(0, "scale", Prior(-np.pi, np.pi, 0.0, "uniform", "rad", "a test"))
+    assert estimates_at_bounds(fit(phase.bound, parameters=(phase,))) == []
 
 
 def test_a_gripper_may_carry_nothing():
@@ -76,4 +76,4 @@ def test_a_gripper_may_carry_nothing():
 @pytest.mark.parametrize(("sign", "count"), [(1.0, 1), (-1.0, 0)])
 def test_thirty_times_a_load_is_no_size_and_none_is(sign, count):
     load = SimpleNamespace(place=("payload_mass", "load"), free=("scale",), effect=PayloadMass)
-    assert len(at_ends(replace(fit(sign * SCALE.bound), members=(load,)))) == count
+    assert len(estimates_at_bounds(replace(fit(sign * SCALE.bound), members=(load,)))) == count

@@ -8,9 +8,9 @@ import pytest
 from scipy.stats import t as student
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.cross_validation import blocks
+from flexarm.diagnosis.cross_validation import time_blocks
 from flexarm.diagnosis.fit import Fit, Projection
-from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.uncertainty import draws, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
@@ -32,9 +32,14 @@ class Recorded(SimpleNamespace):
         return [(row, row.where) for row in self.rows]
 
 
-def observed(unsteady=0.0):
+def problem(discretisation_error=0.0):
     rows = SimpleNamespace(
-        record="run", signal="tip", channel=0, where=slice(0, N), time=TIME, unsteady=unsteady
+        record="run",
+        signal="tip",
+        channel=0,
+        where=slice(0, N),
+        time=TIME,
+        discretisation_error=discretisation_error,
     )
     records = {"run": SimpleNamespace(kind="motion")}
     return Recorded(rows=[rows], records=records, policy=SelectionPolicy())
@@ -54,14 +59,21 @@ def fitted(noise, slope, kind=PayloadMass):
     member = SimpleNamespace(effect=effect, name=kind.name, place=(kind.name, "load"), free=("mass",))
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
-    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
+    nuisance = SimpleNamespace(parameters=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
     return Fit(
-        (member,), (Coordinate(0, "mass", PRIOR),), z, residual, residual, column, unknowns, projection
+        (member,),
+        (TransformedParameter(0, "mass", PRIOR),),
+        z,
+        residual,
+        residual,
+        column,
+        nuisance,
+        projection,
     )
 
 
 def test_a_block_is_a_stretch_of_time():
-    found = blocks(observed())
+    found = time_blocks(problem())
     assert len(found) == 24
     assert sorted(np.concatenate(found)) == list(range(N))
     assert all(np.all(np.diff(rows) == 1) for rows in found)
@@ -70,7 +82,7 @@ def test_a_block_is_a_stretch_of_time():
 def test_spread_is_that_of_least_squares_in_white_noise():
     """One sigma is 1/|slope|; a bootstrap over 24 blocks knows it to 15 %, twelve of them to 5 %."""
     slope = 0.5 * np.sin(TIME)
-    spread = [draws(fitted(RNG.normal(size=N), slope), observed(), RNG, 0.0)[:, 0].std() for _ in range(12)]
+    spread = [draws(fitted(RNG.normal(size=N), slope), problem(), RNG, 0.0)[:, 0].std() for _ in range(12)]
     assert np.mean(spread) == pytest.approx(1 / np.linalg.norm(slope), rel=0.12)
 
 
@@ -79,9 +91,9 @@ def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
     slope = np.sin(3 * 2 * np.pi * np.arange(N) / N)
     noise = 1e-9 * RNG.normal(size=N)  # none: the discrepancy alone
     smooth, bouncing = fitted(noise, slope), fitted(noise, slope, Cornered)
-    assert draws(smooth, observed(unsteady=2.25), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
-    assert draws(bouncing, observed(), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
-    assert draws(bouncing, observed(unsteady=2.25), RNG)[:, 0].std() == pytest.approx(1.5, rel=0.1)
+    assert draws(smooth, problem(discretisation_error=2.25), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+    assert draws(bouncing, problem(), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
+    assert draws(bouncing, problem(discretisation_error=2.25), RNG)[:, 0].std() == pytest.approx(1.5, rel=0.1)
 
 
 def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
@@ -92,7 +104,7 @@ def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
     errors = np.fft.irfft(lines * phases, N, axis=1)
     expected = (errors @ slope / (slope @ slope)).std()
     inverse = np.array([[1 / (slope @ slope)]])
-    assert surrogates(observed(), slope[:, None], inverse, np.ones(N)) == pytest.approx(expected, rel=0.05)
+    assert surrogates(problem(), slope[:, None], inverse, np.ones(N)) == pytest.approx(expected, rel=0.05)
     assert expected < 0.4 / np.sqrt(np.mean(slope**2))
 
 
@@ -103,20 +115,20 @@ def test_nine_of_ten_intervals_hold_the_truth_in_correlated_noise():
         white = np.random.default_rng(seed).normal(size=N + 8)
         noise = np.convolve(white, np.full(8, 8**-0.5), mode="valid")[:N]  # means of eight: 0.8 s
         fit = fitted(noise, slope)
-        low, high = np.quantile(draws(fit, observed(), np.random.default_rng(seed), 0.0)[:, 0], [0.05, 0.95])
+        low, high = np.quantile(draws(fit, problem(), np.random.default_rng(seed), 0.0)[:, 0], [0.05, 0.95])
         inside += low <= -fit.z[0] <= high  # the truth is z = 0
     assert 0.82 <= inside / 150 <= 0.97
 
 
 def test_what_the_data_leave_open_keeps_the_width_of_its_prior():
     """Priors count a ninth in a fit: three of their sigmas."""
-    (effect,) = estimates(fitted(RNG.normal(size=N), np.zeros(N)), observed()).effects
+    (effect,) = estimates(fitted(RNG.normal(size=N), np.zeros(N)), problem()).effects
     assert effect[0].std == pytest.approx(3 * SIZE, rel=0.15)
 
 
 def test_same_seed_same_answer():
     fit = fitted(RNG.normal(size=N), np.cos(TIME))
-    assert estimates(fit, observed(), 4).effects == estimates(fit, observed(), 4).effects
+    assert estimates(fit, problem(), 4).effects == estimates(fit, problem(), 4).effects
 
 
 def static_records(records, each):
@@ -127,7 +139,7 @@ def static_records(records, each):
         for k in range(records)
     ]  # fmt: skip
     named = {row.record: SimpleNamespace(kind="static") for row in rows}
-    return Recorded(rows=rows, records=named)
+    return Recorded(rows=rows, records=named, policy=SelectionPolicy())
 
 
 def test_static_records_that_are_off_as_a_whole_count_once_each():
@@ -150,12 +162,12 @@ def bursts(noise):
     every = np.column_stack([ringing, others])
     found = np.linalg.lstsq(every, -noise, rcond=None)[0]
     fit = fitted(np.zeros(N), ringing)
-    unknowns = SimpleNamespace(each=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
+    nuisance = SimpleNamespace(parameters=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
     return replace(
         fit,
         z=found[:1],
         residual=noise + ringing * found[0],
-        unknowns=unknowns,
+        nuisance=nuisance,
         projection=Projection(others, np.full(others.shape[1], 1e6)),
     )
 
@@ -165,7 +177,7 @@ def test_nine_of_ten_intervals_hold_the_truth_where_few_blocks_tell_it():
     inside = 0
     for seed in range(300):
         fit = bursts(np.random.default_rng(seed).normal(size=N))
-        low, high = np.quantile(draws(fit, observed(), np.random.default_rng(seed), 0.0)[:, 0], [0.05, 0.95])
+        low, high = np.quantile(draws(fit, problem(), np.random.default_rng(seed), 0.0)[:, 0], [0.05, 0.95])
         inside += low <= -fit.z[0] <= high
     assert 0.85 <= inside / 300 <= 0.95
 

@@ -7,22 +7,22 @@ import pytest
 from scipy.signal import lfilter
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.evidence import above_noise, autocovariance, occam, worth
+from flexarm.diagnosis.evidence import above_noise, autocovariance, occam, variance_inflation
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.parameters import TransformedParameter
 
 RNG = np.random.default_rng(5)
 KEY = ("run", "tip", 0)
 
 
-def nothing(corners):
+def nothing(non_smooth):
     """What the right model leaves."""
     return 0.0
 
 
 def one_channel(n):
-    """As much of `Observed` as evidence asks for: one channel."""
-    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), no_gap=nothing)
+    """As much of `Problem` as evidence asks for: one channel."""
+    rows = SimpleNamespace(record="run", signal="tip", channel=0, where=slice(0, n), explained_square=nothing)
     records = {"run": SimpleNamespace(kind="motion")}
     return SimpleNamespace(records=records, channels=lambda: [(rows, rows.where)])
 
@@ -36,7 +36,7 @@ def test_autocovariance_is_the_mean_of_lagged_products():
 
 def test_white_noise_of_the_stated_size_counts_in_full_and_leaves_nothing():
     values = RNG.normal(size=4000)
-    assert worth(values, one_channel(4000))[KEY] == pytest.approx(1.0, abs=0.35)
+    assert variance_inflation(values, one_channel(4000))[KEY] == pytest.approx(1.0, abs=0.35)
     assert above_noise(values, one_channel(4000))[KEY] < 0.25
 
 
@@ -50,7 +50,7 @@ def test_correlated_noise_counts_as_its_effective_sample_size():
     found = []
     for _ in range(40):
         values = lfilter([np.sqrt(1 - a**2)], [1, -a], RNG.normal(size=n + 100))[100:]
-        found.append(worth(values, one_channel(n))[KEY])
+        found.append(variance_inflation(values, one_channel(n))[KEY])
     assert np.mean(found) == pytest.approx((1 + a) / (1 - a), rel=0.2)
 
 
@@ -71,10 +71,14 @@ def test_noise_that_is_larger_than_stated_is_no_gap():
 
 
 def poses(records, each):
-    """As much of `Observed` as evidence asks for: one channel of static records, `each` poses in each."""
+    """As much of `Problem` as evidence asks for: one channel of static records, `each` poses in each."""
     rows = [
         SimpleNamespace(
-            record=f"day {k}", signal="tip", channel=0, where=slice(each * k, each * (k + 1)), no_gap=nothing
+            record=f"day {k}",
+            signal="tip",
+            channel=0,
+            where=slice(each * k, each * (k + 1)),
+            explained_square=nothing,
         )
         for k in range(records)
     ]
@@ -84,7 +88,7 @@ def poses(records, each):
 
 def test_poses_with_nothing_in_common_count_in_full():
     """The mean product of 400 x 90 pairs scatters by 0.7 %, nine times that at most."""
-    found = worth(RNG.normal(size=4000), poses(400, 10))
+    found = variance_inflation(RNG.normal(size=4000), poses(400, 10))
     assert max(found.values()) == pytest.approx(1.0, abs=0.15)
 
 
@@ -95,14 +99,14 @@ def test_what_poses_of_a_record_share_counts_once_a_record():
     """
     n, own, shared = 10, 1.5, 3.0
     common = np.repeat(RNG.normal(size=400), n)
-    found = worth(own * RNG.normal(size=400 * n) + shared * common, poses(400, n))
+    found = variance_inflation(own * RNG.normal(size=400 * n) + shared * common, poses(400, n))
     assert len(set(found.values())) == 1
     assert found["day 0", "tip", 0] == pytest.approx(own**2 + n * shared**2, rel=0.2)
 
 
 def test_all_poses_of_records_that_are_off_as_a_whole_are_worth_one_pose_each():
     values = np.repeat([5.0, -5.0, 5.0, -5.0], 8)
-    assert worth(values, poses(4, 8))["day 0", "tip", 0] == pytest.approx(8 * 25.0)
+    assert variance_inflation(values, poses(4, 8))["day 0", "tip", 0] == pytest.approx(8 * 25.0)
 
 
 # ------------------------------------------------------------------------------------------------ parsimony
@@ -110,12 +114,12 @@ def test_all_poses_of_records_that_are_off_as_a_whole_are_worth_one_pose_each():
 
 def fit_of(*members):
     """One parameter of which data say nothing, of some effects."""
-    coordinate = Coordinate(0, "size", Prior(-1.0, 1.0, 0.0, "linear", "m", "a test"))
+    parameter = TransformedParameter(0, "size", Prior(-1.0, 1.0, 0.0, "linear", "m", "a test"))
     return SimpleNamespace(
         z=np.zeros(1),
-        coordinates=(coordinate,),
-        slopes=np.zeros((5, 1)),
-        rest=np.zeros(5),
+        parameters=(parameter,),
+        jacobian=np.zeros((5, 1)),
+        projected=np.zeros(5),
         projection=Projection(np.zeros((5, 0)), np.zeros(0)),
         members=members,
         places=tuple((member.name, "hinge") for member in members),
@@ -133,8 +137,8 @@ def test_a_law_that_needs_a_spring_that_the_model_lacks_is_half_as_likely():
 
 def test_a_registration_that_is_an_effect_spares_the_frame_its_own_freedom():
     """An unknown of slope 3 sigmas costs ln sqrt(1 + 5 x 9); without a prior or as an effect, nothing."""
-    slopes, none = np.full((5, 1), 3.0), np.zeros((5, 0))
-    known, unknown = Projection(slopes, np.ones(1)), Projection(slopes, np.array([np.inf]))
+    jacobian, none = np.full((5, 1), 3.0), np.zeros((5, 0))
+    known, unknown = Projection(jacobian, np.ones(1)), Projection(jacobian, np.array([np.inf]))
     costs = [
         occam(SimpleNamespace(z=np.zeros(0), projection=p, members=()), np.ones(5))
         for p in (known, unknown, Projection(none, np.zeros(0)))

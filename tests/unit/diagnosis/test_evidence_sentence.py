@@ -9,24 +9,24 @@ from flexarm.diagnosis import naming
 from flexarm.diagnosis import naming as evidence_sentence
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.naming import _behind, _strained
-from flexarm.diagnosis.nuisance import Unknown
+from flexarm.diagnosis.nuisance import NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 
 
 def null_of(delay: float, modulus: float = 0.0):
     """A fit that is late by a multiple of the 2 ms that its clock may be, and soft by one of 2 GPa."""
-    slopes = np.zeros((50, 2))
-    slopes[:25, 0], slopes[25:, 1] = 1e6, 1e-6
+    jacobian = np.zeros((50, 2))
+    jacobian[:25, 0], jacobian[25:, 1] = 1e6, 1e-6
     each = (
-        Unknown("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock"),
-        Unknown("links.rod.material.youngs_modulus", 2.1e11, 2e9, "Pa", "nominal"),
+        NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock"),
+        NuisanceParameter("links.rod.material.youngs_modulus", 2.1e11, 2e9, "Pa", "nominal"),
     )
     sigma = np.array([2e-3, 2e9])
     return SimpleNamespace(
-        residual=-slopes[:, 0] * delay * 2e-3 - slopes[:, 1] * modulus * 2e9,
-        projection=Projection(slopes, sigma),
-        unknowns=SimpleNamespace(each=each, sigma=sigma),
-        has_corners=False,
+        residual=-jacobian[:, 0] * delay * 2e-3 - jacobian[:, 1] * modulus * 2e9,
+        projection=Projection(jacobian, sigma),
+        nuisance=SimpleNamespace(parameters=each, sigma=sigma),
+        non_smooth=False,
     )
 
 
@@ -41,7 +41,9 @@ def test_unknowns_have_words_of_their_own():
         "effects.frame_registration.lab.rotation.y": ("frame", "rotation.y of frame lab"),
         "records.day.2.start.hinge 0.2 s 0 s": ("start", "vibration with which day.2 begins"),
     }
-    assert all(Unknown(key, 1.0, 1.0, "", kind).words == words for key, (kind, words) in keys.items())
+    assert all(
+        NuisanceParameter(key, 1.0, 1.0, "", kind).words == words for key, (kind, words) in keys.items()
+    )
 
 
 def test_a_clock_within_its_sigma_is_not_worth_a_word():
@@ -51,20 +53,20 @@ def test_a_clock_within_its_sigma_is_not_worth_a_word():
 @pytest.fixture
 def named(monkeypatch):
     """What is said of a bow beside two values that are off by so many sigmas."""
-    monkeypatch.setattr(evidence_sentence, "above_noise", lambda rest, observed, corners: {"tip": 1.0})
+    monkeypatch.setattr(evidence_sentence, "above_noise", lambda rest, problem, non_smooth: {"tip": 1.0})
     return _named
 
 
 def _named(left, coarse=False, needed=50.0):
     fit = null_of(left[0], left[1])
     member = SimpleNamespace(name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",))
-    fit.members, fit.coordinates, fit.z, fit.rest = (member,), (), (), fit.residual
+    fit.members, fit.parameters, fit.z, fit.projected = (member,), (), (), fit.residual
     choice = SimpleNamespace(
         best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], value={}
     )
-    choice.null.rest = choice.null.residual
-    observed = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
-    [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, observed, coarse)
+    choice.null.projected = choice.null.residual
+    problem = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
+    [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, problem, coarse)
     return found
 
 

@@ -15,11 +15,11 @@ from flexarm.diagnosis import refinement as polish
 from flexarm.diagnosis import screening as screen
 from flexarm.diagnosis import selection as choose
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import confounding as takeover
 from flexarm.diagnosis.moves import proposals as promising
-from flexarm.diagnosis.nuisance import Unknown, Unknowns
-from flexarm.diagnosis.parameters import Coordinate
+from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
+from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.errors import InvalidParameter, NotConverged
 
@@ -44,7 +44,7 @@ def failing(error, at):
             raise error
         return SimpleNamespace(name=members[0], cost=1.0)
 
-    return SimpleNamespace(trial=trial, observed=None)
+    return SimpleNamespace(trial=trial, problem=None)
 
 
 def fitted(error, monkeypatch):
@@ -66,7 +66,7 @@ def test_arrays_that_do_not_fit_together_are_no_model_that_cannot_be_simulated(m
 
 
 def test_a_value_that_has_no_logarithm_is_refused_by_name():
-    mass = Coordinate(0, "mass", Prior(1.0, 4.0, 2.0, "log", "kg", "a test"))
+    mass = TransformedParameter(0, "mass", Prior(1.0, 4.0, 2.0, "log", "kg", "a test"))
     with pytest.raises(InvalidParameter, match="mass must be positive, got 0 kg"):
         mass.z(0.0)
 
@@ -88,16 +88,18 @@ class Made:
 
 
 def test_values_stay_where_they_are_stated_if_no_other_model_can_be_simulated():
-    modulus = Unknown("links.rod.material.youngs_modulus", 2e11, 2e9, "Pa", "nominal")
-    lower = SimpleNamespace(best_within=lambda residual, reach: np.array([-1e9]))
+    modulus = NuisanceParameter("links.rod.material.youngs_modulus", 2e11, 2e9, "Pa", "nominal")
+    lower = SimpleNamespace(solve_within=lambda residual, reach: np.array([-1e9]))
     fit = SimpleNamespace(cost=9.0, residual=None, members=(), projection=lower)
-    fitter = SimpleNamespace(unknowns=Unknowns(None, (modulus,)), fit=lambda members: fit, _moved=raises)
-    assert Fitter.centred(fitter) is fitter
+    estimator = SimpleNamespace(
+        nuisance=NuisanceModel(None, (modulus,)), fit=lambda members: fit, _moved=raises
+    )
+    assert Estimator.centred(estimator) is estimator
 
 
 def test_the_model_without_effects_stays_where_no_derivatives_can_be_taken():
-    start, fitter = Made(""), SimpleNamespace(about=raises)
-    assert polish.without_effects(start, fitter) == (start, fitter)
+    start, estimator = Made(""), SimpleNamespace(about=raises)
+    assert polish.without_effects(start, estimator) == (start, estimator)
 
 
 @pytest.mark.parametrize("failing", ["a", "b"])
@@ -115,18 +117,18 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
     def about(fit):
         return raises() if fit.name == failing else SimpleNamespace(fit=again)
 
-    fitter = SimpleNamespace(about=about, observed=None)
-    best, there = ranking.best_of(fitter, [Made("a", 1.0), Made("b", 2.0)], None, CRITERIA)
+    estimator = SimpleNamespace(about=about, problem=None)
+    best, there = ranking.best_of(estimator, [Made("a", 1.0), Made("b", 2.0)], None, CRITERIA)
     assert (best.name, best.cost) == {"a": ("b", 0.2), "b": ("a", 0.1)}[failing]
-    alone, there = ranking.best_of(fitter, [Made(failing, 1.0)], None, CRITERIA)
-    assert (alone.cost, there) == (1.0, fitter)
+    alone, there = ranking.best_of(estimator, [Made(failing, 1.0)], None, CRITERIA)
+    assert (alone.cost, there) == (1.0, estimator)
 
 
 def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without_it(monkeypatch):
     monkeypatch.setattr(Criteria, "accepts", lambda *_: False)
-    fitter = SimpleNamespace(fit=lambda *_, **__: Made("b"), about=raises, observed=None)
-    best, there = choose._backward(fitter, Made("ab"), CRITERIA)
-    assert (best.name, there) == ("b", fitter)
+    estimator = SimpleNamespace(fit=lambda *_, **__: Made("b"), about=raises, problem=None)
+    best, there = choose._backward(estimator, Made("ab"), CRITERIA)
+    assert (best.name, there) == ("b", estimator)
 
 
 def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_same(monkeypatch):
@@ -134,37 +136,37 @@ def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_s
     monkeypatch.setattr(takeover, "in_proportion", lambda candidate, *_: None if candidate.at == "rod" else 1)
     monkeypatch.setattr(takeover, "_unlike", lambda *_: False)
     probed = [SimpleNamespace(candidate=SimpleNamespace(place=at, at=at)) for at in ("rod", "tracker")]
-    unknowns = SimpleNamespace(keys=[], each=[SimpleNamespace(kind="nominal", key="modulus")])
-    projection = SimpleNamespace(slopes=None)
-    best = SimpleNamespace(members=(), places=(), unknowns=unknowns, projection=projection)
-    observed = SimpleNamespace(step=1e-3, with_step=lambda step: SimpleNamespace(slopes=raises))
+    nuisance = SimpleNamespace(keys=[], parameters=[SimpleNamespace(kind="nominal", key="modulus")])
+    projection = SimpleNamespace(jacobian=None)
+    best = SimpleNamespace(members=(), places=(), nuisance=nuisance, projection=projection)
+    problem = SimpleNamespace(step=1e-3, with_step=lambda step: SimpleNamespace(jacobian=raises))
     steps = SimpleNamespace(steps=lambda arm: {})
-    fitter = SimpleNamespace(observed=observed, unknowns=steps, with_effects=lambda members: None)
-    found = takeover._moves(fitter, probed, best, {"modulus": (np.ones(3), 1.0)})
+    estimator = SimpleNamespace(problem=problem, nuisance=steps, with_effects=lambda members: None)
+    found = takeover._moves(estimator, probed, best, {"modulus": (np.ones(3), 1.0)})
     assert [candidate.at for candidate, *_ in found] == ["tracker"]
 
 
 def test_rivals_are_looked_for_beside_a_model_that_was_tried_where_none_can_be_fitted():
     """The others without the chosen effect; None if these were never tried by themselves."""
-    fitter = SimpleNamespace(fit=raises)
+    estimator = SimpleNamespace(fit=raises)
     tried = [Made(""), Made("a"), Made("ab")]
-    assert rivals.without((), fitter, tried) is tried[0]
-    assert rivals.without(Made("a").members, fitter, tried) is tried[1]
-    assert rivals.without(Made("b").members, fitter, tried) is None
+    assert rivals.without((), estimator, tried) is tried[0]
+    assert rivals.without(Made("a").members, estimator, tried) is tried[1]
+    assert rivals.without(Made("b").members, estimator, tried) is None
 
 
 def test_what_cannot_follow_longer_steps_is_looked_at_in_those_of_fits(monkeypatch):
     """As hysteresis that sticks within a tenth of a milliradian: shares are taken anew all the same."""
-    fitter = SimpleNamespace(
-        observed=SimpleNamespace(step=4e-3, with_step=lambda step: None),
+    estimator = SimpleNamespace(
+        problem=SimpleNamespace(step=4e-3, with_step=lambda step: None),
         with_effects=lambda members: None,
-        eliminated=lambda members: (None, SimpleNamespace(rest=lambda columns: columns)),
+        eliminated=lambda members: (None, SimpleNamespace(project=lambda columns: columns)),
         residual=lambda members: np.array([0.0, 1.0 - 0.5 * len(members)]),
     )
-    coarse = SimpleNamespace(observed=SimpleNamespace(prepare=lambda arms: None), residual=raises)
+    coarse = SimpleNamespace(problem=SimpleNamespace(prepare=lambda arms: None), residual=raises)
     monkeypatch.setattr(
-        screen, "replace", lambda one, **new: coarse if "observed" in new else dataclasses.replace(one, **new)
+        screen, "replace", lambda one, **new: coarse if "problem" in new else dataclasses.replace(one, **new)
     )
     fit = SimpleNamespace(members=(), residual=np.array([0.0, 1.0]), cost=1.0)
-    [found] = screen.sharpened(fitter, [screen.Share(("bow",), 0.5)], fit)
+    [found] = screen.sharpened(estimator, [screen.Share(("bow",), 0.5)], fit)
     assert found.share == pytest.approx(1.0)  # twice the size takes all

@@ -9,11 +9,11 @@ from planted import run_of
 from flexarm.diagnosis import selection as module
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import proposals as promising
-from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import Probed
 from flexarm.effects import CoulombFriction, LinkDamping
 from flexarm.errors import NotConverged
@@ -24,7 +24,7 @@ LINEAR = {1: ["a", "b", "c", "d"], 2: ["cd"], 3: []}
 ELSEWHERE: dict[str, list[str]] = {}
 """Models with another spring, by those with the one that was tried."""
 NOTHING = SimpleNamespace(channels=lambda: [], records={}, policy=SelectionPolicy())
-"""As much of `Observed` as is asked for: no channel."""
+"""As much of `Problem` as is asked for: no channel."""
 
 
 BARE = SimpleNamespace(members=(), places=(), cost=100.0)
@@ -56,7 +56,7 @@ def search(monkeypatch):
     """A search whose fits are looked up, and the models from which single effects were added."""
     went_on = []
 
-    def larger_fits(fitter, probed, best, null, size=1, places=None, beside=None, found=()):
+    def larger_fits(estimator, probed, best, null, size=1, places=None, beside=None, found=()):
         if size > 1 or not best.members:
             return [fit(names) for names in LINEAR[size]]
         went_on.append(best.name)
@@ -78,19 +78,19 @@ def search(monkeypatch):
     monkeypatch.setattr(Criteria, "hardly_helps", lambda self, one: False)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
     found = module._Search.__new__(module._Search)
-    found.observed, found.probed = (), None
+    found.problem, found.probed = (), None
     found.start = found.null = fit("")
     found.policy = SelectionPolicy()
     found.criteria = Criteria(SimpleNamespace(policy=found.policy), found.null)
     monkeypatch.setattr(found, "_beside", lambda best, about: None)
     monkeypatch.setattr(found, "_beside_a_twin", lambda best, about: [])
     found.about_null = None
-    found.fitter, found.places, found.tried, found.complete = SimpleNamespace(), {}, [], None
+    found.estimator, found.places, found.tried, found.complete = SimpleNamespace(), {}, [], None
     return found, went_on
 
 
 def forward(search):
-    return search[0].forward(search[0].null, search[0].fitter, lambda what, done: None)
+    return search[0].forward(search[0].null, search[0].estimator, lambda what, done: None)
 
 
 def test_what_goes_on_from_the_best_single_effect_competes_with_pairs(search):
@@ -156,13 +156,13 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     monkeypatch.setitem(COST, "bd", 19)
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
     monkeypatch.setattr(module, "carries", lambda members, spring: False)
-    about = SimpleNamespace(fit=lambda members, nearby: made("".join(members)), observed=None)
+    about = SimpleNamespace(fit=lambda members, nearby: made("".join(members)), problem=None)
     about.about = lambda best: about
     ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=made("bd"))
 
-    def with_rivals(best, fitter):
+    def with_rivals(best, estimator):
         rivals = [[ahead]] if best.name == "ad" else []
-        return SimpleNamespace(best=best, fitter=fitter, rivals=rivals)
+        return SimpleNamespace(best=best, estimator=estimator, rivals=rivals)
 
     monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
     choice = search[0].weighed(made("ad"), about)
@@ -174,13 +174,13 @@ def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, 
     weighed = []
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
     monkeypatch.setattr(module, "_backward", lambda about, best, criteria: (best, about))
-    about = SimpleNamespace(observed=None)
+    about = SimpleNamespace(problem=None)
     about.about = lambda best: about
 
-    def with_rivals(best, fitter):
+    def with_rivals(best, estimator):
         weighed.append(best.name)
         other = SimpleNamespace(behind=-0.1, foretells=True, fit=made("b" if best.name == "a" else "a"))
-        return SimpleNamespace(best=best, fitter=fitter, rivals=[[other]])
+        return SimpleNamespace(best=best, estimator=estimator, rivals=[[other]])
 
     monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
     assert search[0].weighed(made("a"), about).best.name == "b"
@@ -214,8 +214,8 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
         return fits_all(members)
 
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
-    fitter = SimpleNamespace(trial=fitted, observed=NOTHING)
-    assert names(promising.larger_fits(fitter, [], BARE, CRITERIA, 2)) == ["friction", "tilt", "play"]
+    estimator = SimpleNamespace(trial=fitted, problem=NOTHING)
+    assert names(promising.larger_fits(estimator, [], BARE, CRITERIA, 2)) == ["friction", "tilt", "play"]
 
 
 def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
@@ -224,8 +224,8 @@ def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
-    fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
-    assert names(promising.larger_fits(fitter, [], BARE, CRITERIA, 2)) == ["tilt"]
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
+    assert names(promising.larger_fits(estimator, [], BARE, CRITERIA, 2)) == ["tilt"]
 
 
 def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeypatch):
@@ -237,10 +237,10 @@ def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeyp
     monkeypatch.setattr(promising, "together", found)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
-    fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
     for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
         monkeypatch.setattr(Criteria, "leaves_gap", lambda *_, gap=gap: gap)
-        assert names(promising.larger_fits(fitter, [], BARE, CRITERIA, 2)) == fits
+        assert names(promising.larger_fits(estimator, [], BARE, CRITERIA, 2)) == fits
 
 
 @pytest.mark.parametrize("gap, tried", [(True, 15), (False, 6)], ids=["all leave a gap", "one leaves none"])
@@ -252,15 +252,15 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.9 - k / 100) for k in range(20)]
     slow = [shares[k] for k in (3, 14, 15, 16)]
     monkeypatch.setattr(promising, "screen", lambda *_, seen=None: slow if seen is not None else shares)
-    monkeypatch.setattr(promising, "slow_part", lambda observed: len)
+    monkeypatch.setattr(promising, "slow_part", lambda problem: len)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
-    fitter = SimpleNamespace(trial=fits_all, observed=NOTHING)
-    found = names(promising.larger_fits(fitter, [None] * 20, BARE, CRITERIA))
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
+    found = names(promising.larger_fits(estimator, [None] * 20, BARE, CRITERIA))
     assert len(found) == len(set(found)) == tried
 
 
@@ -268,9 +268,9 @@ def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(m
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.5**k) for k in range(20)]
     monkeypatch.setattr(promising, "screen", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
     wanted, others = promising._promising(
-        SimpleNamespace(observed=NOTHING), [None] * 20, None, {}, at_ends=False
+        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, estimates_at_bounds=False
     )
     assert len(wanted) == 6
     assert [share.share for share in others] == [0.5**6]  # the next is 0.8 %
@@ -283,26 +283,30 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     far = [SimpleNamespace(members=("far",), places=("far",), share=0.5)]
     monkeypatch.setattr(promising, "screen", lambda *_: near)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "sharpened", lambda fitter, shares, best: shares)
+    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted, _ = promising._promising(SimpleNamespace(observed=NOTHING), [None] * 20, None, {}, at_ends=True)
+    wanted, _ = promising._promising(
+        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, estimates_at_bounds=True
+    )
     assert wanted[0].members == (first,)
-    wanted, _ = promising._promising(SimpleNamespace(observed=NOTHING), [None] * 20, None, {}, at_ends=False)
+    wanted, _ = promising._promising(
+        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, estimates_at_bounds=False
+    )
     assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 
 def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
     """Vectors, waves and springs are sized by several; what is fitted already has its own size."""
-    observed = Observed(run_of("two joints").simulation.arm, {"run": run_of("two joints").record}, step=4e-3)
-    fitter = Fitter.nominal(observed, unknowns(observed))
-    probed = [Probed(each, np.empty((0, 0))) for each in candidates(observed, fitter.unknowns.arm)]
-    found = promising._at_ends(fitter, probed, SimpleNamespace(places=[("link_mass", "fore")]))
+    problem = Problem(run_of("two joints").simulation.arm, {"run": run_of("two joints").record}, step=4e-3)
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    probed = [Probed(each, np.empty((0, 0))) for each in candidates(problem, estimator.nuisance.arm)]
+    found = promising._at_ends(estimator, probed, SimpleNamespace(places=[("link_mass", "fore")]))
     values = {(m.name, m.at): [] for (m,) in (share.members for share in found)}
     for (m,) in (share.members for share in found):
         values[m.name, m.at].append(m.effect.parameters()[0][1])
     assert ("link_mass", "fore") not in values
     assert not {"payload_offset", "transmission_error", "joint_compliance"} & {name for name, _ in values}
-    prior = LinkDamping(at="upper", damping_ratio=0.02).priors(observed.arm)["damping_ratio"]
+    prior = LinkDamping(at="upper", damping_ratio=0.02).priors(problem.arm)["damping_ratio"]
     assert values["link_damping", "upper"] == [prior.low, prior.high]
 
 
@@ -384,13 +388,13 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     assert found._needed(0, alone, None, {}) == "null"
 
 
-@pytest.mark.parametrize("error", ["allow_for_drives", "allow_for_steps"])
+@pytest.mark.parametrize("error", ["allow_for_input_noise", "allow_for_discretisation_error"])
 def test_errors_of_a_model_are_allowed_for_where_they_may_be_all_that_is_left(search, monkeypatch, error):
     found, asked = search[0], []
-    found.observed = range(10)
-    for each in ("allow_for_drives", "allow_for_steps"):
+    found.problem = range(10)
+    for each in ("allow_for_input_noise", "allow_for_discretisation_error"):
         monkeypatch.setattr(module, each, lambda *_: None)
-    monkeypatch.setattr(module, error, lambda observed, arm: asked.append(arm))
+    monkeypatch.setattr(module, error, lambda problem, arm: asked.append(arm))
     about = SimpleNamespace(with_effects=lambda members: "".join(members))
     for cost in (35.0, 400.0):  # 3.5 and 40 times the noise
         one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a")

@@ -10,11 +10,11 @@ from flexarm import Record, Signal
 from flexarm.residual_analysis.free_decay import (
     PERIODS,
     DecaySegment,
-    decay,
+    decay_segments,
     describe_free_decays,
-    fitted_piece,
+    fitted_segment,
     free_decays,
-    mean,
+    weighted_mean,
 )
 
 RNG = np.random.default_rng(31)
@@ -43,7 +43,7 @@ def test_a_linear_law_has_one_frequency_and_one_damping():
     """Eq. (1) holds from end to end; noise of a hundredth of the first amplitude."""
     time, zeta = stamps(9.0), 0.02
     x = 0.3 + 0.01 * time + np.exp(-zeta * OMEGA * time) * np.cos(OMEGA * time + 0.7)
-    pieces = list(decay(time, x + 0.01 * RNG.normal(size=len(time))))
+    pieces = list(decay_segments(time, x + 0.01 * RNG.normal(size=len(time))))
     assert len(pieces) >= 4
     for piece in pieces:
         assert abs(piece.frequency_hz - 2.2) < 4 * piece.frequency_std
@@ -55,7 +55,7 @@ def test_stated_errors_are_those_of_repeated_measurements():
     """One sigma over 60 draws of the noise is known to 9 %."""
     time = stamps(PERIODS / 2.2)
     x = np.exp(-0.03 * OMEGA * time) * np.cos(OMEGA * time)
-    pieces = [fitted_piece(time, x + 0.02 * RNG.normal(size=len(time)), 2.0)[0] for _ in range(60)]
+    pieces = [fitted_segment(time, x + 0.02 * RNG.normal(size=len(time)), 2.0)[0] for _ in range(60)]
     for name in ("frequency", "damping"):
         values = [getattr(p, "frequency_hz" if name == "frequency" else "damping_ratio") for p in pieces]
         assert np.std(values) == pytest.approx(np.mean([getattr(p, f"{name}_std") for p in pieces]), rel=0.3)
@@ -65,7 +65,7 @@ def test_dry_friction_damps_more_the_smaller_the_swing():
     """Eq. (2): zeta A = 2 F/(pi k) throughout, at one frequency; 4 F/k are lost in a period."""
     shift = 0.004
     time = stamps(9.0, 300.0)
-    pieces = list(decay(time, friction(time, 0.5, shift)))
+    pieces = list(decay_segments(time, friction(time, 0.5, shift)))
     assert pieces[-1].amplitude < 0.6 * pieces[0].amplitude
     for piece in pieces:
         assert piece.frequency_hz == pytest.approx(2.2, rel=2e-3)
@@ -81,7 +81,7 @@ def test_a_spring_that_softens_swings_slower_the_larger_its_swing():
         return [y[1], -(OMEGA**2) * y[0] * (1 + beta * y[0] ** 2) - 2 * zeta * OMEGA * y[1]]
 
     x = solve_ivp(law, (0, 9.0), [1.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-9).y[0]
-    pieces = list(decay(time, x))
+    pieces = list(decay_segments(time, x))
     assert pieces[0].frequency_hz < 0.97 * pieces[-1].frequency_hz
     for piece in pieces:
         wanted = 2.2 * np.sqrt(1 + 0.75 * beta * piece.amplitude**2)
@@ -90,13 +90,13 @@ def test_a_spring_that_softens_swings_slower_the_larger_its_swing():
 
 def test_noise_alone_has_no_pieces():
     time = stamps(20.0)
-    assert len(list(decay(time, RNG.normal(size=len(time))))) == 0
-    assert list(decay(time, np.zeros(len(time)))) == []
+    assert len(list(decay_segments(time, RNG.normal(size=len(time))))) == 0
+    assert list(decay_segments(time, np.zeros(len(time)))) == []
 
 
 def test_pieces_are_averaged_by_what_they_know():
     """Weights 1/sigma^2: 4 to 1 for the damping, 1 to 4 for the frequency; sigma of the mean 1/sqrt(sum)."""
-    found = mean(
+    found = weighted_mean(
         [DecaySegment(0.0, 1.0, 2.0, 0.01, 0.2, 0.001), DecaySegment(5.0, 0.5, 2.5, 0.02, 0.1, 0.002)]
     )
     assert (found.time, found.amplitude) == pytest.approx((1.0, 0.9))

@@ -9,11 +9,11 @@ from flexarm.diagnosis.alternatives import Rival
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.design.experiment import from_drive
 from flexarm.diagnosis.design.next_experiment import ENOUGH, next_experiment
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, worth
-from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, variance_inflation
+from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Clock, Frame
@@ -32,29 +32,29 @@ def choice(*rivals):
     clocks = {"controller": Clock(), "tracker": Clock(sigma=2e-3)}
     run = from_drive("slow", there_and_back(40.0), model(), clocks, {"tracker": Frame(translation=1e-3)})
     real = model().with_effect(JointCompliance(at="hinge", stiffness=4e5, damping=800.0))
-    observed = Observed(model(), {"slow": run.record(real, STEP, -0.05)}, step=STEP)
-    fitter = Fitter.nominal(observed, unknowns(observed))
-    known = {c.place: c for c in candidates(observed, fitter.unknowns.arm)}
-    best = fitter.fit([known["joint_compliance", "hinge"]])
-    value = worth(best.rest, observed)
-    fits = [fitter.fit([known[place]]) for place in rivals]
+    problem = Problem(model(), {"slow": run.record(real, STEP, -0.05)}, step=STEP)
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    known = {c.place: c for c in candidates(problem, estimator.nuisance.arm)}
+    best = estimator.fit([known["joint_compliance", "hinge"]])
+    value = variance_inflation(best.projected, problem)
+    fits = [estimator.fit([known[place]]) for place in rivals]
     others = [
         Rival(
             f.members[0],
             f,
-            log_bayes_factor(best, f, observed, value),
-            log_likelihood_ratio(best, f, observed, value),
+            log_bayes_factor(best, f, problem, value),
+            log_likelihood_ratio(best, f, problem, value),
         )
         for f in fits
     ]
-    return Choice(fitter.fit(()), best, fitter, value, [others])
+    return Choice(estimator.fit(()), best, estimator, value, [others])
 
 
 def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
     """Both are fitted and within reach; torque cannot part them, as it is the same whatever bends."""
     made = choice(("link_stiffness", "rod"))
     assert made.rivals[0][0].behind < SelectionPolicy.reach
-    found = next_experiment(made, made.fitter.observed)
+    found = next_experiment(made, made.estimator.problem)
     assert found.gain >= ENOUGH
     assert "torque" not in found.sentence
     assert found.sentence.startswith("Repeat 'slow' ")
@@ -64,7 +64,7 @@ def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
 
 def test_a_spring_is_parted_from_a_heavier_load_by_the_torque_the_cheapest_way():
     made = choice(("payload_mass", "load"))
-    found = next_experiment(made, made.fitter.observed)
+    found = next_experiment(made, made.estimator.problem)
     assert found.gain >= ENOUGH
     assert "with the motor torque of hinge logged" in found.sentence
     assert found.minutes == pytest.approx(15.0)
@@ -72,7 +72,7 @@ def test_a_spring_is_parted_from_a_heavier_load_by_the_torque_the_cheapest_way()
 
 def test_against_several_rivals_the_gain_is_that_against_the_nearest():
     made = choice(("link_stiffness", "rod"), ("payload_mass", "load"))
-    found = next_experiment(made, made.fitter.observed)
+    found = next_experiment(made, made.estimator.problem)
     assert "torque" not in found.sentence
     assert "at least" in found.sentence
     assert "link stiffness at rod" in found.sentence
@@ -81,12 +81,12 @@ def test_against_several_rivals_the_gain_is_that_against_the_nearest():
 
 def test_where_nothing_is_left_to_separate_nothing_is_proposed():
     made = choice()
-    assert next_experiment(made, made.fitter.observed).sentence == ""
+    assert next_experiment(made, made.estimator.problem).sentence == ""
 
 
 def test_what_no_effect_explains_is_to_be_described():
     """One load, one record and no torque: these are what a remainder may follow."""
     made = choice()
-    said = next_experiment(made, made.fitter.observed, unexplained=True).sentence
+    said = next_experiment(made, made.estimator.problem, unexplained=True).sentence
     for words in ("'slow'", "half the speed", "another payload", "motor torque"):
         assert words in said

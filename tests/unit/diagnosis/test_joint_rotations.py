@@ -52,7 +52,7 @@ def test_a_rotation_at_the_elbow_in_proportion_to_its_torque_is_compliance_there
 
     located = localise(run.showing(turned(run, {"elbow": turn})))
     first = located.rotations.joints[0]
-    assert (first.joint, first.follows.best, first.hint) == ("elbow", "torque", "compliance")
+    assert (first.joint, first.dependence.best, first.hint) == ("elbow", "torque", "compliance")
     assert first.alone > 0.9
     assert first.share > 0.9
     assert first.angle == pytest.approx(

@@ -5,7 +5,7 @@ import pytest
 
 import flexarm
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.identifiability import left_open
+from flexarm.diagnosis.identifiability import restore_unidentifiable
 from flexarm.named_effects import Refined
 
 ACROSS = Refined("points.tip.position.y", 2e-4, 4.9e-4, 0.0, "m")
@@ -26,7 +26,7 @@ def test_what_does_not_show_goes_back_and_the_rest_stays():
     """A modulus that the data determine keeps its value, and so does the spring."""
     stiffer = Refined("links.rod.material.youngs_modulus", 2.101e11, 1e8, 2.1e11, "Pa")
     repaired = moved(diagnoses.with_spring(), ACROSS, stiffer)
-    model, refined = left_open(diagnoses.nominal(), repaired, (ACROSS, stiffer), gaps)
+    model, refined = restore_unidentifiable(diagnoses.nominal(), repaired, (ACROSS, stiffer), gaps)
     assert model == moved(diagnoses.with_spring(), stiffer)
     assert [(each.parameter, each.value) for each in refined] == [
         ("points.tip.position.y", 0.0),
@@ -40,7 +40,7 @@ def test_what_the_gap_needs_stays_however_uncertain_it_is_said_to_be():
     arm = with_value(diagnoses.nominal(), "links.rod.material.youngs_modulus", 0.97 * 2.1e11)
     needed = Refined("links.rod.material.youngs_modulus", 2.1e11, 2.1e9, 0.97 * 2.1e11, "Pa")
     repaired = diagnoses.with_spring()
-    assert left_open(arm, repaired, (needed,), gaps) == (repaired, (needed,))
+    assert restore_unidentifiable(arm, repaired, (needed,), gaps) == (repaired, (needed,))
 
 
 @pytest.mark.parametrize("refined", [(), (Refined("points.tip.position.z", 3.001, 1e-5, 3.0, "m"),)])
@@ -49,4 +49,4 @@ def test_nothing_is_simulated_where_nothing_is_open(refined):
         raise AssertionError("no gap is asked for")
 
     repaired = diagnoses.with_spring()
-    assert left_open(diagnoses.nominal(), repaired, refined, never) == (repaired, refined)
+    assert restore_unidentifiable(diagnoses.nominal(), repaired, refined, never) == (repaired, refined)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.cross_validation import foretells_better, groups, left_out, missed
+from flexarm.diagnosis.cross_validation import folds, predicts_better, press_residuals, press_rms
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.policy import SelectionPolicy
 
@@ -13,7 +13,7 @@ RNG = np.random.default_rng(23)
 EACH = 6
 
 
-def observed(records, kind="static"):
+def problem(records, kind="static"):
     rows = [
         SimpleNamespace(
             record=f"day {k}",
@@ -33,29 +33,29 @@ def observed(records, kind="static"):
     )
 
 
-def least_squares(slopes, y, sigma, rows=slice(None)):
+def least_squares(jacobian, y, sigma, rows=slice(None)):
     """x of min |y + J x|^2 + |x/sigma|^2 over some rows."""
-    j = slopes[rows]
+    j = jacobian[rows]
     return -np.linalg.solve(j.T @ j + np.diag(sigma**-2.0), j.T @ y[rows])
 
 
-def fit_of(slopes, y, sigma):
+def fit_of(jacobian, y, sigma):
     """Unknowns alone: a fit at the centres of their priors, from where they go to the optimum."""
-    projection = Projection(slopes, sigma)
+    projection = Projection(jacobian, sigma)
     empty = np.empty((len(y), 0))
-    return SimpleNamespace(z=np.zeros(0), coordinates=(), slopes=empty, residual=y, projection=projection)
+    return SimpleNamespace(z=np.zeros(0), parameters=(), jacobian=empty, residual=y, projection=projection)
 
 
 def test_a_record_is_missed_as_by_a_fit_to_all_others():
     """Eq. (1) is exact where the model is linear: beside a fit that is made anew for each record."""
     records = 5
-    slopes = RNG.normal(size=(EACH * records, 3))
+    jacobian = RNG.normal(size=(EACH * records, 3))
     y, sigma = RNG.normal(size=EACH * records), np.array([0.3, 1.0, 50.0])
-    found = left_out(fit_of(slopes, y, sigma), observed(records))
+    found = press_residuals(fit_of(jacobian, y, sigma), problem(records))
     for k in range(records):
         rows = np.arange(EACH * k, EACH * (k + 1))
-        x = least_squares(slopes, y, sigma, np.setdiff1d(np.arange(len(y)), rows))
-        assert found[rows] == pytest.approx(y[rows] + slopes[rows] @ x, abs=1e-9)
+        x = least_squares(jacobian, y, sigma, np.setdiff1d(np.arange(len(y)), rows))
+        assert found[rows] == pytest.approx(y[rows] + jacobian[rows] @ x, abs=1e-9)
 
 
 def test_a_model_that_memorises_records_fits_them_and_foretells_none():
@@ -65,14 +65,16 @@ def test_a_model_that_memorises_records_fits_them_and_foretells_none():
     each = np.repeat(np.eye(records), EACH, axis=0)
     memory = fit_of(each, shared, np.full(records, 1e3))
     nothing = fit_of(np.empty((EACH * records, 0)), shared, np.empty(0))
-    assert np.abs(memory.projection.rest(shared)[: len(shared)]).max() < 1e-5
-    assert missed(memory, observed(records)) == pytest.approx(missed(nothing, observed(records)), rel=1e-3)
+    assert np.abs(memory.projection.project(shared)[: len(shared)]).max() < 1e-5
+    assert press_rms(memory, problem(records)) == pytest.approx(
+        press_rms(nothing, problem(records)), rel=1e-3
+    )
 
 
 def test_a_static_record_is_one_group_and_a_motion_falls_into_blocks():
-    assert [rows.tolist() for rows in groups(observed(2))] == [list(range(6)), list(range(6, 12))]
-    assert len(groups(observed(1))) == EACH
-    assert len(groups(observed(2, "motion"))) == 2 * EACH
+    assert [rows.tolist() for rows in folds(problem(2))] == [list(range(6)), list(range(6, 12))]
+    assert len(folds(problem(1))) == EACH
+    assert len(folds(problem(2, "motion"))) == 2 * EACH
 
 
 @pytest.mark.parametrize(
@@ -83,5 +85,5 @@ def test_odds_grow_with_the_groups_that_are_foretold(records, left, clear):
     y = RNG.normal(size=EACH * records)
     empty = np.empty((len(y), 0)), np.empty(0)
     one, other = (fit_of(empty[0], size * y, empty[1]) for size in (left, 1.0))
-    assert foretells_better(one, other, observed(records)) == clear
-    assert not foretells_better(other, one, observed(records))
+    assert predicts_better(one, other, problem(records)) == clear
+    assert not predicts_better(other, one, problem(records))

@@ -124,7 +124,7 @@ def test_a_step_with_the_torque_is_said_to_be_at_its_reversal(run):
     first = located.where[0]
     assert (first["signal"], first["direction"], first["when"]) == ("tip", "tangential", "torque reversal")
     assert set(first) == {"signal", "direction", "when", "band_hz", "rms", "noise_rms"}
-    assert located.follows["tip"].best == "sign of torque"
+    assert located.dependence["tip"].best == "sign of torque"
     assert located.rotations.joints[0].hint == "backlash"
 
 
@@ -137,9 +137,9 @@ def test_a_step_with_the_motion_is_said_to_be_at_its_reversal(run):
 def test_a_gap_in_proportion_to_the_torque_follows_it_as_compliance_would(run):
     """The equivalent rotation is the gap over the lever: T/k at k = 3e5 N m/rad."""
     located = localise(run.showing(tangential(run, lambda t: -LENGTH * run.state("joint_torque", t) / 3e5)))
-    assert located.follows["tip"].best == "torque"
+    assert located.dependence["tip"].best == "torque"
     joint = located.rotations.joints[0]
-    assert (joint.follows.best, joint.hint) == ("torque", "compliance")
+    assert (joint.dependence.best, joint.hint) == ("torque", "compliance")
     torque = run.state("joint_torque", located.rotations.time)
     slope = float(joint.angle @ torque / (torque @ torque))
     assert slope == pytest.approx(-1 / 3e5, rel=0.03)
@@ -155,7 +155,7 @@ def test_a_gap_near_one_angle_is_said_to_be_there(run):
 
 def test_a_drift_follows_time(run):
     located = localise(run.showing(tangential(run, lambda t: SIZE * t / t.max())))
-    assert located.follows["tip"].best == "time"
+    assert located.dependence["tip"].best == "time"
 
 
 def test_records_together_show_an_offset_that_changed_between_them(run):
@@ -163,7 +163,7 @@ def test_records_together_show_an_offset_that_changed_between_them(run):
     moved = {"tip": lambda t: np.broadcast_to([-SIZE, 0.0], (len(t), 2))}
     located = localise({"a": run.showing(offset, 1), "b": run.showing(moved, 2)})
     assert located.gaps["tip"].labels == ("a", "b")
-    assert located.follows["tip"].best in {"the record", "time"}  # time counts by record
+    assert located.dependence["tip"].best in {"the record", "time"}  # time counts by record
 
 
 def test_a_cell_that_is_not_there_is_an_error_that_tells_what_is(run):

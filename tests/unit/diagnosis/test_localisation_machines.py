@@ -37,7 +37,7 @@ def without_spring():
 def test_a_spring_that_the_model_lacks_is_tangential_slow_and_follows_the_torque(without_spring):
     first = without_spring.where[0]
     assert (first["signal"], first["direction"], first["band_hz"][0]) == ("tip", "tangential", 0.0)
-    assert without_spring.follows["tip"].best == "torque"
+    assert without_spring.dependence["tip"].best == "torque"
     assert without_spring.rotations.joints[0].hint == "compliance"
 
 
@@ -58,4 +58,4 @@ def test_backlash_jumps_where_the_torque_reverses():
 def test_friction_in_the_bearing_jumps_where_the_motion_reverses():
     found = located(Hub(stiffness=SPRING, damping=200.0, coulomb=60.0), SPRING)
     assert found.where[0]["when"] == "motion reversal"
-    assert found.follows["torque"].best == "sense of motion"
+    assert found.dependence["torque"].best == "sense of motion"

@@ -179,7 +179,7 @@ def test_an_arm_that_stands_still_has_a_gap_without_states():
     tip = tip.replace(values=predict(simulation, tip))
     still = Run(simulation, Record(signals=[encoder, tip], drive=("hinge encoder",)))
     located = all_steps(still.showing({"tip": lambda t: 1e-3 * np.ones((len(t), 2))}))
-    assert located.follows["tip"].best == "a constant"
+    assert located.dependence["tip"].best == "a constant"
     assert located.where[0]["when"] == "throughout, constant"
 
 

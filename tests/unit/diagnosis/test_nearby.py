@@ -8,11 +8,11 @@ from planted import run_of
 
 import flexarm
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import rescreening as module
 from flexarm.diagnosis.moves.rescreening import SMALL, nearby
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import LONGER, probe, screen
 from flexarm.effects import LinkMass, PayloadInertia
 from flexarm.errors import NotConverged
@@ -43,13 +43,13 @@ def heavier():
     ]  # fmt: skip
     signals = [s.replace(clock="tracker") if s.quantity == "position" else s for s in signals]
     record = run.record.replace(signals=signals, clocks=clocks)
-    observed = Observed(nominal, {"run": record}, step=4e-3)
-    fitter = Fitter.nominal(observed, unknowns(observed))
-    probed = probe(fitter, candidates(observed, fitter.unknowns.arm))
+    problem = Problem(nominal, {"run": record}, step=4e-3)
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    probed = probe(estimator, candidates(problem, estimator.nuisance.arm))
     rod = next(p.candidate for p in probed if p.candidate.place == ("link_mass", "rod"))
-    fit = fitter.evaluated((replace(rod, effect=HEAVIER),))
-    about = fitter.about(fit)
-    fit = about.evaluated(fit.members)
+    fit = estimator.linearised((replace(rod, effect=HEAVIER),))
+    about = estimator.about(fit)
+    fit = about.linearised(fit.members)
     return about, probed, fit, nearby(about, probed, fit)
 
 
@@ -59,48 +59,48 @@ def of(probed, *places):
 
 def test_what_is_missing_beside_a_fit_shows_about_it_and_not_about_the_nominal_model(heavier):
     """About that it would have to have the other sign."""
-    fitter, probed, fit, near = heavier
-    first = screen(fitter, near, fit)[0]
+    estimator, probed, fit, near = heavier
+    first = screen(estimator, near, fit)[0]
     assert first.places == (LOAD,)
-    assert (1 - first.share) * fit.cost < 1.1 * len(fitter.observed)
+    assert (1 - first.share) * fit.cost < 1.1 * len(estimator.problem)
     # The rod's mass moves along, to first order.
     assert first.members[0].effect.inertia == pytest.approx(INERTIA.inertia, rel=0.2)
-    assert LOAD not in {s.places[0] for s in screen(fitter, probed, fit)}
+    assert LOAD not in {s.places[0] for s in screen(estimator, probed, fit)}
 
 
 def test_small_steps_are_derivatives_about_the_fit(heavier):
     """Those of another step: a tenth of a probe bends by less than a hundredth."""
-    fitter, _, fit, near = heavier
+    estimator, _, fit, near = heavier
     [load] = of(near, LOAD)
-    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
-    there = fitter.with_effects(fit.members)
+    problem = estimator.problem.with_step(LONGER * estimator.problem.step)
+    there = estimator.with_effects(fit.members)
     step = 100 * SMALL
     further = there.with_effect(load.candidate.nudged(0, step))
-    move = (observed.residual(further) - observed.residual(there)) / step
+    move = (problem.residual(further) - problem.residual(there)) / step
     assert np.linalg.norm(load.moves[:, 0] - move) < 0.01 * np.linalg.norm(move)
 
 
 def test_laws_with_corners_are_probed_at_full_size(heavier):
     """About the fit all the same: there are other torques that turn around."""
-    fitter, probed, fit, near = heavier
+    estimator, probed, fit, near = heavier
     place = ("backlash", "hinge")
     [gap], [before] = of(near, place), of(probed, place)
-    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
-    there = fitter.with_effects(fit.members)
-    move = observed.residual(there.with_effect(gap.candidate.probes[0])) - observed.residual(there)
+    problem = estimator.problem.with_step(LONGER * estimator.problem.step)
+    there = estimator.with_effects(fit.members)
+    move = problem.residual(there.with_effect(gap.candidate.probes[0])) - problem.residual(there)
     np.testing.assert_allclose(gap.moves[:, 0], move)
     assert np.linalg.norm(gap.moves - before.moves) > 0.1 * np.linalg.norm(move)
 
 
 def test_a_clock_moves_as_it_is_eliminated_and_costs_no_run(heavier):
-    fitter, probed, fit, _ = heavier
-    made = fitter.observed.runs.made
-    [clock] = nearby(fitter, of(probed, CLOCK), fit)
-    k = fit.unknowns.keys.index("effects.time_delay.tracker.delay")
-    slope = fit.projection.slopes[:, k]
+    estimator, probed, fit, _ = heavier
+    made = estimator.problem.simulations.made
+    [clock] = nearby(estimator, of(probed, CLOCK), fit)
+    k = fit.nuisance.keys.index("effects.time_delay.tracker.delay")
+    slope = fit.projection.jacobian[:, k]
     size = float(clock.moves[:, 0] @ slope) / float(slope @ slope)
     np.testing.assert_allclose(clock.moves[:, 0], size * slope, atol=1e-9 * np.abs(slope * size).max())
-    assert fitter.observed.runs.made == made
+    assert estimator.problem.simulations.made == made
 
 
 def test_what_a_fit_has_stays_as_it_was(heavier):
@@ -110,36 +110,36 @@ def test_what_a_fit_has_stays_as_it_was(heavier):
 
 
 def test_springs_take_one_small_step_and_softer_ones_are_as_soft_as_they_were_probed(heavier):
-    fitter, probed, fit, _ = heavier
+    estimator, probed, fit, _ = heavier
     [base] = of(probed, ("base_compliance", "base"))
     soft = base.candidate.probes[0].replace(stiffness=1e4)
     small, full = nearby(
-        fitter, [base, replace(base, candidate=replace(base.candidate, probes=(soft,)))], fit
+        estimator, [base, replace(base, candidate=replace(base.candidate, probes=(soft,)))], fit
     )
-    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
-    there = fitter.with_effects(fit.members)
+    problem = estimator.problem.with_step(LONGER * estimator.problem.step)
+    there = estimator.with_effects(fit.members)
     np.testing.assert_allclose(
-        full.moves[:, 0], observed.residual(there.with_effect(soft)) - observed.residual(there)
+        full.moves[:, 0], problem.residual(there.with_effect(soft)) - problem.residual(there)
     )
     moved = there.with_effect(base.candidate.nudged(0, SMALL))
     np.testing.assert_allclose(
-        small.moves[:, 0] * SMALL, observed.residual(moved) - observed.residual(there), atol=1e-9
+        small.moves[:, 0] * SMALL, problem.residual(moved) - problem.residual(there), atol=1e-9
     )
 
 
 def test_a_law_stays_as_it_was_where_its_steps_cannot_be_made(heavier, monkeypatch):
-    fitter, probed, fit, _ = heavier
+    estimator, probed, fit, _ = heavier
     load = of(probed, LOAD)
     monkeypatch.setattr(module, "_nudged", lambda *_: [])
-    assert nearby(fitter, load, fit) == load
+    assert nearby(estimator, load, fit) == load
 
 
 def test_a_fit_that_cannot_be_simulated_in_longer_steps_leaves_all_as_it_was(heavier, monkeypatch):
-    fitter, probed, fit, _ = heavier
+    estimator, probed, fit, _ = heavier
     load = of(probed, LOAD)
 
     def fails(*_):
         raise NotConverged("no step")
 
     monkeypatch.setattr(module, "small_steps", fails)
-    assert nearby(fitter, load, fit) == load
+    assert nearby(estimator, load, fit) == load

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.generalised_least_squares import Normal
+from flexarm.diagnosis.generalised_least_squares import NormalEquations
 
 RNG = np.random.default_rng(31)
 UNITS = np.array([1e-6, 1.0, 1e4])
@@ -19,14 +19,14 @@ def hessian(rows):
 
 def test_the_inverse_is_that_of_the_weighed_rows_and_the_priors():
     """To twelve digits, though parameters differ by ten powers of ten."""
-    normal, expected = Normal.of(SLOPES, PRIOR, WEIGHT), np.linalg.inv(hessian(slice(None)))
+    normal, expected = NormalEquations.of(SLOPES, PRIOR, WEIGHT), np.linalg.inv(hessian(slice(None)))
     assert normal.inverse() / np.outer(UNITS, UNITS) == pytest.approx(expected, rel=1e-12)
     gradient = RNG.normal(size=3) / UNITS
     assert normal.solved(gradient) / UNITS == pytest.approx(expected @ (gradient * UNITS), rel=1e-11)
 
 
 def test_rows_that_are_taken_away_were_never_there():
-    less = Normal.of(np.sqrt(WEIGHT)[:, None] * SLOPES, PRIOR).without(
+    less = NormalEquations.of(np.sqrt(WEIGHT)[:, None] * SLOPES, PRIOR).without(
         np.sqrt(WEIGHT[40:])[:, None] * SLOPES[40:]
     )
     expected = np.linalg.inv(hessian(slice(40)))
@@ -36,10 +36,10 @@ def test_rows_that_are_taken_away_were_never_there():
 def test_what_neither_rows_nor_priors_tell_stays_where_it_is():
     """Two parameters that act alike: the step is the shortest, half of it each; a third that does nothing."""
     column = RNG.normal(size=60)
-    slopes = np.column_stack([column, column, np.zeros(60)])
-    step = Normal.of(slopes, np.zeros(3)).solved(slopes.T @ (2.0 * column))
+    jacobian = np.column_stack([column, column, np.zeros(60)])
+    step = NormalEquations.of(jacobian, np.zeros(3)).solved(jacobian.T @ (2.0 * column))
     assert step == pytest.approx([1.0, 1.0, 0.0], rel=1e-9)
 
 
 def test_a_model_without_parameters_has_an_empty_inverse():
-    assert Normal.of(np.zeros((60, 0)), np.zeros(0)).inverse().shape == (0, 0)
+    assert NormalEquations.of(np.zeros((60, 0)), np.zeros(0)).inverse().shape == (0, 0)

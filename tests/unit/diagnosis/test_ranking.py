@@ -19,11 +19,11 @@ class Made:
 
     name: str
     cost: float
-    missed: float
+    press_rms: float
     evidence: float = 0.0
     gap: bool = True
     odd: float = 0.0
-    rest: None = None
+    projected: None = None
 
     @property
     def places(self):
@@ -38,17 +38,17 @@ class Made:
 def made_up(monkeypatch):
     for module in (ranking, rivals):
         monkeypatch.setattr(
-            module, "log_bayes_factor", lambda one, other, observed, value: one.evidence - other.evidence
+            module, "log_bayes_factor", lambda one, other, problem, value: one.evidence - other.evidence
         )
-    monkeypatch.setattr(ranking, "worth", lambda rest, observed: {})
-    monkeypatch.setattr(left_out, "missed", lambda fit, observed: fit.missed)
-    monkeypatch.setattr(left_out, "groups", lambda observed: range(24))
+    monkeypatch.setattr(ranking, "variance_inflation", lambda rest, problem: {})
+    monkeypatch.setattr(left_out, "press_rms", lambda fit, problem: fit.press_rms)
+    monkeypatch.setattr(left_out, "folds", lambda problem: range(24))
     monkeypatch.setattr(ranking, "implausibility", lambda fit: fit.odd)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda self, fit: fit.gap)
     monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < 0.97 * old.cost)
 
 
-NULL = Made("nothing", cost=100.0, missed=10.0)
+NULL = Made("nothing", cost=100.0, press_rms=10.0)
 OBSERVED = SimpleNamespace(policy=SelectionPolicy())
 CRITERIA = Criteria(OBSERVED, NULL)
 
@@ -59,24 +59,24 @@ def ranked(*fits):
 
 def test_beside_gaps_what_foretells_best_comes_first():
     """A late command fits what is worth most by noise and correlation; friction says more of other days."""
-    late = Made("time_delay", cost=60.0, missed=8.0, evidence=900.0)
-    rubs = Made("motor_friction", cost=50.0, missed=6.0, evidence=400.0)
+    late = Made("time_delay", cost=60.0, press_rms=8.0, evidence=900.0)
+    rubs = Made("motor_friction", cost=50.0, press_rms=6.0, evidence=400.0)
     assert ranked(late, rubs) == ["motor_friction", "time_delay"]
 
 
 def test_what_foretells_as_well_is_told_by_evidence():
     """A gap leans a boom as a tilted base does; 6.0 and 6.1 in 24 groups are odds of 1.5."""
-    gap = Made("backlash", cost=50.0, missed=6.0, evidence=3.0)
-    tilt = Made("base_tilt", cost=51.0, missed=6.1, evidence=9.0)
+    gap = Made("backlash", cost=50.0, press_rms=6.0, evidence=3.0)
+    tilt = Made("base_tilt", cost=51.0, press_rms=6.1, evidence=9.0)
     assert ranked(gap, tilt) == ["base_tilt", "backlash"]
 
 
 def test_absurd_values_must_foretell_far_better():
     """Thirty times a mass is 19 in ln p; 8.0 and 7.0 in 24 groups are odds of e^3.2, 8.0 and 3.0 of e^24."""
-    springs = Made("joint_compliance", cost=60.0, missed=8.0, evidence=1.0)
-    heavy = Made("link_mass", cost=50.0, missed=7.0, evidence=9.0, odd=19.0)
+    springs = Made("joint_compliance", cost=60.0, press_rms=8.0, evidence=1.0)
+    heavy = Made("link_mass", cost=50.0, press_rms=7.0, evidence=9.0, odd=19.0)
     assert ranked(heavy, springs) == ["joint_compliance", "link_mass"]
-    right = Made("link_mass", cost=50.0, missed=3.0, odd=19.0)
+    right = Made("link_mass", cost=50.0, press_rms=3.0, odd=19.0)
     assert ranked(right, springs) == ["link_mass", "joint_compliance"]
 
 
@@ -84,24 +84,24 @@ def test_plausibility_counts_effects_and_unknowns_in_their_sigmas():
     prior, unknown = SimpleNamespace(scale="log"), SimpleNamespace(scale="uniform")
     fit = SimpleNamespace(
         z=[3.0, 5.0],
-        coordinates=[SimpleNamespace(prior=prior), SimpleNamespace(prior=unknown)],
-        projection=SimpleNamespace(best=lambda residual: np.array([0.0, 20.0])),
+        parameters=[SimpleNamespace(prior=prior), SimpleNamespace(prior=unknown)],
+        projection=SimpleNamespace(solve=lambda residual: np.array([0.0, 20.0])),
         residual=None,
-        unknowns=SimpleNamespace(sigma=np.array([1.0, 2.0])),
+        nuisance=SimpleNamespace(sigma=np.array([1.0, 2.0])),
     )
     assert implausibility(fit) == pytest.approx(2 * np.log(1 + 9 / 3) + 2 * np.log(1 + 100 / 3))
 
 
 def test_what_leaves_all_but_two_percent_stands_back():
-    rate = Made("clock_drift", cost=98.0, missed=4.0)
-    rubs = Made("motor_friction", cost=50.0, missed=6.0)
+    rate = Made("clock_drift", cost=98.0, press_rms=4.0)
+    rubs = Made("motor_friction", cost=50.0, press_rms=6.0)
     assert ranked(rate, rubs) == ["motor_friction"]
     assert ranked(rate) == ["clock_drift"]  # nothing else is there
 
 
 def test_where_one_explains_all_evidence_ranks():
-    right = Made("backlash", cost=1.0, missed=1.1, evidence=50.0, gap=False)
-    other = Made("cable_torque", cost=1.2, missed=1.0, evidence=20.0, gap=False)
+    right = Made("backlash", cost=1.0, press_rms=1.1, evidence=50.0, gap=False)
+    other = Made("cable_torque", cost=1.2, press_rms=1.0, evidence=20.0, gap=False)
     assert ranked(other, right) == ["backlash", "cable_torque"]
 
 
@@ -110,9 +110,9 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
     costs = {"payload_inertia": [12.0, 11.0, 10.9], "encoder_eccentricity": [11.5]}
     strained = {"payload_inertia": 19.0, "link_mass": 30.0}
 
-    def about_itself(fit, fitter):
+    def about_itself(fit, estimator):
         left = costs[fit.name]
-        return Made(fit.name, left.pop(0) if left else fit.cost, 1.0, 50.0 - fit.cost, gap=False), fitter
+        return Made(fit.name, left.pop(0) if left else fit.cost, 1.0, 50.0 - fit.cost, gap=False), estimator
 
     monkeypatch.setattr(ranking, "about_itself", about_itself)
     monkeypatch.setattr(Criteria, "conflict", lambda self, fit: strained.get(fit.name, 0.0))
@@ -124,24 +124,26 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
         Made("payload_inertia", 18.0, 1.0, gap=False),
         Made("link_mass", 90.0, 1.0, gap=False),  # does less than half: not asked
     ]
-    best, _ = ranking.best_of(SimpleNamespace(observed=OBSERVED), fits, NULL, CRITERIA)
+    best, _ = ranking.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
     assert (best.name, best.cost) == ("payload_inertia", 10.9)
 
 
 def test_beside_a_gap_only_what_explains_about_as_much_is_taken_anew(monkeypatch):
     """Of 100 the first leaves 40: what leaves more than (1 + 1/10) 40 + (100 - 40)/4 = 59 stays as it is."""
     anew = []
-    monkeypatch.setattr(ranking, "about_itself", lambda fit, fitter: (anew.append(fit.name) or fit, fitter))
+    monkeypatch.setattr(
+        ranking, "about_itself", lambda fit, estimator: (anew.append(fit.name) or fit, estimator)
+    )
     monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
-    monkeypatch.setattr(ranking, "missed", lambda fit, observed: fit.missed)
+    monkeypatch.setattr(ranking, "press_rms", lambda fit, problem: fit.press_rms)
     fits = [Made("first", 40.0, 4.0), Made("near", 58.0, 6.0), Made("far", 60.0, 6.0)]
-    ranking.best_of(SimpleNamespace(observed=OBSERVED), fits, NULL, CRITERIA)
+    ranking.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
     assert anew == ["first", "near"]
 
 
 def test_what_came_close_on_the_way_is_a_rival():
     """Though screening sees little in it; what is thirty behind is none."""
-    best = Made("joint_compliance", cost=1.0, missed=1.0, evidence=100.0)
+    best = Made("joint_compliance", cost=1.0, press_rms=1.0, evidence=100.0)
     close, far = Made("joint_stiffening", 1.0, 1.0, 85.0), Made("cable_torque", 1.0, 1.0, 60.0)
     known = {fit.places[0]: fit for fit in (best, close, far)}
     assert [c.place for c in rivals._near(known, [], best, OBSERVED, {})] == [("joint_stiffening", "hinge")]
@@ -150,41 +152,41 @@ def test_what_came_close_on_the_way_is_a_rival():
 
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
     """Beside derivatives of the nominal model both are poor; the chosen one has come to rest since."""
-    monkeypatch.setattr(rivals, "foretold", lambda fit: 8.0)
+    monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: 8.0)
     monkeypatch.setattr(rivals, "further", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about))
-    about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
-    fitter = SimpleNamespace(observed=OBSERVED, about=lambda fit: about)
+    about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
+    estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
     rival = Made("encoder_scale", 1.0, 1.0, 40.0)
-    assert rivals._caught_up(rival, best, first, fitter, {}, False)[0].name == "settled"
-    assert rivals._caught_up(rival, best, best, fitter, {}, False) == (rival, 60.0)
+    assert rivals._caught_up(rival, best, first, estimator, {}, False)[0].name == "settled"
+    assert rivals._caught_up(rival, best, best, estimator, {}, False) == (rival, 60.0)
 
 
 @pytest.mark.parametrize("falls, steps", [(0.4, 0), (4.0, 1), (12.0, 1)])
 def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps):
     """A fall of C by 4 is 2 of ln Z at most: from five behind that is worth a step, a fall by 0.4 is not."""
     taken = []
-    monkeypatch.setattr(rivals, "foretold", lambda fit: falls)
+    monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: falls)
     monkeypatch.setattr(
         rivals,
         "further",
         lambda fit, about, anew: (taken.append(fit) or Made("there", 1.0, 1.0, 95.0), about),
     )
-    about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
-    fitter = SimpleNamespace(observed=OBSERVED, about=lambda fit: about)
+    about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
+    estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
-    rivals._caught_up(rival, best, best, fitter, {}, False)
+    rivals._caught_up(rival, best, best, estimator, {}, False)
     assert len(taken) == steps
 
 
 def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
     """Twenty behind, with a fall of C by 20 ahead: it would still be ten behind, out of sight."""
-    monkeypatch.setattr(rivals, "foretold", lambda fit: 20.0)
+    monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: 20.0)
     monkeypatch.setattr(rivals, "further", lambda *_, **__: pytest.fail("took a step"))
-    about = SimpleNamespace(evaluated=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
-    fitter = SimpleNamespace(observed=OBSERVED, about=lambda fit: about)
+    about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
+    estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
-    assert rivals._caught_up(rival, best, best, fitter, {}, False)[1] == 20.0
+    assert rivals._caught_up(rival, best, best, estimator, {}, False)[1] == 20.0
 
 
 @pytest.mark.parametrize("gap, fitted", [(False, ["near"]), (True, ["near", "far"])], ids=["none", "a gap"])
@@ -197,17 +199,17 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     for name in ("_near", "_sticking", "_soft_elsewhere"):
         monkeypatch.setattr(rivals, name, lambda *_: [])
     monkeypatch.setattr(rivals, "screen", lambda *_: shares)
-    monkeypatch.setattr(rivals, "sharpened", lambda fitter, shares, fit: shares)
+    monkeypatch.setattr(rivals, "sharpened", lambda estimator, shares, fit: shares)
     monkeypatch.setattr(rivals, "one_variant", lambda shares, most: shares)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
-    monkeypatch.setattr(rivals, "foretells_better", lambda *_: False)
+    monkeypatch.setattr(rivals, "predicts_better", lambda *_: False)
     monkeypatch.setattr(rivals, "log_likelihood_ratio", lambda *_: 0.0)
     monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
-    fitter = SimpleNamespace(
-        observed=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]
+    estimator = SimpleNamespace(
+        problem=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]
     )
-    found = rivals.rivals_of(0, made["chosen"], Criteria(OBSERVED, nothing), fitter, [], [], {})
+    found = rivals.rivals_of(0, made["chosen"], Criteria(OBSERVED, nothing), estimator, [], [], {})
     assert [rival.candidate.place[0] for rival in found] == fitted
 
 

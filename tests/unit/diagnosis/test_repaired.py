@@ -48,8 +48,10 @@ def test_a_repair_is_held_against_the_model_as_it_is_stated(monkeypatch):
     """And not against one whose modulus makes up for what is missing."""
     stated, asked = object(), []
     null, best = SimpleNamespace(residual=object()), SimpleNamespace(members=("spring",))
-    choice = SimpleNamespace(best=best, null=null, fitter=SimpleNamespace(as_they_are=lambda: stated))
+    choice = SimpleNamespace(best=best, null=null, estimator=SimpleNamespace(nominal_residual=lambda: stated))
     monkeypatch.setattr(repair, "_closes", lambda *_: False)
-    monkeypatch.setattr(repair, "carried", lambda best, null, residual, _: asked.append(residual) or 1.0)
+    monkeypatch.setattr(
+        repair, "cross_validated_skill", lambda best, null, residual, _: asked.append(residual) or 1.0
+    )
     assert repair.worth_keeping(choice, SimpleNamespace(policy=SelectionPolicy()))
     assert asked == [stated]

@@ -10,7 +10,7 @@ from flexarm.diagnosis.candidates import rhythms
 RNG = np.random.default_rng(8)
 
 
-def observed(*times):
+def problem(*times):
     rows, start = [], 0
     for time in times:
         rows.append(SimpleNamespace(record="run", time=time, where=slice(start, start + len(time))))
@@ -22,17 +22,17 @@ def observed(*times):
 def test_a_wave_is_found_within_a_quarter_of_a_peak():
     time = np.sort(RNG.uniform(0, 40, 400))
     rest = 3 * np.sin(2 * np.pi * 2.31 * time) + RNG.normal(size=400)
-    assert rhythms(rest, observed(time))[0] == pytest.approx(2.31, abs=0.25 / 40)
+    assert rhythms(rest, problem(time))[0] == pytest.approx(2.31, abs=0.25 / 40)
 
 
 def test_a_fast_signal_tells_a_frequency_from_its_alias_in_a_slow_one():
     """7.2 Hz looks like 2.8 Hz at 10 Hz; at 50 Hz it does not."""
     slow, fast = np.arange(0, 40, 0.1), np.arange(0, 40, 0.02)
     rest = np.concatenate([np.sin(2 * np.pi * 7.2 * t) + 0.3 * RNG.normal(size=len(t)) for t in (slow, fast)])
-    assert rhythms(rest, observed(slow, fast))[0] == pytest.approx(7.2, abs=0.02)
+    assert rhythms(rest, problem(slow, fast))[0] == pytest.approx(7.2, abs=0.02)
 
 
 def test_poses_have_no_rhythm():
-    poses = observed(np.arange(5.0))
+    poses = problem(np.arange(5.0))
     poses.records["run"].kind, poses.seconds = "static", 0.0
     assert rhythms(np.ones(5), poses) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.minimisers import scanned
+from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.effects import Backlash, CoulombFriction
 from flexarm.errors import NotConverged
@@ -21,10 +21,10 @@ def cost(gap):
     return 1.0 + 40.0 * x**2 + 2.0 * np.sin(60.0 * x) ** 2
 
 
-class Fitter:
+class Estimator:
     """As much of a fitter as is asked for; its fits stay where they start."""
 
-    observed = SimpleNamespace(prepare=lambda arms: list(arms))
+    problem = SimpleNamespace(prepare=lambda arms: list(arms))
 
     def with_effects(self, members):
         return members
@@ -36,7 +36,7 @@ class Fitter:
         return np.array([np.sqrt(cost(gap))])
 
     def eliminated(self, members):
-        return None, SimpleNamespace(rest=lambda residual: residual)
+        return None, SimpleNamespace(project=lambda residual: residual)
 
     def fit(self, members):
         return SimpleNamespace(members=members, cost=float(self.residual(members) @ self.residual(members)))
@@ -50,25 +50,25 @@ def backlash(gap):
 @pytest.mark.parametrize("found", [0.9e-4, 1.5e-4, 3.5e-4])
 def test_a_fit_starts_again_near_the_right_gap(found):
     """Within a step of the series, though the model cannot be simulated with the largest gaps."""
-    fitter = Fitter()
-    again = scanned(fitter.fit((backlash(found),)), fitter)
+    estimator = Estimator()
+    again = multi_start(estimator.fit((backlash(found),)), estimator)
     assert again.members[0].effect.gap == pytest.approx(GAP, rel=0.18)
 
 
 def test_what_is_right_stays(monkeypatch):
-    fitter = Fitter()
-    assert scanned(fitter.fit((backlash(GAP),)), fitter) is None
+    estimator = Estimator()
+    assert multi_start(estimator.fit((backlash(GAP),)), estimator) is None
 
 
 def test_a_model_without_a_gap_is_not_scanned():
     friction = CoulombFriction(at="hinge", torque=3.0)
     fit = SimpleNamespace(members=(Candidate(friction, ("torque",), (friction,), {}),), cost=9.0)
-    assert scanned(fit, Fitter()) is None
+    assert multi_start(fit, Estimator()) is None
 
 
 def test_the_best_model_with_a_gap_is_scanned():
     """Where all leave something."""
-    fits = [Fitter().fit((backlash(gap),)) for gap in (1.2e-4, 1.5e-4)]
-    [again] = promising._from_other_gaps(Fitter(), fits)
+    fits = [Estimator().fit((backlash(gap),)) for gap in (1.2e-4, 1.5e-4)]
+    [again] = promising._from_other_gaps(Estimator(), fits)
     assert again.cost < min(fit.cost for fit in fits)
-    assert promising._from_other_gaps(Fitter(), []) == []
+    assert promising._from_other_gaps(Estimator(), []) == []

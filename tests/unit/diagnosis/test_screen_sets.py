@@ -19,23 +19,23 @@ def candidate(name: str) -> Candidate:
     return Candidate(EncoderOffset(at=name), ("offset",), (probe,), {"offset": 0.0})
 
 
-def problem(gap: np.ndarray, moves: dict[str, np.ndarray]) -> tuple:
+def setup(gap: np.ndarray, moves: dict[str, np.ndarray]) -> tuple:
     """A fitter without effects, one unknown of no use, and probed candidates."""
     projection = Projection(np.zeros((ROWS, 1)), np.ones(1))
-    fitter = SimpleNamespace(
+    estimator = SimpleNamespace(
         taken=lambda members: frozenset(),
         without=lambda taken: (None, projection),
-        observed=SimpleNamespace(policy=SelectionPolicy()),
+        problem=SimpleNamespace(policy=SelectionPolicy()),
     )
     fit = SimpleNamespace(
         places=(),
         members=(),
         residual=gap,
-        rest=projection.rest(gap),
-        slopes=np.empty((ROWS, 0)),
+        projected=projection.project(gap),
+        jacobian=np.empty((ROWS, 0)),
         cost=float(gap @ gap),
     )
-    return fitter, [Probed(candidate(name), move[:, None]) for name, move in moves.items()], fit
+    return estimator, [Probed(candidate(name), move[:, None]) for name, move in moves.items()], fit
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def hidden():
     u, v, w, d, e, *decoys = np.linalg.qr(rng.standard_normal((ROWS, 12)))[0].T
     gap = u + v + w
     moves = {"pitch": u + 5 * d, "roll": v - 5 * d + 5 * e, "place": w - 5 * e}
-    return problem(-gap, moves | {f"decoy_{k}": 0.5 * gap + x for k, x in enumerate(decoys)})
+    return setup(-gap, moves | {f"decoy_{k}": 0.5 * gap + x for k, x in enumerate(decoys)})
 
 
 def test_three_that_help_only_together_are_found_together(hidden):
@@ -58,8 +58,8 @@ def test_three_that_help_only_together_are_found_together(hidden):
 
 
 def test_a_pair_explains_what_least_squares_with_a_ridge_say(hidden):
-    fitter, probed, fit = hidden
-    linear = Linear(fitter, probed, fit)
+    estimator, probed, fit = hidden
+    linear = Linear(estimator, probed, fit)
     share, chosen = linear.ranked(linear.sets(range(4), 2))[0]
     D = np.concatenate([probed[k].moves for k in chosen], axis=1)
     rows = np.vstack([D, RIDGE * np.eye(2)])
@@ -71,6 +71,6 @@ def test_a_pair_explains_what_least_squares_with_a_ridge_say(hidden):
 def test_a_law_at_both_axes_of_a_place_is_one_candidate_and_two_laws_are_none():
     rng = np.random.default_rng(4)
     x, y = np.linalg.qr(rng.standard_normal((ROWS, 2)))[0].T
-    found = screen(*problem(-(x + y), {"first": x, "second": y}), {"first": "second"})
+    found = screen(*setup(-(x + y), {"first": x, "second": y}), {"first": "second"})
     assert [m.at for m in found[0].members] == ["first", "second"]
     assert found[0].share > 0.97 > found[1].share

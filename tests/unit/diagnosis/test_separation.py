@@ -14,7 +14,7 @@ from flexarm.diagnosis.design.separation import (
     left,
     matrix,
 )
-from flexarm.diagnosis.nuisance import Unknown, Unknowns
+from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import RIDGE, Probed
 from flexarm.effects.backlash import Backlash
@@ -28,12 +28,12 @@ def candidate(effect):
     return Candidate(effect, (), (effect,), {})
 
 
-def bench(moves, slopes=None, unknowns=()):
+def bench(moves, jacobian=None, nuisance=()):
     """Effects with these gaps, one probe each."""
     effects = [JointCompliance(at="hinge", stiffness=1e5), Backlash(at="hinge", gap=1e-3)]
     probed = tuple(Probed(candidate(e), np.asarray(m)[:, None]) for e, m in zip(effects, moves, strict=False))
-    slopes = np.empty((N, 0)) if slopes is None else slopes
-    return Bench(Unknowns(None, tuple(unknowns)), slopes, probed)
+    jacobian = np.empty((N, 0)) if jacobian is None else jacobian
+    return Bench(NuisanceModel(None, tuple(nuisance)), jacobian, probed)
 
 
 def unit(k):
@@ -77,16 +77,16 @@ def test_gaps_at_right_angles_are_told_apart_as_well_as_from_none():
 
 def test_an_unknown_takes_what_its_prior_allows():
     """A gap along a nuisance of slope J and sigma s leaves g^2/(1 + J^2 s^2) of its square."""
-    clock = Unknown("effects.time_delay.tracker.delay", 0.0, 2.0, "s", "clock")
+    clock = NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 2.0, "s", "clock")
     found = bench([3.0 * unit(0)], 5.0 * unit(0)[:, None], [clock])
     v = left(found, 3.0 * unit(0)[:, None], None)
     assert np.sum(v**2) == approx(9 / (1 + 25 * 4))
 
 
 def test_a_delay_that_is_named_has_no_prior_of_a_clock():
-    clock = Unknown("effects.time_delay.tracker.delay", 0.0, 1e-3, "s", "clock")
+    clock = NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 1e-3, "s", "clock")
     late = Probed(candidate(TimeDelay(at="tracker", delay=1.0)), 5.0 * unit(0)[:, None])
-    found = Bench(Unknowns(None, (clock,)), 5.0 * unit(0)[:, None], (late,))
+    found = Bench(NuisanceModel(None, (clock,)), 5.0 * unit(0)[:, None], (late,))
     gap = 5.0 * unit(0)[:, None]
     assert len(left(found, gap, None)) == N + 1
     assert len(left(found, gap, late)) == N + 1  # its own probe instead of the clock

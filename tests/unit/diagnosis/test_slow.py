@@ -17,7 +17,7 @@ SAG = np.sin(2 * np.pi * TIME / 18) * np.minimum(TIME / 3, 1)
 POSES = 5
 
 
-def observed():
+def problem():
     """A tracker at 10 Hz, and five poses."""
     end = len(TIME)
     rows = [
@@ -36,7 +36,7 @@ def rows(motion, poses=0.0):
 
 def test_what_rings_hardly_shows_and_what_sags_does():
     """Of 4.1 Hz ten samples in a second leave |sin(10 x)/(10 sin x)| = 0.03, x = 0.41 pi; of 18 s, 0.995."""
-    seen = slow_part(observed())
+    seen = slow_part(problem())
     ring = np.sin(2 * np.pi * 4.1 * TIME)
     assert np.std(seen(rows(ring))[20:-30]) < 0.04 * np.std(ring)
     assert seen(rows(SAG))[40:-30, 0] == pytest.approx(SAG[40:-25], abs=0.03)  # half a sample late
@@ -45,7 +45,7 @@ def test_what_rings_hardly_shows_and_what_sags_does():
 def test_poses_stay_and_what_was_given_too():
     given = rows(SAG, 3.0)
     kept = given.copy()
-    assert np.array_equal(slow_part(observed())(given)[-POSES:], given[-POSES:])
+    assert np.array_equal(slow_part(problem())(given)[-POSES:], given[-POSES:])
     assert np.array_equal(given, kept)
 
 
@@ -56,26 +56,26 @@ def out_of_step():
     gap = rows(3 * SAG + ring[0] - ring[1])[:, 0]
     moves = {"mass": rows(-SAG - 0.5 * ring[1]), "damping": rows(-ring[0]), "tilt": rows(0 * SAG - 0.3)}
     projection = Projection(np.zeros((len(gap), 1)), np.ones(1))
-    fitter = SimpleNamespace(
+    estimator = SimpleNamespace(
         taken=lambda members: frozenset(),
         without=lambda taken: (SimpleNamespace(sigma=np.ones(1)), projection),
-        observed=observed(),
+        problem=problem(),
     )
     fit = SimpleNamespace(
-        places=(), members=(), residual=gap, rest=projection.rest(gap),
-        slopes=np.empty((len(gap), 0)), cost=float(gap @ gap),
+        places=(), members=(), residual=gap, projected=projection.project(gap),
+        jacobian=np.empty((len(gap), 0)), cost=float(gap @ gap),
     )  # fmt: skip
 
     def candidate(name):
         probe = EncoderOffset(at=name, offset=1e-3)
         return Candidate(EncoderOffset(at=name), ("offset",), (probe,), {"offset": 0.0})
 
-    return fitter, [Probed(candidate(name), move) for name, move in moves.items()], fit
+    return estimator, [Probed(candidate(name), move) for name, move in moves.items()], fit
 
 
 def test_the_right_effect_is_found_by_what_is_slow_in_its_size(out_of_step):
     assert screen(*out_of_step)[0].members[0].at == "damping"
-    seen = slow_part(out_of_step[0].observed)
+    seen = slow_part(out_of_step[0].problem)
     first = screen(*out_of_step, seen=seen)[0]
     assert first.members[0].at == "mass"
     assert first.members[0].effect.offset == pytest.approx(3e-3, rel=0.1)
@@ -83,6 +83,6 @@ def test_the_right_effect_is_found_by_what_is_slow_in_its_size(out_of_step):
 
 
 def test_sets_of_two_are_looked_at_alike(out_of_step):
-    sets = together(*out_of_step, 2, slow_part(out_of_step[0].observed))
+    sets = together(*out_of_step, 2, slow_part(out_of_step[0].problem))
     assert {member.at for member in sets[0].members} >= {"mass"}
     assert sets[0].share > 0.8

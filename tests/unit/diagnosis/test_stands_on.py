@@ -9,84 +9,84 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import rivals_of
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves.rescreening import awakened, new_springs
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import probe, screen, together
 
 SPRING = ("joint_compliance", "hinge")
 LAWS = ("backlash", "joint_hysteresis", "joint_stiffening")
 
 
-def problem(arm):
-    observed = Observed(arm, {"run": record(1)}, step=0.01)
-    fitter = Fitter.nominal(observed, unknowns(observed))
+def setup(arm):
+    problem = Problem(arm, {"run": record(1)}, step=0.01)
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
     wanted = {SPRING, ("coulomb_friction", "hinge"), *((law, "hinge") for law in LAWS)}
-    found = [c for c in candidates(observed, fitter.unknowns.arm) if c.place in wanted]
-    return fitter, probe(fitter, found)
+    found = [c for c in candidates(problem, estimator.nuisance.arm) if c.place in wanted]
+    return estimator, probe(estimator, found)
 
 
 @pytest.fixture(scope="module")
 def rigid():
     """A model whose hinge is rigid, beside a machine with a spring."""
-    return problem(nominal())
+    return setup(nominal())
 
 
 def test_no_law_is_looked_at_without_its_spring(rigid):
     """It would bring a spring that nobody fitted, softer than the machine's or stiffer."""
-    fitter, probed = rigid
-    start = fitter.fit(())
-    assert not {share.places[0][0] for share in screen(fitter, probed, start)} & set(LAWS)
-    pairs = [share.places for share in together(fitter, probed, start, 2)]
+    estimator, probed = rigid
+    start = estimator.fit(())
+    assert not {share.places[0][0] for share in screen(estimator, probed, start)} & set(LAWS)
+    pairs = [share.places for share in together(estimator, probed, start, 2)]
     with_law = [places for places in pairs if {name for name, _ in places} & set(LAWS)]
     assert with_law
     assert all(SPRING in places for places in with_law)
 
 
 def test_beside_its_spring_it_is_one_effect_more(rigid):
-    fitter, probed = rigid
+    estimator, probed = rigid
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
-    fit = fitter.fit((spring,))
-    assert {share.places[0][0] for share in screen(fitter, probed, fit)} & set(LAWS)
+    fit = estimator.fit((spring,))
+    assert {share.places[0][0] for share in screen(estimator, probed, fit)} & set(LAWS)
 
 
 def test_a_model_with_the_spring_takes_the_law_alone():
-    fitter, probed = problem(with_spring(1.2e5))
-    assert {share.places[0][0] for share in screen(fitter, probed, fitter.fit(()))} & set(LAWS)
+    estimator, probed = setup(with_spring(1.2e5))
+    assert {share.places[0][0] for share in screen(estimator, probed, estimator.fit(()))} & set(LAWS)
 
 
 def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, monkeypatch):
-    fitter, probed = rigid
+    estimator, probed = rigid
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
     law = next(p.candidate for p in probed if p.candidate.name == "backlash")
     assert carries((law,), spring) and not carries((spring,), law)
-    best = fitter.evaluated((spring, law))
-    assert rivals_of(0, best, Criteria(fitter.observed, fitter.fit(())), fitter, probed, (), {}) == []
+    best = estimator.linearised((spring, law))
+    assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, (), {}) == []
     asked = []
     monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
-    choose._backward(fitter, best, Criteria(fitter.observed, None))
+    choose._backward(estimator, best, Criteria(estimator.problem, None))
     assert asked == [(SPRING,)]
 
 
 def test_friction_shows_beside_a_spring_and_not_in_a_rigid_joint(rigid):
     """A motor turns a rigid hinge whatever rubs there."""
-    fitter, probed = rigid
+    estimator, probed = rigid
     [k] = [k for k, p in enumerate(probed) if p.candidate.name == "coulomb_friction"]
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
     assert np.abs(probed[k].moves).max() < 1e-3
-    beside = fitter.evaluated((spring,))
+    beside = estimator.linearised((spring,))
     assert new_springs(beside) == {"hinge"}
-    awake = awakened(fitter, probed, beside)
+    awake = awakened(estimator, probed, beside)
     assert np.abs(awake[k].moves).max() > 1.0
     others = [i for i, p in enumerate(probed) if not p.candidate.effect.acts_through_spring()]
     assert all(awake[i] is probed[i] for i in others)
 
 
 def test_nothing_is_probed_anew_where_the_model_has_the_spring():
-    fitter, probed = problem(with_spring(1.2e5))
+    estimator, probed = setup(with_spring(1.2e5))
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
-    beside = fitter.evaluated((spring,))
-    made = fitter.observed.runs.made
-    assert awakened(fitter, probed, beside) == list(probed)
-    assert fitter.observed.runs.made == made
+    beside = estimator.linearised((spring,))
+    made = estimator.problem.simulations.made
+    assert awakened(estimator, probed, beside) == list(probed)
+    assert estimator.problem.simulations.made == made

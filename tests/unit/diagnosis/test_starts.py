@@ -6,8 +6,8 @@ from planted import run_of
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.nuisance import Unknown, unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.nuisance import NuisanceParameter, nuisance_model
+from flexarm.diagnosis.problem import Problem
 
 
 @pytest.mark.parametrize(
@@ -23,18 +23,20 @@ from flexarm.diagnosis.problem import Observed
 )
 def test_a_value_known_to_less_than_itself_keeps_its_sign(centre, sigma, step, kept):
     """Down to a fifth of it; a place that may lie on either side of zero goes where it wants."""
-    assert Unknown("links.rod.density", centre, sigma, "kg/m3", "nominal").kept(step) == pytest.approx(kept)
+    assert NuisanceParameter("links.rod.density", centre, sigma, "kg/m3", "nominal").kept(
+        step
+    ) == pytest.approx(kept)
 
 
 def test_a_clock_goes_where_it_wants():
-    assert Unknown("effects.time_delay.clock.delay", 1e-3, 1e-4, "s", "clock").kept(-1.0) == -1.0
+    assert NuisanceParameter("effects.time_delay.clock.delay", 1e-3, 1e-4, "s", "clock").kept(-1.0) == -1.0
 
 
 def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
     arm = run_of("one joint").simulation.arm
     arm = arm.replace(effects=tuple(e for e in arm.effects if e.name != "joint_compliance"))
-    observed = Observed(arm, {"run": run_of("one joint").showing({}, 1).record})
-    found = candidates(observed, unknowns(observed).arm, softer=SpringEffect.softer)
+    problem = Problem(arm, {"run": run_of("one joint").showing({}, 1).record})
+    found = candidates(problem, nuisance_model(problem).arm, softer=SpringEffect.softer)
     springs = [c for c in found if c.name == "joint_compliance"]
     stiffness = [value_of(c.probes[0], "stiffness") for c in springs]
     assert [stiffness[0] / k for k in stiffness] == pytest.approx(SpringEffect.softer)
@@ -43,10 +45,8 @@ def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
 
 def test_a_bow_that_grows_starts_at_several_time_constants():
     """Each is fitted from there; a probe grows as its start does, so that its size is what is asked for."""
-    observed = Observed(
-        run_of("one joint").simulation.arm, {"run": run_of("one joint").showing({}, 1).record}
-    )
-    bows = [c for c in candidates(observed, unknowns(observed).arm) if c.name == "link_bow"]
+    problem = Problem(run_of("one joint").simulation.arm, {"run": run_of("one joint").showing({}, 1).record})
+    bows = [c for c in candidates(problem, nuisance_model(problem).arm) if c.name == "link_bow"]
     assert [value_of(c.effect, "time_constant") for c in bows] == [0.0, 10.0, 100.0]
     assert ["time_constant" in c.free for c in bows] == [False, True, True]
     for bow in bows:

@@ -10,7 +10,7 @@ from planted import run_of
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects import JointCompliance
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_joints.toml"
@@ -24,8 +24,8 @@ def springs_at_the_hinge():
     """Candidates of a model with `STATED`, and the model."""
     run = run_of("one joint")
     arm = run.simulation.arm.with_effect(STATED)
-    observed = Observed(arm, {"run": run.showing({}, 1).record})
-    return [c for c in candidates(observed, arm, softer=STATED.softer) if c.name == STATED.name], arm
+    problem = Problem(arm, {"run": run.showing({}, 1).record})
+    return [c for c in candidates(problem, arm, softer=STATED.softer) if c.name == STATED.name], arm
 
 
 def test_it_is_probed_a_little_softer_and_so_soft_that_it_moves_a_mode():

@@ -7,10 +7,10 @@ from arms import LENGTH, PAYLOAD, TUBE, beam, crane, hinge, point, smooth_step, 
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.evidence import above_noise, discrepancies
-from flexarm.diagnosis.noise_model import allow_for_steps, unsteady_told
+from flexarm.diagnosis.noise_model import allow_for_discretisation_error, discretisation_remarks
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
-from flexarm.diagnosis.residual_rows import has_corners
+from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.effects import Backlash, JointCompliance
 
 TRACKER = 1e-4
@@ -30,37 +30,37 @@ def arm():
     ).with_effect(JointCompliance(at="hinge", stiffness=2e5, damping=5.0))
 
 
-def observed(arm):
+def problem(arm):
     """The tip in a run of a sixteenth of the steps that it is compared with."""
     run = flexarm.simulate(arm, flexarm.Drive.from_samples(T, {"hinge": ANGLE}), step=2.5e-4)
     encoder = Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=100)
     sensors = [encoder, tracker("tip", noise=TRACKER)]
     record = flexarm.measure(run, sensors, np.random.default_rng(5), drive=["hinge"])
-    return Observed(arm, {"run": record}, step=4e-3)
+    return Problem(arm, {"run": record}, step=4e-3)
 
 
 def most(there, arm):
     """Above the noise, in the channel where that is most."""
     left = there.residual(arm) + there.correction(arm)
-    return max(above_noise(left, there, has_corners(arm)).values())
+    return max(above_noise(left, there, is_non_smooth(arm)).values())
 
 
 def test_what_no_step_is_fine_enough_for_is_no_gap(arm):
     bouncing = arm.with_effect(Backlash(at="hinge", gap=1e-3))
-    there = observed(bouncing)
+    there = problem(bouncing)
     assert most(there, bouncing) > 1.0
-    allow_for_steps(there, bouncing)
+    allow_for_discretisation_error(there, bouncing)
     assert most(there, bouncing) < 1.0
-    [said] = unsteady_told(there)
+    [said] = discretisation_remarks(there)
     assert said.startswith("no time step is fine enough for what bounces: half of it moves tip by ")
-    assert discrepancies(there, corners=True).max() > 1.0
+    assert discrepancies(there, non_smooth=True).max() > 1.0
 
 
 def test_a_gap_stays_a_gap_beside_what_bounces(arm):
     """A joint ten times as soft misses by more than the motion of the teeth depends on the step."""
     bouncing = arm.with_effect(Backlash(at="hinge", gap=1e-3))
-    there = observed(bouncing)
-    allow_for_steps(there, bouncing)
+    there = problem(bouncing)
+    allow_for_discretisation_error(there, bouncing)
     softer = arm.with_effect(JointCompliance(at="hinge", stiffness=2e4, damping=5.0))
     assert most(there, softer) > 1.0
 
@@ -68,27 +68,29 @@ def test_a_gap_stays_a_gap_beside_what_bounces(arm):
 def test_what_bounces_says_nothing_of_a_model_without_corners(arm):
     """However much a wrong backlash bounces, a gap that is half as large stays one beside springs alone."""
     bouncing = arm.with_effect(Backlash(at="hinge", gap=1e-3))
-    there = observed(bouncing)
+    there = problem(bouncing)
     before = above_noise(there.residual(arm), there)
-    allow_for_steps(there, bouncing)
+    allow_for_discretisation_error(there, bouncing)
     assert above_noise(there.residual(arm), there) == before
-    assert above_noise(there.residual(arm), there, corners=True) != before
-    assert set(discrepancies(there, corners=False)) == {SelectionPolicy.discrepancy}
+    assert above_noise(there.residual(arm), there, non_smooth=True) != before
+    assert set(discrepancies(there, non_smooth=False)) == {SelectionPolicy.discrepancy}
 
 
 def test_laws_without_corners_and_those_that_lie_on_a_flank_are_as_exact_as_ever(arm):
     """A hinge whose teeth weight holds hits nothing; a gap of a nanometre moves nothing."""
     for model in (arm, arm.with_effect(Backlash(at="hinge", gap=1e-9))):
-        there = observed(model)
-        allow_for_steps(there, model)
-        assert all(each.unsteady == 0.0 for each in there.rows)
-        assert unsteady_told(there) == []
-        assert set(discrepancies(there, corners=True)) == {SelectionPolicy.discrepancy}
+        there = problem(model)
+        allow_for_discretisation_error(there, model)
+        assert all(each.discretisation_error == 0.0 for each in there.rows)
+        assert discretisation_remarks(there) == []
+        assert set(discrepancies(there, non_smooth=True)) == {SelectionPolicy.discrepancy}
 
 
 def test_more_noise_makes_less_of_it(arm):
     bouncing = arm.with_effect(Backlash(at="hinge", gap=1e-3))
-    there = observed(bouncing)
-    allow_for_steps(there, bouncing)
+    there = problem(bouncing)
+    allow_for_discretisation_error(there, bouncing)
     noisier = there.with_noise(np.full(len(there.rows), 2.0))
-    assert [row.unsteady for row in noisier.rows] == pytest.approx([row.unsteady / 4 for row in there.rows])
+    assert [row.discretisation_error for row in noisier.rows] == pytest.approx(
+        [row.discretisation_error / 4 for row in there.rows]
+    )

@@ -23,12 +23,12 @@ GAP = 20.0 * np.sin(0.05 * np.arange(N))
 class Left:
     """As much of a fit as strays ask for."""
 
-    rest: np.ndarray
-    has_corners: bool = False
+    projected: np.ndarray
+    non_smooth: bool = False
 
 
 class Channel:
-    """As much of `Observed`: one channel of one record."""
+    """As much of `Problem`: one channel of one record."""
 
     policy = SelectionPolicy()
 

@@ -7,10 +7,10 @@ from diagnoses import SENSORS
 
 import flexarm
 from flexarm.diagnosis.design.experiment import from_record
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.initial_conditions import FINER, HEIGHT, start_slopes
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.initial_conditions import FINER, HEIGHT, initial_condition_jacobian
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.remarks import swings
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.drive.lead_in import LEAD
@@ -28,7 +28,7 @@ def angle(t):
 
 
 @pytest.fixture(scope="module")
-def observed():
+def problem():
     """What a tracker saw of it from `CUT` on, beside the model that was the machine."""
     t = np.arange(0.0, 20.0, 0.01)
     run = flexarm.simulate(crane(), flexarm.Drive.from_samples(t, {"hinge": angle(t)}), step=2e-3)
@@ -39,67 +39,67 @@ def observed():
     for signal in seen.signals.values():
         kept = signal.time >= CUT
         late.append(signal.replace(time=signal.time[kept], values=signal.values[kept]))
-    return Observed(crane(), {"late": seen.replace(signals=late, initial="moving")}, step=4e-3)
+    return Problem(crane(), {"late": seen.replace(signals=late, initial="moving")}, step=4e-3)
 
 
 @pytest.fixture(scope="module")
-def fit(observed):
-    return Fitter.nominal(observed, unknowns(observed)).fit(())
+def fit(problem):
+    return Estimator.nominal(problem, nuisance_model(problem)).fit(())
 
 
-def test_nothing_but_noise_is_left_of_what_the_right_model_rings_with(observed, fit):
+def test_nothing_but_noise_is_left_of_what_the_right_model_rings_with(problem, fit):
     """However it was excited: eight times the noise without it."""
-    count = len(observed)
+    count = len(problem)
     assert np.sum(fit.residual**2) > 20 * count
     assert fit.cost == pytest.approx(count, abs=5 * np.sqrt(2 * count))
 
 
-def test_one_joint_needs_two_jerks_a_mode_that_is_seen(observed):
+def test_one_joint_needs_two_jerks_a_mode_that_is_seen(problem):
     """Modes across the plane of motion are seen by nothing, and phases are two."""
-    assert {start.joint for start in observed.starts} == {"hinge"}
-    widths = [start.width for start in observed.starts]
+    assert {start.joint for start in problem.initial_conditions} == {"hinge"}
+    widths = [start.width for start in problem.initial_conditions]
     assert 2 <= len(widths) <= 4
     assert max(widths.count(width) for width in widths) == 2
 
 
-def test_columns_are_in_proportion(observed):
+def test_columns_are_in_proportion(problem):
     """A jerk twenty times as high moves all signals as much more, within a thousandth."""
-    start = observed.starts[0]
-    [column] = start_slopes(observed, observed.arm, [start]).T
-    finer = observed.with_step(observed.step / FINER)
-    high = finer.residual(observed.arm).copy()
-    finer.put(high, "late", finer.runs.jerked(start, observed.arm, 20 * HEIGHT))
-    move = (high - finer.residual(observed.arm)) / (20 * HEIGHT)
+    start = problem.initial_conditions[0]
+    [column] = initial_condition_jacobian(problem, problem.arm, [start]).T
+    finer = problem.with_step(problem.step / FINER)
+    high = finer.residual(problem.arm).copy()
+    finer.put(high, "late", finer.simulations.jerked(start, problem.arm, 20 * HEIGHT))
+    move = (high - finer.residual(problem.arm)) / (20 * HEIGHT)
     assert np.linalg.norm(move - column) < 1e-3 * np.linalg.norm(column)
 
 
-def test_it_is_told_and_is_no_value_of_the_model(observed, fit):
-    found = estimates(fit, observed)
+def test_it_is_told_and_is_no_value_of_the_model(problem, fit):
+    found = estimates(fit, problem)
     assert not found.nuisances
     assert not found.refined
-    [sentence] = swings(fit, observed)
+    [sentence] = swings(fit, problem)
     assert sentence.startswith("late begins with the arm swinging, by up to")
     assert " mm at tip" in sentence
 
 
-def test_records_that_begin_at_rest_have_none(observed):
-    [record] = observed.records.values()
-    still = Observed(crane(), {"late": record.replace(initial="equilibrium")}, step=4e-3)
-    assert still.starts == ()
+def test_records_that_begin_at_rest_have_none(problem):
+    [record] = problem.records.values()
+    still = Problem(crane(), {"late": record.replace(initial="equilibrium")}, step=4e-3)
+    assert still.initial_conditions == ()
 
 
-def test_a_record_that_says_rest_and_begins_in_motion_is_told(observed):
+def test_a_record_that_says_rest_and_begins_in_motion_is_told(problem):
     """The run would ring with a jump of the rate that the arm never saw."""
-    [record] = observed.records.values()
+    [record] = problem.records.values()
     [remark] = check(crane(), {"late": record.replace(initial="equilibrium")}).remarks
     assert remark.startswith("late: hinge moves in the first sample, at ")
     assert remark.endswith('state initial = "moving"')
     assert not check(crane(), {"late": record}).remarks
 
 
-def test_an_experiment_made_once_more_begins_in_motion_too(observed):
+def test_an_experiment_made_once_more_begins_in_motion_too(problem):
     """At twice the speed it is led in within half the time; the rise has the speed of what follows."""
-    [record] = observed.records.values()
+    [record] = problem.records.values()
     again = from_record("again", record, crane())
     assert again.record(crane(), 4e-3, -0.05).initial == "moving"
     faster = again.faster(2.0).drive
@@ -109,9 +109,9 @@ def test_an_experiment_made_once_more_begins_in_motion_too(observed):
     assert abs(motion(faster.start)[1]) > 0.1
 
 
-def test_records_that_are_not_observed_have_no_rows(observed):
+def test_records_that_are_not_observed_have_no_rows(problem):
     """An experiment that is planned asks for the columns of the data at hand."""
-    [record] = observed.records.values()
-    other = Observed(crane(), {"other": record.replace(initial="equilibrium")}, step=4e-3)
-    assert not start_slopes(other, crane(), observed.starts).any()
-    assert not other.slopes(crane(), [observed.starts[0].key]).any()
+    [record] = problem.records.values()
+    other = Problem(crane(), {"other": record.replace(initial="equilibrium")}, step=4e-3)
+    assert not initial_condition_jacobian(other, crane(), problem.initial_conditions).any()
+    assert not other.jacobian(crane(), [problem.initial_conditions[0].key]).any()

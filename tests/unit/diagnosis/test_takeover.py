@@ -7,11 +7,11 @@ from planted import run_of
 import flexarm
 from flexarm.diagnosis.acceptance import Criteria, conflict
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.estimator import Fitter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves.confounding import _matched, taken_over, takeovers
-from flexarm.diagnosis.nuisance import unknowns
+from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import without_effects
 from flexarm.diagnosis.screening import probe
 from flexarm.effects import LinkLength, LinkStiffness, PayloadMass, TimeDelay
@@ -48,10 +48,10 @@ def seen(truth, half_way=False, **also):
         else s.replace(values=(exact := predict(simulation, s)) + s.noise_std * rng.normal(size=exact.shape))
         for s in record.signals.values()
     ]  # fmt: skip
-    observed = Observed(nominal, {"run": record.replace(signals=shown)}, step=4e-3)
-    fitter = Fitter.nominal(observed, unknowns(observed))
-    null, about = without_effects(fitter.fit(()), fitter)
-    return about, probe(fitter, candidates(observed, fitter.unknowns.arm)), null
+    problem = Problem(nominal, {"run": record.replace(signals=shown)}, step=4e-3)
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    null, about = without_effects(estimator.fit(()), estimator)
+    return about, probe(estimator, candidates(problem, estimator.nuisance.arm)), null
 
 
 @pytest.fixture(scope="module")
@@ -61,19 +61,19 @@ def stiffer():
 
 
 def test_the_stiffness_takes_over_what_the_modulus_is_strained_to_do(stiffer):
-    fitter, probed, null = stiffer
+    estimator, probed, null = stiffer
     assert conflict(null, SelectionPolicy()) > 30
-    first = takeovers(fitter, probed, null)[0]
+    first = takeovers(estimator, probed, null)[0]
     assert (first.candidate.place, set(first.values)) == (("link_stiffness", "rod"), {MODULUS})
     # To first order about the strained fit: (1 + 50 sigma)/1 is not 1 + ln 1.5.
     assert first.member().effect.scale == pytest.approx(SCALE, rel=0.2)
 
 
 def test_its_fit_leaves_the_noise_and_the_modulus_where_it_is_stated(stiffer):
-    fitter, probed, null = stiffer
-    [found] = [f for f in taken_over(fitter, probed, null) if f.places == (("link_stiffness", "rod"),)]
+    estimator, probed, null = stiffer
+    [found] = [f for f in taken_over(estimator, probed, null) if f.places == (("link_stiffness", "rod"),)]
     assert conflict(found, SelectionPolicy()) == 0.0
-    assert Criteria(fitter.observed, null).resolves_conflict(found, null)
+    assert Criteria(estimator.problem, null).resolves_conflict(found, null)
     assert found.members[0].effect.scale == pytest.approx(SCALE, rel=0.03)  # the modulus is known to 1 %
     assert found.cost < 1.1 * len(found.residual)
 
@@ -82,9 +82,9 @@ def test_a_mass_takes_over_what_the_model_s_own_mass_is_strained_to_do():
     """About the mass that the fit has: from the stated one, all that was fitted would be its move."""
     nominal = run_of("one joint").simulation.arm.payloads[0].mass
     lighter = 0.9 * nominal
-    fitter, probed, null = seen(PayloadMass(at="load", mass=lighter), **{OWN_MASS: 0.002})
-    assert abs(fitter.at[fitter.unknowns.keys.index(OWN_MASS)]) > 30 * 0.002 * nominal
-    first = takeovers(fitter, probed, null)[0]
+    estimator, probed, null = seen(PayloadMass(at="load", mass=lighter), **{OWN_MASS: 0.002})
+    assert abs(estimator.at[estimator.nuisance.keys.index(OWN_MASS)]) > 30 * 0.002 * nominal
+    first = takeovers(estimator, probed, null)[0]
     assert (first.candidate.place, set(first.values)) == (("payload_mass", "load"), {OWN_MASS})
     assert first.member().effect.mass - nominal == pytest.approx(lighter - nominal, rel=0.02)
 
@@ -105,12 +105,12 @@ def test_a_longer_rod_takes_over_two_points_that_are_off_along_it():
 
 
 def test_a_clock_takes_over_what_it_did_as_an_unknown():
-    fitter, probed, null = seen(TimeDelay(at="tip", delay=LATE))
-    made = fitter.observed.runs.made
-    first = takeovers(fitter, probed, null)[0]
+    estimator, probed, null = seen(TimeDelay(at="tip", delay=LATE))
+    made = estimator.problem.simulations.made
+    first = takeovers(estimator, probed, null)[0]
     assert (first.candidate.place, set(first.values)) == (("time_delay", "tracker"), {DELAY})
     assert first.member().effect.delay == pytest.approx(LATE, rel=0.1)
-    assert fitter.observed.runs.made == made
+    assert estimator.problem.simulations.made == made
 
 
 def test_it_starts_as_far_as_the_unknown_was():
@@ -124,15 +124,15 @@ def test_it_starts_as_far_as_the_unknown_was():
 
 def test_nothing_is_looked_for_where_something_else_strains_the_unknowns():
     """A load half as heavy again: the modulus that is strained by it makes up for less than a third."""
-    fitter, probed, null = seen(PayloadMass(at="load", mass=21.0))
+    estimator, probed, null = seen(PayloadMass(at="load", mass=21.0))
     assert conflict(null, SelectionPolicy()) > 1.0
-    made = fitter.observed.runs.made
-    assert takeovers(fitter, probed, null) == []
-    assert fitter.observed.runs.made == made
+    made = estimator.problem.simulations.made
+    assert takeovers(estimator, probed, null) == []
+    assert estimator.problem.simulations.made == made
 
 
 def test_nothing_is_looked_for_where_nothing_is_strained():
-    fitter, probed, null = seen(LinkStiffness(at="rod", scale=1.005))
-    made = fitter.observed.runs.made
-    assert takeovers(fitter, probed, null) == []
-    assert fitter.observed.runs.made == made
+    estimator, probed, null = seen(LinkStiffness(at="rod", scale=1.005))
+    made = estimator.problem.simulations.made
+    assert takeovers(estimator, probed, null) == []
+    assert estimator.problem.simulations.made == made

@@ -94,19 +94,19 @@ BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), polic
 def choice_of(names: list[str], before: float, after: float, monkeypatch) -> SimpleNamespace:
     """A choice of effects that takes the largest gap above the noise from one multiple of it to another."""
     sizes = {"null": {"tip": before}, "best": {"tip": after}}
-    monkeypatch.setattr(sentence, "above_noise", lambda rest, observed, corners: sizes[rest])
+    monkeypatch.setattr(sentence, "above_noise", lambda rest, problem, non_smooth: sizes[rest])
     unknown = SimpleNamespace(words="value E")
     pulls = {"null": 8.7, "best": 0.0}
     fits = {
         which: SimpleNamespace(
-            rest=which,
-            has_corners=False,
+            projected=which,
+            non_smooth=False,
             residual=which,
             members=[SimpleNamespace(name=name, at="hinge") for name in names],
-            coordinates=(),
+            parameters=(),
             z=(),
-            unknowns=SimpleNamespace(each=[unknown], sigma=np.ones(1)),
-            projection=SimpleNamespace(best=lambda residual: np.array([pulls[residual]])),
+            nuisance=SimpleNamespace(parameters=[unknown], sigma=np.ones(1)),
+            projection=SimpleNamespace(solve=lambda residual: np.array([pulls[residual]])),
         )
         for which in ("null", "best")
     }

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.cross_validation import carried
+from flexarm.diagnosis.cross_validation import cross_validated_skill
 from flexarm.diagnosis.fit import Projection
 
 N = 100
@@ -36,10 +36,10 @@ def fit_of(gap: np.ndarray, moves: np.ndarray | None) -> SimpleNamespace:
     return SimpleNamespace(
         z=size,
         residual=gap + moves @ size,
-        slopes=moves,
-        coordinates=[SimpleNamespace(prior=prior)] * k,
+        jacobian=moves,
+        parameters=[SimpleNamespace(prior=prior)] * k,
         projection=Projection(np.ones((N, 1)), np.ones(1)),
-        unknowns=SimpleNamespace(each=[SimpleNamespace(kind="frame")], sigma=np.ones(1)),
+        nuisance=SimpleNamespace(parameters=[SimpleNamespace(kind="frame")], sigma=np.ones(1)),
     )
 
 
@@ -47,7 +47,7 @@ def test_the_right_law_foretells_every_part():
     """Noise 1 is left; of 10 sin t the frame, aligned anew in each fifth, leaves 4.5 rms: 1 - 1/4.5."""
     law = np.sin(TIMES)
     gap = 10 * law + np.random.default_rng(2).standard_normal(N)
-    found = carried(fit_of(gap, law[:, None]), fit_of(gap, None), gap, OneRecord())
+    found = cross_validated_skill(fit_of(gap, law[:, None]), fit_of(gap, None), gap, OneRecord())
     assert found == pytest.approx(0.78, abs=0.04)
 
 
@@ -57,4 +57,4 @@ def test_what_only_imitates_fails_where_the_data_end():
     powers = 1e6 * np.stack([(TIMES / 10) ** k for k in range(1, 9)], axis=1)  # sizes within their priors
     imitation = fit_of(gap, powers)
     assert imitation.residual.std() < 0.5 * gap.std()
-    assert carried(imitation, fit_of(gap, None), gap, OneRecord()) <= 0.0
+    assert cross_validated_skill(imitation, fit_of(gap, None), gap, OneRecord()) <= 0.0

@@ -57,7 +57,7 @@ def test_a_burst_is_told_by_its_interval(run):
 
     found = unexplained_residual(localise(run.showing({"tip": gap})))
     assert found.burst == (pytest.approx(19.73, abs=0.2), pytest.approx(20.27, abs=0.2))
-    assert "half of it from" in found.sentence
+    assert "half of it from" in str(found)
     lasting = unexplained_residual(localise(run.showing(vibration(3.1))))
     assert lasting.burst is None
 

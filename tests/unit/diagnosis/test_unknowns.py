@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.nuisance import UNKNOWN_DELAY, UNKNOWN_POSE, known_loads, nominal, unknowns
+from flexarm.diagnosis.nuisance import UNKNOWN_DELAY, UNKNOWN_POSE, known_loads, nominal, nuisance_model
 from flexarm.record import Record, Signal
 from flexarm.record.table import CarriedPayload, Clock, Frame
 
@@ -66,8 +66,8 @@ def test_a_clock_and_a_frame_are_known_as_well_as_one_record_knows_them(
     """Whichever record comes first: they are one clock and one frame."""
     records = {f"{k}": record(**each) for k, each in enumerate(reversed(stated) if turned else stated)}
     rows = [SimpleNamespace(record=name, signal="tip") for name in records]
-    found = unknowns(SimpleNamespace(arm=crane(), records=records, rows=rows, starts=()))
-    assert {each.key.split(".")[3]: each.sigma for each in found.each} == {
+    found = nuisance_model(SimpleNamespace(arm=crane(), records=records, rows=rows, initial_conditions=()))
+    assert {each.key.split(".")[3]: each.sigma for each in found.parameters} == {
         "delay": delay,
         "translation": translation,
         "rotation": rotation,

@@ -7,8 +7,8 @@ import pytest
 
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.generalised_least_squares import tempered, weighed
-from flexarm.diagnosis.parameters import Coordinate, prior_rows
+from flexarm.diagnosis.generalised_least_squares import gls_estimate, gls_nuisance
+from flexarm.diagnosis.parameters import TransformedParameter, prior_rows
 
 SIGMA = np.array([0.5, 2.0])
 
@@ -16,23 +16,23 @@ SIGMA = np.array([0.5, 2.0])
 def linear_fit(gap: float) -> SimpleNamespace:
     """One effect and two unknowns fitted to 300 rows of noise and a gap that is partly none of them."""
     rng = np.random.default_rng(7)
-    slopes, unknowns = rng.normal(size=(300, 1)), rng.normal(size=(300, 2))
-    lacking = gap * (unknowns @ [1.0, -0.6] + rng.normal(size=300))
-    projection = Projection(unknowns, SIGMA)
-    coordinates = (Coordinate(0, "offset", Prior(-4.0, 4.0, 0.0, "uniform", "m", "made up")),)
+    jacobian, nuisance = rng.normal(size=(300, 1)), rng.normal(size=(300, 2))
+    lacking = gap * (nuisance @ [1.0, -0.6] + rng.normal(size=300))
+    projection = Projection(nuisance, SIGMA)
+    parameters = (TransformedParameter(0, "offset", Prior(-4.0, 4.0, 0.0, "uniform", "m", "made up")),)
     start = rng.normal(size=300) + lacking
-    a = projection.rest(slopes)
-    weak = prior_rows(coordinates, np.zeros(1))[1]
-    z = -np.linalg.solve(a.T @ a + np.diag(weak**2), a.T @ projection.rest(start))
-    residual = start + slopes @ z
-    rest = projection.rest(residual)
+    a = projection.project(jacobian)
+    weak = prior_rows(parameters, np.zeros(1))[1]
+    z = -np.linalg.solve(a.T @ a + np.diag(weak**2), a.T @ projection.project(start))
+    residual = start + jacobian @ z
+    rest = projection.project(residual)
     return SimpleNamespace(
-        slopes=slopes,
+        jacobian=jacobian,
         projection=projection,
-        coordinates=coordinates,
+        parameters=parameters,
         z=z,
         residual=residual,
-        rest=rest,
+        projected=rest,
         cost=float(rest @ rest),
     )
 
@@ -40,10 +40,10 @@ def linear_fit(gap: float) -> SimpleNamespace:
 def least_squares(fit, weight):
     """All rows and priors as one problem, solved at once."""
     root = np.sqrt(weight)
-    rows, bends = prior_rows(fit.coordinates, fit.z)
+    rows, bends = prior_rows(fit.parameters, fit.z)
     a = np.block(
         [
-            [root[:, None] * fit.slopes, root[:, None] * fit.projection.slopes],
+            [root[:, None] * fit.jacobian, root[:, None] * fit.projection.jacobian],
             [np.zeros((2, 1)), np.diag(1 / SIGMA)],
             [np.diag(bends), np.zeros((1, 2))],
         ]
@@ -53,8 +53,8 @@ def least_squares(fit, weight):
 
 def test_rows_that_count_in_full_leave_a_fit_where_it_is():
     fit = linear_fit(gap=3.0)
-    rest, z = weighed(fit, np.ones(300))
-    assert np.array_equal(rest, fit.rest)
+    rest, z = gls_estimate(fit, np.ones(300))
+    assert np.array_equal(rest, fit.projected)
     assert np.array_equal(z, fit.z)
 
 
@@ -62,22 +62,22 @@ def test_weighed_rows_move_it_to_their_own_least_squares():
     fit = linear_fit(gap=30.0)
     weight = np.where(np.arange(300) < 100, 1e-3, 1e-2)
     step = least_squares(fit, weight)
-    rest, z = weighed(fit, weight)
+    rest, z = gls_estimate(fit, weight)
     assert z == pytest.approx(fit.z + step[:1], rel=1e-6)
     assert rest[300:] == pytest.approx(step[1:] / SIGMA, rel=1e-6)
     assert rest[:300] == pytest.approx(
-        fit.residual + fit.slopes @ step[:1] + fit.projection.slopes @ step[1:], rel=1e-6
+        fit.residual + fit.jacobian @ step[:1] + fit.projection.jacobian @ step[1:], rel=1e-6
     )
 
 
 def test_unknowns_beside_a_gap_stay_with_their_priors():
     """By its noise alone the fit takes them sixty sigmas away, after a gap that is none of theirs."""
     fit = linear_fit(gap=30.0)
-    assert abs(fit.projection.best(fit.residual) / SIGMA).max() > 30
-    assert abs(tempered(fit) / SIGMA).max() < 10
+    assert abs(fit.projection.solve(fit.residual) / SIGMA).max() > 30
+    assert abs(gls_nuisance(fit) / SIGMA).max() < 10
 
 
 def test_without_a_gap_they_are_where_the_fit_has_them():
     fit = linear_fit(gap=0.0)
     assert fit.cost < 1.2 * 300
-    assert tempered(fit) == pytest.approx(fit.projection.best(fit.residual), abs=0.02 * SIGMA.min())
+    assert gls_nuisance(fit) == pytest.approx(fit.projection.solve(fit.residual), abs=0.02 * SIGMA.min())

@@ -26,8 +26,8 @@ from flexarm.diagnosis.design.candidate_measurements import Addition, menu, with
 from flexarm.diagnosis.design.experiment import Experiment, from_record
 from flexarm.diagnosis.design.separation import expected_log_bayes_factor
 from flexarm.diagnosis.fit import Fit, Projection
-from flexarm.diagnosis.nuisance import Unknown, nominal
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.nuisance import NuisanceParameter, nominal
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
@@ -37,15 +37,15 @@ PRIOR = 3.0
 
 
 def gains(
-    choice: Choice, observed: Observed, name: str, record: Record, pairs: Sequence[tuple[int, Rival]]
+    choice: Choice, problem: Problem, name: str, record: Record, pairs: Sequence[tuple[int, Rival]]
 ) -> Iterator[tuple[Addition, list[float]]]:
     """E ln B of every pair with every addition."""
-    arm = choice.fitter.with_effects(choice.best.members)
-    noise = {row.signal: row.sigma for row in observed.rows if row.record == name}
-    step = observed.step
+    arm = choice.estimator.with_effects(choice.best.members)
+    noise = {row.signal: row.sigma for row in problem.rows if row.record == name}
+    step = problem.step
     try:
         run = from_record(name, record, arm, noise)
-        additions = menu(observed.arm, [run], run.run(arm, step, observed.alpha))
+        additions = menu(problem.arm, [run], run.run(arm, step, problem.alpha))
     except (InvalidParameter, NotConverged):
         return
     there = with_points(arm, additions)
@@ -56,8 +56,8 @@ def gains(
     for addition in additions:
         own = {*(s.name for s in run.sensors), *(s.name for s in addition.sensors)}
         if addition.sensors and not with_all:
-            with_all.append(_Next.of(logged, there, choice, observed, pairs))
-        rows = with_all[0] if addition.sensors else _Next.of(addition.runs[0], there, choice, observed, pairs)
+            with_all.append(_Next.of(logged, there, choice, problem, pairs))
+        rows = with_all[0] if addition.sensors else _Next.of(addition.runs[0], there, choice, problem, pairs)
         if rows is not None:
             yield addition, [_expected(present, rows, k, own) for k in range(len(pairs))]
 
@@ -66,18 +66,20 @@ def gains(
 class _Rows:
     """Rows of (1): differences d and derivatives Z for each pair, derivatives J by unknowns."""
 
-    unknowns: tuple[Unknown, ...]
-    slopes: Floats
+    nuisance: tuple[NuisanceParameter, ...]
+    jacobian: Floats
     apart: list[Floats]
     moves: list[Floats]
 
 
 def _present(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> _Rows:
     """Rows 0 of (1)."""
-    fitter = choice.fitter
-    best = fitter.observed.residual(fitter.with_effects(choice.best.members))
-    apart = [fitter.observed.residual(fitter.with_effects(r.fit.members)) - best for _, r in pairs]
-    return _Rows(fitter.unknowns.each, fitter.slopes, apart, [rival.fit.slopes for _, rival in pairs])
+    estimator = choice.estimator
+    best = estimator.problem.residual(estimator.with_effects(choice.best.members))
+    apart = [estimator.problem.residual(estimator.with_effects(r.fit.members)) - best for _, r in pairs]
+    return _Rows(
+        estimator.nuisance.parameters, estimator.jacobian, apart, [rival.fit.jacobian for _, rival in pairs]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,17 +95,17 @@ class _Next:
         run: Experiment,
         arm: Arm,
         choice: Choice,
-        observed: Observed,
+        problem: Problem,
         pairs: Sequence[tuple[int, Rival]],
     ) -> _Next | None:
         """Of a run; None if it cannot be simulated."""
-        step = observed.step
+        step = problem.step
         try:
-            record = run.record(arm, step, observed.alpha)
-            there = Observed(arm, {run.name: record}, step=step, alpha=observed.alpha, jobs=observed.jobs)
+            record = run.record(arm, step, problem.alpha)
+            there = Problem(arm, {run.name: record}, step=step, alpha=problem.alpha, jobs=problem.jobs)
             best = there.residual(arm)
             each = _unknowns(choice, arm, there)
-            slopes = there.slopes(arm, [u.key for u in each])
+            jacobian = there.jacobian(arm, [u.key for u in each])
             models = [_put(arm, choice, rival.fit) for _, rival in pairs]
             apart = [there.residual(model) - best for model in models]
             moves = [
@@ -113,34 +115,34 @@ class _Next:
         except (InvalidParameter, NotConverged):
             return None
         signals = [row.signal for row, where in there.channels() for _ in range(where.stop - where.start)]
-        return cls(_Rows(each, slopes, apart, moves), signals)
+        return cls(_Rows(each, jacobian, apart, moves), signals)
 
 
-def _unknowns(choice: Choice, arm: Arm, observed: Observed) -> tuple[Unknown, ...]:
+def _unknowns(choice: Choice, arm: Arm, problem: Problem) -> tuple[NuisanceParameter, ...]:
     """Those of the diagnosis, and the places of reflectors that are added."""
-    known = choice.fitter.unknowns.each
+    known = choice.estimator.nuisance.parameters
     taken = {u.key for u in known}
-    more = (u for u in nominal(arm, observed.records) if u.key not in taken and u.key.startswith("points."))
+    more = (u for u in nominal(arm, problem.records) if u.key not in taken and u.key.startswith("points."))
     return (*known, *more)
 
 
 def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
     """A fitted model with the points and unknowns of `arm`."""
-    found = choice.fitter.with_effects(fit.members if members is None else members)
+    found = choice.estimator.with_effects(fit.members if members is None else members)
     return found.replace(points=arm.points, uncertainty=arm.uncertainty)
 
 
-def _derivatives(observed: Observed, arm: Arm, choice: Choice, fit: Fit, here: Floats) -> Floats:
+def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Floats) -> Floats:
     """Z of (1) by finite steps."""
     columns = []
-    for coordinate, z in zip(fit.coordinates, fit.z, strict=True):
+    for parameter, z in zip(fit.parameters, fit.z, strict=True):
         members = list(fit.members)
-        member = members[coordinate.candidate]
-        step = coordinate.step(float(z), observed.seconds)
-        moved = member.effect.with_parameters({coordinate.name: coordinate.value(float(z) + step)})
-        members[coordinate.candidate] = replace(member, effect=moved)
+        member = members[parameter.candidate]
+        step = parameter.step(float(z), problem.seconds)
+        moved = member.effect.with_parameters({parameter.name: parameter.value(float(z) + step)})
+        members[parameter.candidate] = replace(member, effect=moved)
         try:
-            columns.append((observed.residual(_put(arm, choice, fit, members)) - here) / step)
+            columns.append((problem.residual(_put(arm, choice, fit, members)) - here) / step)
         except (InvalidParameter, NotConverged):
             columns.append(np.zeros_like(here))
     return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
@@ -151,10 +153,10 @@ def _expected(present: _Rows, found: _Next, k: int, signals: Iterable[str]) -> f
     wanted = set(signals)
     kept = np.array([signal in wanted for signal in found.signals])
     new = found.rows
-    more = len(new.unknowns) - len(present.unknowns)
-    before = np.column_stack([present.slopes, np.zeros((len(present.slopes), more)), present.moves[k]])
-    after = np.column_stack([new.slopes, new.moves[k]])[kept]
-    sigma = np.concatenate([[u.sigma for u in new.unknowns], np.full(present.moves[k].shape[1], PRIOR)])
+    more = len(new.nuisance) - len(present.nuisance)
+    before = np.column_stack([present.jacobian, np.zeros((len(present.jacobian), more)), present.moves[k]])
+    after = np.column_stack([new.jacobian, new.moves[k]])[kept]
+    sigma = np.concatenate([[u.sigma for u in new.nuisance], np.full(present.moves[k].shape[1], PRIOR)])
     apart = np.concatenate([present.apart[k], new.apart[k][kept]])
-    v = Projection(np.vstack([before, after]), sigma).rest(apart[:, None])  # eq. (1)
+    v = Projection(np.vstack([before, after]), sigma).project(apart[:, None])  # eq. (1)
     return float(expected_log_bayes_factor(v, len(apart))[0])

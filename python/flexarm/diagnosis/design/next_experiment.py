@@ -16,7 +16,7 @@ from flexarm.diagnosis.alternatives import Rival
 from flexarm.diagnosis.design.candidate_measurements import Addition
 from flexarm.diagnosis.design.information_gain import gains
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.record import Record
 from flexarm.wording import listed, number, place_words
@@ -46,21 +46,21 @@ class NextExperiment:
     minutes: float = 0.0
 
 
-def next_experiment(choice: Choice, observed: Observed, unexplained: bool = False) -> NextExperiment:
+def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False) -> NextExperiment:
     """The addition to the records at hand that parts the named effects from their alternatives best.
 
     Parameters
     ----------
     choice : Choice
         What was named, and what else is within reach.
-    observed : Observed
+    problem : Problem
         The records at hand.
     unexplained : bool
         Whether no known effect explains the gap: then, what would describe the remainder.
     """
-    motions = {name: record for name, record in observed.records.items() if record.kind == "motion"}
+    motions = {name: record for name, record in problem.records.items() if record.kind == "motion"}
     if unexplained:
-        return NextExperiment(_to_describe(observed, motions))
+        return NextExperiment(_to_describe(problem, motions))
     pairs = [(k, rival) for k, rivals in enumerate(choice.rivals) for rival in rivals if rival.within_reach]
     pairs = sorted(pairs, key=lambda pair: pair[1].behind)[:MOST]
     if not pairs:
@@ -71,7 +71,7 @@ def next_experiment(choice: Choice, observed: Observed, unexplained: bool = Fals
             f"do not part {_words(choice, pairs)}; what that would gain has not been computed."
         )
     name, record = next(iter(motions.items()))
-    found = _promising(gains(choice, observed, name, record, pairs))
+    found = _promising(gains(choice, problem, name, record, pairs))
     if not found:
         return NextExperiment()
     addition, gain = max(found, key=lambda pair: pair[1])
@@ -115,7 +115,7 @@ def _words(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> str:
     return listed(each)
 
 
-def _to_describe(observed: Observed, motions: dict[str, Record]) -> str:
+def _to_describe(problem: Problem, motions: dict[str, Record]) -> str:
     """What would show of which kind a remainder is, as far as the records have not varied it yet."""
     if not motions:
         return "Repeat the poses on another day: what returns is a law, what does not is a disturbance."
@@ -124,7 +124,7 @@ def _to_describe(observed: Observed, motions: dict[str, Record]) -> str:
     if len(motions) < 2:
         wishes.append("at half the speed")
     loads = {tuple(sorted((n, p.mass) for n, p in r.payloads.items())) for r in motions.values()}
-    if len(loads) < 2 and observed.arm.payloads:
+    if len(loads) < 2 and problem.arm.payloads:
         wishes.append("with another payload that is weighed")
     torques = any(s.quantity == "motor_torque" for r in motions.values() for s in r.signals.values())
     if not torques and record.drive:

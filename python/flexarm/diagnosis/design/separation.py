@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.nuisance import Unknowns
+from flexarm.diagnosis.nuisance import NuisanceModel
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import RIDGE, Probed
 
@@ -39,16 +39,16 @@ class Bench:
 
     Attributes
     ----------
-    unknowns : Unknowns
+    nuisance : NuisanceModel
         Clocks, frames, nominal values.
-    slopes : ndarray, shape (n, m)
+    jacobian : ndarray, shape (n, m)
         Derivatives of the rows by them.
     probed : tuple of Probed
         Candidates and what their probes do to the rows; variants of an effect one after the other.
     """
 
-    unknowns: Unknowns
-    slopes: Floats
+    nuisance: NuisanceModel
+    jacobian: Floats
     probed: tuple[Probed, ...]
 
     @property
@@ -59,12 +59,14 @@ class Bench:
     def only(self, rows: NDArray[np.bool_]) -> Bench:
         """With some of the rows."""
         probed = tuple(Probed(p.candidate, p.moves[rows]) for p in self.probed)
-        return Bench(self.unknowns, self.slopes[rows], probed)
+        return Bench(self.nuisance, self.jacobian[rows], probed)
 
     def of(self, places: Sequence[tuple[str, str]]) -> Bench:
         """With some of the effects, in the order of the bench."""
         wanted = set(places)
-        return Bench(self.unknowns, self.slopes, tuple(p for p in self.probed if p.candidate.place in wanted))
+        return Bench(
+            self.nuisance, self.jacobian, tuple(p for p in self.probed if p.candidate.place in wanted)
+        )
 
     def beside(self, other: Bench) -> Bench:
         """With the rows of another bench below; effects of which all variants are in both."""
@@ -75,7 +77,7 @@ class Bench:
             for p in self.probed
             if p.candidate.place not in lost
         )
-        return Bench(self.unknowns, np.vstack([self.slopes, other.slopes]), probed)
+        return Bench(self.nuisance, np.vstack([self.jacobian, other.jacobian]), probed)
 
 
 def _key(candidate: Candidate) -> str:
@@ -84,20 +86,20 @@ def _key(candidate: Candidate) -> str:
 
 def left(bench: Bench, gaps: Floats, rival: Probed | None) -> Floats:
     """v of (1) for gaps (n, k): rows, then what is asked of unknowns and of the rival, in sigmas."""
-    taken = set() if rival is None else taken_by(rival.candidate, bench.unknowns)
-    keep = [k for k, u in enumerate(bench.unknowns.each) if u.key not in taken]
-    slopes, sigma = bench.slopes[:, keep], bench.unknowns.sigma[keep]
+    taken = set() if rival is None else taken_by(rival.candidate, bench.nuisance)
+    keep = [k for k, u in enumerate(bench.nuisance.parameters) if u.key not in taken]
+    jacobian, sigma = bench.jacobian[:, keep], bench.nuisance.sigma[keep]
     if rival is not None:
-        slopes = np.column_stack([slopes, rival.moves])
+        jacobian = np.column_stack([jacobian, rival.moves])
         sigma = np.concatenate([sigma, np.full(rival.moves.shape[1], 1.0 / RIDGE)])
     if not len(sigma):
         return gaps
-    return Projection(slopes, sigma).rest(gaps)  # eq. (1)
+    return Projection(jacobian, sigma).project(gaps)  # eq. (1)
 
 
-def taken_by(candidate: Candidate, unknowns: Unknowns) -> set[str]:
+def taken_by(candidate: Candidate, nuisance: NuisanceModel) -> set[str]:
     """Unknowns that are a candidate themselves: a clock's delay as an effect has no prior of a clock."""
-    return {u.key for u in unknowns.each if u.key.startswith("effects.") and u.place == candidate.place}
+    return {u.key for u in nuisance.parameters if u.key.startswith("effects.") and u.place == candidate.place}
 
 
 def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:
@@ -136,7 +138,7 @@ def gaps_of(bench: Bench, shown: Sequence[Shown]) -> Floats:
     columns = [
         variants[s.variant].moves[:, s.probe] for variants, s in zip(bench.effects, shown, strict=True)
     ]
-    return np.stack(columns, axis=1) if columns else np.empty((len(bench.slopes), 0))
+    return np.stack(columns, axis=1) if columns else np.empty((len(bench.jacobian), 0))
 
 
 def against_none(bench: Bench, gaps: Floats) -> Floats:

@@ -23,10 +23,10 @@ from flexarm.diagnosis.design.candidate_measurements import Addition, with_point
 from flexarm.diagnosis.design.experiment import Experiment
 from flexarm.diagnosis.design.plan_result import Parting
 from flexarm.diagnosis.design.separation import Bench, Shown, matrix
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.nuisance import Unknowns, unknowns
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.nuisance import NuisanceModel, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import probe
 from flexarm.record import Record
 
@@ -59,36 +59,32 @@ class Laboratory:
         self.nominal, self.additions = arm, additions
         self.arm = with_points(arm, additions)
         self.step, self.alpha, self.jobs = step, alpha, jobs
-        self.unknowns: Unknowns | None = None
+        self.nuisance: NuisanceModel | None = None
         self.candidates: list[Candidate] = []
         self.units: dict[str, str] = {}  # of signals
 
-    def observed(self, runs: Mapping[str, Experiment]) -> Observed:
+    def problem(self, runs: Mapping[str, Experiment]) -> Problem:
         """Virtual records of runs."""
         records = {name: run.record(self.arm, self.step, self.alpha) for name, run in runs.items()}
-        return Observed(self.arm, records, step=self.step, alpha=self.alpha, jobs=self.jobs)
+        return Problem(self.arm, records, step=self.step, alpha=self.alpha, jobs=self.jobs)
 
     def base(self, runs: Sequence[Experiment], note: Callable[[float], object]) -> tuple[Bench, Rows]:
         """The planned runs, with all sensors of the menu; which rows are whose."""
         more = [sensor for addition in self.additions for sensor in addition.sensors]
         sensors = {sensor.name for run in runs for sensor in run.sensors}
         full = {run.name: replace(run, sensors=(*run.sensors, *more)) for run in runs}
-        observed = self.observed(full)
-        self.units = {name: s.unit for r in observed.records.values() for name, s in r.signals.items()}
-        rows = Rows(observed, sensors)
-        self.unknowns = unknowns(observed)
-        plain = Observed(
-            self.arm, {n: _only(r, sensors) for n, r in observed.records.items()}, step=self.step
-        )
-        self.candidates = candidates(plain, self.unknowns.arm)
-        return self._bench(observed, self.candidates, note), rows
+        problem = self.problem(full)
+        self.units = {name: s.unit for r in problem.records.values() for name, s in r.signals.items()}
+        rows = Rows(problem, sensors)
+        self.nuisance = nuisance_model(problem)
+        plain = Problem(self.arm, {n: _only(r, sensors) for n, r in problem.records.items()}, step=self.step)
+        self.candidates = candidates(plain, self.nuisance.arm)
+        return self._bench(problem, self.candidates, note), rows
 
-    def _bench(
-        self, observed: Observed, wanted: Sequence[Candidate], note: Callable[[float], object]
-    ) -> Bench:
-        assert self.unknowns is not None
-        fitter = Fitter.nominal(observed, self.unknowns)
-        return Bench(self.unknowns, fitter.slopes, tuple(probe(fitter, wanted, note)))
+    def _bench(self, problem: Problem, wanted: Sequence[Candidate], note: Callable[[float], object]) -> Bench:
+        assert self.nuisance is not None
+        estimator = Estimator.nominal(problem, self.nuisance)
+        return Bench(self.nuisance, estimator.jacobian, tuple(probe(estimator, wanted, note)))
 
     def partings(
         self,
@@ -126,7 +122,7 @@ class Laboratory:
         kept = bench.of(wanted)
         if addition.sensors:
             return kept.only(rows.all(sensor.name for sensor in addition.sensors))
-        there = self.observed({f"{run.name}, {addition.words}": run for run in addition.runs})
+        there = self.problem({f"{run.name}, {addition.words}": run for run in addition.runs})
         mine = [each for each in self.candidates if each.place in set(wanted)]
         return kept.only(rows.all()).beside(self._bench(there, mine, lambda done: None))
 
@@ -134,14 +130,14 @@ class Laboratory:
 class Rows:
     """Rows of the planned sensors, and of those on the menu."""
 
-    def __init__(self, observed: Observed, planned: set[str]) -> None:
-        self.observed, self.planned = observed, planned
+    def __init__(self, problem: Problem, planned: set[str]) -> None:
+        self.problem, self.planned = problem, planned
 
     def all(self, more: Iterable[str] = ()) -> NDArray[np.bool_]:
         """Those of the planned sensors, and of some more."""
         wanted = {*self.planned, *more}
-        found = np.zeros(len(self.observed), dtype=bool)
-        for each, where in self.observed.channels():
+        found = np.zeros(len(self.problem), dtype=bool)
+        for each, where in self.problem.channels():
             found[where] = each.signal in wanted
         return found
 

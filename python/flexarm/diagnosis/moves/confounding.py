@@ -28,8 +28,8 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit, Projection
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
@@ -71,32 +71,32 @@ class Takeover:
         return replace(self.candidate, effect=sized)
 
 
-def taken_over(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Fit]:
+def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Fit]:
     """Fits of what could take over what unknowns of `best` are strained to do, beside its effects.
 
     Where others must make room, derivatives at the start lead nowhere; then they are taken anew.
     """
     found = []
-    for each in takeovers(fitter, probed, best):
-        with suppress(*FAILED):
-            members = (*best.members, _matched(fitter, each, best))
-            fit = fitter.as_stated(each.values, members).fit(members, nearby=best)
+    for each in takeovers(estimator, probed, best):
+        with suppress(*FIT_ERRORS):
+            members = (*best.members, _matched(estimator, each, best))
+            fit = estimator.as_stated(each.values, members).fit(members, nearby=best)
             if fit.cost > best.cost:
-                fit = fitter.about(fit).fit(fit.members, nearby=fit)
+                fit = estimator.about(fit).fit(fit.members, nearby=fit)
             found.append(fit)
     return found
 
 
-def takeovers(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
+def takeovers(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
     """What is most alike of several strained unknowns together and of each, then what is so next.
 
     The most strained ones come first.
     """
-    policy = fitter.observed.policy
+    policy = estimator.problem.policy
     far = conflict(best, policy) > policy.conflict and _stand_in(best, policy.pull)
-    strained = _strained(fitter, best) if far else {}
+    strained = _strained(estimator, best) if far else {}
     alike: dict[str, list[tuple[float, Takeover]]] = {key: [] for key in (TOGETHER, *strained)}
-    for candidate, moves, of in _moves(fitter, probed, best, strained) if strained else ():
+    for candidate, moves, of in _moves(estimator, probed, best, strained) if strained else ():
         for key, part, takeover in _takes_over(candidate, moves, of, policy):
             alike[key].append((part, takeover))
     ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
@@ -112,14 +112,14 @@ def _stand_in(best: Fit, pull: float) -> bool:
 
     Beside a larger gap they are strained by what else is missing, and that comes first.
     """
-    far = np.abs(best.projection.best(best.residual)) > pull * best.unknowns.sigma
-    others = Projection(best.projection.slopes[:, ~far], best.unknowns.sigma[~far]).rest(best.residual)
+    far = np.abs(best.projection.solve(best.residual)) > pull * best.nuisance.sigma
+    others = Projection(best.projection.jacobian[:, ~far], best.nuisance.sigma[~far]).project(best.residual)
     noise, without = len(best.residual), float(others @ others)
     return without - best.cost > PART * (without - noise)
 
 
 def _moves(
-    fitter: Fitter, probed: Sequence[Probed], best: Fit, strained: Strained
+    estimator: Estimator, probed: Sequence[Probed], best: Fit, strained: Strained
 ) -> Iterator[tuple[Candidate, Floats, Strained]]:
     """Effects that are not there, with derivatives by the sizes of their probes about a fit.
 
@@ -129,15 +129,15 @@ def _moves(
     free = [p.candidate for p in probed if p.candidate.place not in best.places]
     others: list[Candidate] = []
     for candidate in free:
-        moves = in_proportion(candidate, best.unknowns.keys, best.projection.slopes)
+        moves = in_proportion(candidate, best.nuisance.keys, best.projection.jacobian)
         if moves is not None:
             yield candidate, moves, strained
         elif not _unlike(candidate, others):
             others.append(candidate)
-    kinds = {unknown.kind for unknown in best.unknowns.each if unknown.key in strained}
+    kinds = {unknown.kind for unknown in best.nuisance.parameters if unknown.key in strained}
     if kinds != {"clock"}:
-        with suppress(*FAILED):  # of the fit itself, in longer steps
-            yield from _small_moves(fitter, others, best, strained)
+        with suppress(*FIT_ERRORS):  # of the fit itself, in longer steps
+            yield from _small_moves(estimator, others, best, strained)
 
 
 def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
@@ -181,49 +181,49 @@ def _moved(strained: Strained, keys: Sequence[str]) -> Floats:
     return np.asarray(np.sum([strained[key][0] for key in keys], axis=0))
 
 
-def _matched(fitter: Fitter, takeover: Takeover, best: Fit) -> Candidate:
+def _matched(estimator: Estimator, takeover: Takeover, best: Fit) -> Candidate:
     """The effect of the size that moves residuals most as the unknowns do where they are.
 
     A spring, say, adds to what gives way, of which a modulus a sixth too small has a fifth too much. It is
     where a fit starts; longer steps are enough.
     """
-    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
-    there = fitter.moved_to(dict.fromkeys(takeover.values, 0.0))
-    wanted = observed.residual(fitter.moved_to(takeover.values).with_effects(best.members))
+    problem = estimator.problem.with_step(LONGER * estimator.problem.step)
+    there = estimator.moved_to(dict.fromkeys(takeover.values, 0.0))
+    wanted = problem.residual(estimator.moved_to(takeover.values).with_effects(best.members))
     sizes = {}
     for times in SIZES:
-        with suppress(*FAILED):
+        with suppress(*FIT_ERRORS):
             member = takeover.member(times)
-            sizes[times] = observed.residual(there.with_effects((*best.members, member))) - wanted
+            sizes[times] = problem.residual(there.with_effects((*best.members, member))) - wanted
     return takeover.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
 
 
-def _strained(fitter: Fitter, best: Fit) -> Strained:
+def _strained(estimator: Estimator, best: Fit) -> Strained:
     """What each unknown beyond `SelectionPolicy.pull` moves, and where it is, the most strained first.
 
     That is where it is simulated, or else where it would have to be.
     """
-    values = best.projection.best(best.residual)
-    far = np.abs(values) / best.unknowns.sigma
-    simulated = dict(zip(fitter.unknowns.keys, fitter.at, strict=True))
+    values = best.projection.solve(best.residual)
+    far = np.abs(values) / best.nuisance.sigma
+    simulated = dict(zip(estimator.nuisance.keys, estimator.at, strict=True))
     found = {}
     for k in np.argsort(-far):
-        unknown = best.unknowns.each[k]
-        if unknown.kind != "start" and far[k] > fitter.observed.policy.pull:
+        unknown = best.nuisance.parameters[k]
+        if unknown.kind != "start" and far[k] > estimator.problem.policy.pull:
             at = float(simulated[unknown.key] or values[k])
-            found[unknown.key] = (best.projection.slopes[:, k] * at, at)
+            found[unknown.key] = (best.projection.jacobian[:, k] * at, at)
     return found
 
 
 def _small_moves(
-    fitter: Fitter, others: Sequence[Candidate], best: Fit, strained: Strained
+    estimator: Estimator, others: Sequence[Candidate], best: Fit, strained: Strained
 ) -> Iterator[tuple[Candidate, Floats, Strained]]:
     """Those derivatives from small steps of each effect, in simulations of longer steps."""
-    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
-    there = fitter.with_effects(best.members)
-    slopes = observed.slopes(there, list(strained), fitter.unknowns.steps(there))
-    of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
-    for candidate, steps in zip(others, small_steps(fitter, others, best), strict=True):
+    problem = estimator.problem.with_step(LONGER * estimator.problem.step)
+    there = estimator.with_effects(best.members)
+    jacobian = problem.jacobian(there, list(strained), estimator.nuisance.steps(there))
+    of = {key: (jacobian[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
+    for candidate, steps in zip(others, small_steps(estimator, others, best), strict=True):
         if steps is not None:
             yield candidate, steps.moves, of
 

@@ -23,19 +23,19 @@ from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries, value_of
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit
-from flexarm.diagnosis.minimisers import scanned
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.minimisers import multi_start
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 
 
-def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
+def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
     """Averages columns of residuals over `low_pass` seconds, channel by channel; poses stay as they are."""
     windows = []
-    for each, where in observed.channels():
-        if observed.records[each.record].kind == "motion" and len(each.time) > 1:
-            windows.append((where, round(observed.policy.low_pass / float(np.median(np.diff(each.time))))))
+    for each, where in problem.channels():
+        if problem.records[each.record].kind == "motion" and len(each.time) > 1:
+            windows.append((where, round(problem.policy.low_pass / float(np.median(np.diff(each.time))))))
 
     def averaged(columns: Floats) -> Floats:
         from scipy.ndimage import uniform_filter1d
@@ -50,7 +50,7 @@ def slow_part(observed: Observed) -> Callable[[Floats], Floats]:
 
 
 def larger_fits(
-    fitter: Fitter,
+    estimator: Estimator,
     probed: Sequence[Probed],
     best: Fit,
     criteria: Criteria,
@@ -64,51 +64,55 @@ def larger_fits(
     `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
     large and fitted already.
     """
-    policy, slow = criteria.policy, slow_part(fitter.observed)
+    policy, slow = criteria.policy, slow_part(estimator.problem)
     if size > 1:
         most = policy.proposals // 2
-        more = _fitted(fitter, _sets(fitter, probed, best, size, beside), best, criteria, most)
+        more = _fitted(estimator, _sets(estimator, probed, best, size, beside), best, criteria, most)
         if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(more):
-            sets = one_variant(together(fitter, probed, best, size, slow), 2 * policy.proposals)
-            more += _fitted(fitter, sets, best, criteria, most)
+            sets = one_variant(together(estimator, probed, best, size, slow), 2 * policy.proposals)
+            more += _fitted(estimator, sets, best, criteria, most)
         return more
-    at_ends = not found or not criteria.adequate(best)
-    wanted, others = _promising(fitter, probed, best, places, at_ends)
-    more = _fitted(fitter, wanted, best, criteria)
+    estimates_at_bounds = not found or not criteria.adequate(best)
+    wanted, others = _promising(estimator, probed, best, places, estimates_at_bounds)
+    more = _fitted(estimator, wanted, best, criteria)
     if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
-        slower = one_variant(screen(fitter, probed, best, seen=slow), policy.more_proposals)
-        more += _fitted(fitter, [s for s in slower if not _there(s, best, more)], best, criteria, found=more)
+        slower = one_variant(screen(estimator, probed, best, seen=slow), policy.more_proposals)
+        more += _fitted(
+            estimator, [s for s in slower if not _there(s, best, more)], best, criteria, found=more
+        )
     if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
-        more += _fitted(fitter, [s for s in others if not _there(s, best, more)], best, criteria, found=more)
+        more += _fitted(
+            estimator, [s for s in others if not _there(s, best, more)], best, criteria, found=more
+        )
     if policy.allows("gap_scan") and criteria.all_leave_gaps([*found, *more]):
-        more += _from_other_gaps(fitter, more)
+        more += _from_other_gaps(estimator, more)
     return more
 
 
-def _from_other_gaps(fitter: Fitter, found: Sequence[Fit]) -> list[Fit]:
+def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """The best model with several minima once more, from one that leaves less (`diagnosis.minimisers`)."""
     bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
-    with suppress(*FAILED):
-        if bouncing and (again := scanned(min(bouncing, key=lambda f: f.cost), fitter)) is not None:
+    with suppress(*FIT_ERRORS):
+        if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
             return [again]
     return []
 
 
-def other_springs(best: Fit, fitter: Fitter, probed: Sequence[Probed]) -> list[Fit]:
+def other_springs(best: Fit, estimator: Estimator, probed: Sequence[Probed]) -> list[Fit]:
     """A model with each of its springs elsewhere, as soft there, with the rest refitted.
 
     A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
     """
     springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.effect.is_spring}
-    alike, found = 1 + fitter.observed.policy.alike, []
+    alike, found = 1 + estimator.problem.policy.alike, []
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         for place, candidate in springs.items():
             if not spring.effect.is_spring or place in best.places or carries(others, spring):
                 continue
-            with suppress(*FAILED):
+            with suppress(*FIT_ERRORS):
                 members = (candidate.acting_as(spring) or candidate, *others)
-                found.append(fitter.trial(members, best, alike * best.cost))
+                found.append(estimator.trial(members, best, alike * best.cost))
     return found
 
 
@@ -118,7 +122,7 @@ def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
 
 
 def _fitted(
-    fitter: Fitter,
+    estimator: Estimator,
     wanted: Sequence[Share],
     best: Fit,
     criteria: Criteria,
@@ -139,16 +143,18 @@ def _fitted(
         near = criteria.early_stop([*before, *found], best, criteria.policy.halfway)
         try:
             members = (*map(_relaxed, best.members), *share.members)
-            found.append(fitter.trial(members, best, near))
-        except FAILED:
+            found.append(estimator.trial(members, best, near))
+        except FIT_ERRORS:
             continue
     return found
 
 
-def _sets(fitter: Fitter, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None) -> list[Share]:
+def _sets(
+    estimator: Estimator, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None
+) -> list[Share]:
     """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
-    policy = fitter.observed.policy
-    shares = [s for s in together(fitter, probed, best, size) if s.share > policy.least_reduction]
+    policy = estimator.problem.policy
+    shares = [s for s in together(estimator, probed, best, size) if s.share > policy.least_reduction]
     ahead = size == 2 or beside is None or _leads(shares, beside, policy.alike)
     return one_variant(shares, 2 * policy.proposals) if ahead else []
 
@@ -162,25 +168,29 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 
 
 def _promising(
-    fitter: Fitter, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
+    estimator: Estimator,
+    probed: Sequence[Probed],
+    best: Fit,
+    places: Mapping[str, str],
+    estimates_at_bounds: bool,
 ) -> tuple[list[Share], list[Share]]:
     """Single candidates: those that explain most, and others.
 
     Where the best promises little, laws are looked at `at_ends` too.
     """
-    policy = fitter.observed.policy
-    shares = one_variant(screen(fitter, probed, best, places), len(probed))
-    sharp = sharpened(fitter, shares[: 2 * policy.proposals], best)
-    at_ends = at_ends and policy.allows("prior_ends")
-    if at_ends and (not sharp or sharp[0].share < policy.most_of_gap):
-        sharp = _sharpest([*sharp, *sharpened(fitter, _at_ends(fitter, probed, best), best)])
+    policy = estimator.problem.policy
+    shares = one_variant(screen(estimator, probed, best, places), len(probed))
+    sharp = sharpened(estimator, shares[: 2 * policy.proposals], best)
+    estimates_at_bounds = estimates_at_bounds and policy.allows("prior_ends")
+    if estimates_at_bounds and (not sharp or sharp[0].share < policy.most_of_gap):
+        sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}
     least = policy.negligible_share
     return wanted, [share for share in sharp if share.places not in there and share.share > least]
 
 
-def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]:
+def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Share]:
     """Effects of one parameter at the ends of what is plausible.
 
     To first order a damping or a mass explains little of a gap that rings out of step by what it changes.
@@ -190,8 +200,8 @@ def _at_ends(fitter: Fitter, probed: Sequence[Probed], best: Fit) -> list[Share]
         if candidate.place in best.places or candidate.stands_on or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
-        with suppress(*FAILED):
-            prior = candidate.priors_in(fitter.with_effects((candidate,)))[name]
+        with suppress(*FIT_ERRORS):
+            prior = candidate.priors_in(estimator.with_effects((candidate,)))[name]
             ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
             found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]
     return found

@@ -25,8 +25,8 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.diagnosis.candidate import Candidate, nulls, value_of
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.fit import FAILED, Fit
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion
 
 
@@ -35,26 +35,26 @@ def new_springs(fit: Fit) -> frozenset[str]:
     return frozenset(m.at for m in fit.members if _softens_a_joint(m))
 
 
-def awakened(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+def awakened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
     """The same probes, those of laws through the new springs of a fit about its model."""
     joints = new_springs(fit)
     sleeping = [p for p in probed if p.candidate.effect.acts_through_spring() and p.candidate.at in joints]
     if not sleeping:
         return list(probed)
-    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
+    coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
     found = {id(each): probed_beside(coarse, each, fit) for each in sleeping}
     return [found.get(id(each), each) for each in probed]
 
 
-def probed_beside(fitter: Fitter, probed: Probed, fit: Fit) -> Probed:
+def probed_beside(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
     """A candidate about a model; as it was where that cannot be simulated."""
-    observed = fitter.observed
-    with suppress(*FAILED):
-        arm = fitter.with_effects(fit.members)
+    problem = estimator.problem
+    with suppress(*FIT_ERRORS):
+        arm = estimator.with_effects(fit.members)
         models = [arm.with_effect(probe) for probe in probed.candidate.probes]
-        observed.prepare([arm, *models])
-        before = observed.residual(arm)
-        return replace(probed, moves=np.stack([observed.residual(each) - before for each in models], axis=1))
+        problem.prepare([arm, *models])
+        before = problem.residual(arm)
+        return replace(probed, moves=np.stack([problem.residual(each) - before for each in models], axis=1))
     return probed
 
 
@@ -68,19 +68,19 @@ SMALL = 1e-3
 """Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
 
 
-def nearby(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
     """The same candidates, probed about the model of a fit; as they were where that cannot be simulated.
 
     A law on a spring that the fit has not comes with that spring, and stays as it was. Small steps of a
     spring are of one variant; softer ones, which move modes by themselves, are no small steps.
     """
-    coarse = replace(fitter, observed=fitter.observed.with_step(LONGER * fitter.observed.step))
+    coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
     there = {None, *fit.places}
     found: list[Probed] = []
     smooth: dict[int, Probed] = {}
     for each in probed:
         candidate = each.candidate
-        moves = in_proportion(candidate, fit.unknowns.keys, fit.projection.slopes)
+        moves = in_proportion(candidate, fit.nuisance.keys, fit.projection.jacobian)
         if moves is not None:
             each = replace(each, moves=moves)
         elif candidate.place not in fit.places and candidate.stands_on in there:
@@ -91,14 +91,14 @@ def nearby(fitter: Fitter, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
             else:
                 smooth[len(found)] = each
         found.append(each)
-    with suppress(*FAILED):  # of the fit itself, in longer steps
-        stepped = small_steps(fitter, [each.candidate for each in smooth.values()], fit)
+    with suppress(*FIT_ERRORS):  # of the fit itself, in longer steps
+        stepped = small_steps(estimator, [each.candidate for each in smooth.values()], fit)
         for k, steps in zip(smooth, stepped, strict=True):
             found[k] = steps or smooth[k]
     return found
 
 
-def small_steps(fitter: Fitter, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
+def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
     """Derivatives by the sizes of probes about a fit, in simulations of longer steps; None without any.
 
     Each effect is the same from the model's own values.
@@ -108,16 +108,16 @@ def small_steps(fitter: Fitter, candidates: Sequence[Candidate], fit: Fit) -> It
     NotConverged, InvalidParameter
         If the fit itself cannot be simulated in such steps.
     """
-    observed = fitter.observed.with_step(LONGER * fitter.observed.step)
-    there = fitter.with_effects(fit.members)
+    problem = estimator.problem.with_step(LONGER * estimator.problem.step)
+    there = estimator.with_effects(fit.members)
     own = [_from(each, there) for each in candidates]
-    nudged = [_nudged(fitter, each, fit) for each in own]
-    observed.prepare([there, *(arm for arms in nudged for arm in arms)])
-    before = observed.residual(there)
+    nudged = [_nudged(estimator, each, fit) for each in own]
+    problem.prepare([there, *(arm for arms in nudged for arm in arms)])
+    before = problem.residual(there)
     for candidate, arms in zip(own, nudged, strict=True):
         moves = np.empty((len(before), 0))
-        with suppress(*FAILED):
-            moves = np.array([(observed.residual(arm) - before) / SMALL for arm in arms]).T
+        with suppress(*FIT_ERRORS):
+            moves = np.array([(problem.residual(arm) - before) / SMALL for arm in arms]).T
         yield Probed(candidate, moves) if moves.any() else None
 
 
@@ -126,13 +126,13 @@ def same_in_small_steps(candidate: Candidate, others: Sequence[Candidate]) -> bo
     return candidate.effect.is_spring and candidate.place in {other.place for other in others}
 
 
-def _nudged(fitter: Fitter, candidate: Candidate, fit: Fit) -> list[Arm]:
+def _nudged(estimator: Estimator, candidate: Candidate, fit: Fit) -> list[Arm]:
     """Models with a small part of each probe of an effect; none where one of them cannot be."""
     arms = []
     for k in range(len(candidate.probes)):
-        with suppress(*FAILED):
+        with suppress(*FIT_ERRORS):
             small = replace(candidate, effect=candidate.nudged(k, SMALL))
-            arms.append(fitter.with_effects((*fit.members, small)))
+            arms.append(estimator.with_effects((*fit.members, small)))
     return arms if len(arms) == len(candidate.probes) else []
 
 

@@ -6,7 +6,7 @@
     row column value          coordinate: only what is not zero; symmetric: one triangle
     value                     array: column after column; symmetric: each from its diagonal down
 
-Read here line by line, since SciPy's reader does not survive damaged files. Source: [Boisvert1996].
+Read line by line, since SciPy's reader crashes the process on damaged files. Source: [Boisvert1996].
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ def read_matrix_market(path: Path) -> MatrixFile:
     InvalidFile
         If the file is damaged, or its matrix not real and square.
     """
-    lines = _lines(path)
+    numbered = enumerate(any_text(path).splitlines(), 1)
+    lines = ((number, line.strip()) for number, line in numbered if line.strip())
     first, banner = next(lines, (1, ""))
     words = banner.lower().split()
     if len(words) != 5 or words[0] != BANNER.lower() or words[1] != "matrix":
@@ -55,11 +56,6 @@ def read_matrix_market(path: Path) -> MatrixFile:
     if symmetry == "symmetric":
         matrix = matrix + matrix.T - np.diag(np.diag(matrix))
     return MatrixFile({"": Labelled(matrix, None)})
-
-
-def _lines(path: Path) -> Iterator[tuple[int, str]]:
-    text = any_text(path)
-    return ((i, line.strip()) for i, line in enumerate(text.splitlines(), 1) if line.strip())
 
 
 def _sizes(path: Path, content: Iterator[tuple[int, str]], layout: str) -> tuple[int, int]:

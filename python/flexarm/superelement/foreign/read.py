@@ -67,7 +67,11 @@ def choose(stiffness: str | Path, mass: str | Path | None, damping: str | Path |
     M, rest = (
         (_found(mass, "mass"), ()) if mass is not None else (_pick(file, held, "mass", ""), held.ignored)
     )
-    C = _found(damping, "damping") if damping is not None else _optional(file, held)
+    C = None
+    if damping is not None:
+        C = _found(damping, "damping")
+    elif _candidates(held, "damping"):
+        C = _pick(file, held, "damping", "")
     others = tuple(n for n in held.matrices if n.startswith(_OTHER_KINDS))
     return Chosen(K, M, C, (*rest, *others))
 
@@ -87,11 +91,6 @@ def _split(source: str | Path) -> tuple[Path, str]:
         return Path(text), ""
     file, _, name = text.rpartition(":")
     return (Path(file), name.upper()) if Path(file).exists() else (Path(text), "")
-
-
-def _optional(file: Path, held: MatrixFile) -> Labelled | None:
-    """Return a damping matrix that stands in the stiffness file."""
-    return _pick(file, held, "damping", "") if _candidates(held, "damping") else None
 
 
 def _candidates(held: MatrixFile, role: str) -> list[str]:

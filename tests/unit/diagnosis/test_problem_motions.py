@@ -14,11 +14,11 @@ from flexarm.arm.parameter import with_value
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.estimator import Fitter
-from flexarm.diagnosis.nuisance import unknowns
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import probe
-from flexarm.diagnosis.simulation_cache import Runs
+from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.effects import Backlash, SensorOffset
 from flexarm.measurement.slopes import predict_slopes
 from flexarm.record import Clock, Frame
@@ -32,14 +32,14 @@ def run():
     return run_of("one joint")
 
 
-def observed(run, step):
-    return Observed(run.simulation.arm, {"run": run.record}, step=step)
+def problem(run, step):
+    return Problem(run.simulation.arm, {"run": run.record}, step=step)
 
 
 def test_what_an_imperfect_sensor_shows_costs_no_run_and_no_reading_of_the_others(run, monkeypatch):
-    there = observed(run, 4e-3)
+    there = problem(run, 4e-3)
     arm = run.simulation.arm
-    before, made = there.residual(arm), there.runs.made
+    before, made = there.residual(arm), there.simulations.made
     read, plain = [], SimulatedRecord.residual
 
     def spied(self, signal, *given, **named):
@@ -48,7 +48,7 @@ def test_what_an_imperfect_sensor_shows_costs_no_run_and_no_reading_of_the_other
 
     monkeypatch.setattr(SimulatedRecord, "residual", spied)
     after = there.residual(arm.with_effect(SensorOffset(at="tip", offset=(1e-3, 0.0, 0.0))))
-    assert (there.runs.made, read) == (made, ["tip"])
+    assert (there.simulations.made, read) == (made, ["tip"])
     moved = {row.signal for row in there.rows if not np.array_equal(before[row.where], after[row.where])}
     assert moved == {"tip"}
 
@@ -56,32 +56,34 @@ def test_what_an_imperfect_sensor_shows_costs_no_run_and_no_reading_of_the_other
 @pytest.mark.parametrize("step", [4e-3, 8e-3])
 def test_derivatives_of_a_long_swing_are_those_of_the_equations(run, step):
     """Newton's iterations stop 1e-7 m apart, half a percent of 3e-4 of the modulus at the longer step."""
-    there, arm = observed(run, step), run.simulation.arm
-    found = there.slopes(arm, [MODULUS])[:, 0]
-    drive = there.runs.drive("run", arm)
+    there, arm = problem(run, step), run.simulation.arm
+    found = there.jacobian(arm, [MODULUS])[:, 0]
+    drive = there.simulations.drive("run", arm)
     simulation = flexarm.simulate(
         arm, drive, step=step, alpha=there.alpha, rotations=True, sensitivities=[MODULUS]
     )
     exact = np.zeros(len(there))
     for row in there.rows:
         signal, placement = run.record.signals[row.signal], there.placement["run"]
-        slopes = predict_slopes(simulation, signal, placement.clock(signal), placement.frame(signal))
-        exact[row.where] = -slopes[row.kept, row.channel, 0] / row.sigma
+        jacobian = predict_slopes(simulation, signal, placement.clock(signal), placement.frame(signal))
+        exact[row.where] = -jacobian[row.kept, row.channel, 0] / row.sigma
     assert np.linalg.norm(found - exact) < 0.02 * np.linalg.norm(exact)
 
 
 @pytest.mark.parametrize("step, finest", [(4e-3, 2), (8e-3, 4)])
 def test_steps_are_halved_again_where_half_a_step_moves_more_than_the_noise(run, monkeypatch, step, finest):
     """8 ms leave 2 sigmas of phase after half a minute, 4 ms a quarter of that."""
-    there = observed(run, step)
-    seen, plain = [], Runs._along
-    monkeypatch.setattr(Runs, "_along", lambda self, *given: seen.append(self.step) or plain(self, *given))
+    there = problem(run, step)
+    seen, plain = [], SimulationCache._along
+    monkeypatch.setattr(
+        SimulationCache, "_along", lambda self, *given: seen.append(self.step) or plain(self, *given)
+    )
     there.correction(run.simulation.arm)
     assert min(seen) == pytest.approx(step / finest)
 
 
 def test_steps_are_halved_again_beside_laws_with_corners(run, monkeypatch):
-    there = observed(run, 4e-3)
+    there = problem(run, 4e-3)
     steps = []
     monkeypatch.setattr(there, "with_step", lambda step: steps.append(step) or replace(there, step=step))
     there.correction(run.simulation.arm.with_effect(Backlash(at="hinge", gap=1e-3)))
@@ -107,7 +109,7 @@ def test_a_gear_of_another_ratio_is_another_run():
         clocks={"plc": Clock(), "tracker": Clock()},
         frames={"tracker": Frame()},
     )
-    there = Observed(arm, {"run": record}, step=0.01)
+    there = Problem(arm, {"run": record}, step=0.01)
     other = with_value(arm, "gears.reducer.ratio", 121.0)
     change = there.residual(other) - there.residual(arm)
     assert np.abs(change).max() > 10
@@ -120,24 +122,26 @@ def test_a_reflector_elsewhere_is_probed_without_a_simulation(run):
     """
     key = "points.tip.position_m"
     arm = run.simulation.arm.replace(uncertainty={key: 1e-3})
-    there = Observed(arm, {"run": run.record}, step=4e-3)
-    fitter = Fitter.nominal(there, unknowns(there))
-    reflectors = [c for c in candidates(there, fitter.unknowns.arm) if c.place == ("reflector_offset", "tip")]
-    made = there.runs.made
-    [probed] = probe(fitter, reflectors)
-    assert there.runs.made == made
+    there = Problem(arm, {"run": run.record}, step=4e-3)
+    estimator = Estimator.nominal(there, nuisance_model(there))
+    reflectors = [
+        c for c in candidates(there, estimator.nuisance.arm) if c.place == ("reflector_offset", "tip")
+    ]
+    made = there.simulations.made
+    [probed] = probe(estimator, reflectors)
+    assert there.simulations.made == made
     for k, effect in enumerate(probed.candidate.probes):
-        moved = there.residual(fitter.start.with_effect(effect)) - there.residual(fitter.start)
+        moved = there.residual(estimator.arm.with_effect(effect)) - there.residual(estimator.arm)
         assert probed.moves[:, k] == pytest.approx(moved, abs=1e-5 * np.abs(moved).max())
 
 
 def test_runs_of_many_records_are_remembered(run):
     """An effect on a sensor costs no run however many records there are."""
     records = {f"day {k}": run.record for k in range(9)}
-    there = Observed(run.simulation.arm, records, step=0.04)
-    made = there.runs.made
+    there = Problem(run.simulation.arm, records, step=0.04)
+    made = there.simulations.made
     there.residual(run.simulation.arm.with_effect(SensorOffset(at="tip", offset=(1e-3, 0.0, 0.0))))
-    assert there.runs.made == made
+    assert there.simulations.made == made
 
 
 def test_runs_in_shorter_steps_fill_no_more_memory(run):
@@ -146,12 +150,12 @@ def test_runs_in_shorter_steps_fill_no_more_memory(run):
     stretched = [with_value(arm, MODULUS, (2.0 + 0.01 * k) * 1e11) for k in range(10)]
     seen = {}
     for step in (0.08, 0.04, 0.02):
-        there = Runs({"run": run.record}, 0.04, -0.05).with_step(step)
+        there = SimulationCache({"run": run.record}, 0.04, -0.05).with_step(step)
         each = [weakref.ref(there.beside("run", arm).simulation) for arm in stretched]
         gc.collect()
         seen[step] = sum(ref() is not None for ref in each)
     assert seen == {0.08: 8, 0.04: 8, 0.02: 4}
-    many = Runs({f"day {k}": run.record for k in range(9)}, 0.04, -0.05).with_step(0.01)
+    many = SimulationCache({f"day {k}": run.record for k in range(9)}, 0.04, -0.05).with_step(0.01)
     for name in 2 * list(many.records):
         many.beside(name, arm)
     assert many.made == 9

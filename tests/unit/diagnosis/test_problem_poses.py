@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.arms import TUBE, beam, hinge, point
 
 from flexarm import Arm, Record, Signal
-from flexarm.diagnosis.problem import Observed
+from flexarm.diagnosis.problem import Problem
 from flexarm.errors import InvalidParameter
 from flexarm.record import Frame
 
@@ -35,7 +35,7 @@ def soft_rod() -> Arm:
     )
 
 
-def observed(quantity: str = "position") -> tuple[Arm, Observed]:
+def problem(quantity: str = "position") -> tuple[Arm, Problem]:
     """Three poses of it, seen in a frame that is not the base's."""
     arm = soft_rod()
     rows = np.array(["a", "b", "c"])
@@ -48,27 +48,27 @@ def observed(quantity: str = "position") -> tuple[Arm, Observed]:
                noise_std=1e-4),
     ]  # fmt: skip
     frames = {"tracker": Frame(rpy=(0.0, 0.0, 0.4), xyz=(1.0, 0.0, 0.0))}
-    return arm, Observed(arm, {"r": Record(kind="static", drive=("q",), signals=signals, frames=frames)})
+    return arm, Problem(arm, {"r": Record(kind="static", drive=("q",), signals=signals, frames=frames)})
 
 
 @pytest.mark.parametrize("k", range(len(KEYS)), ids=KEYS)
 def test_derivatives_of_equilibria_are_differences_of_residuals(k):
     """Differences have an error near 1e-7 of themselves."""
-    arm, poses = observed()
-    exact = poses.pose_slopes(arm, KEYS)
-    poses.pose_slopes = lambda *_: None
-    differences = poses.slopes(arm, [KEYS[k]])[:, 0]
+    arm, poses = problem()
+    exact = poses.static_jacobian(arm, KEYS)
+    poses.static_jacobian = lambda *_: None
+    differences = poses.jacobian(arm, [KEYS[k]])[:, 0]
     assert np.abs(differences).max() > 0
     assert exact[:, k] == pytest.approx(differences, abs=1e-6 * np.abs(differences).max())
 
 
 def test_orientations_are_left_to_differences():
     """Their residual is a rotation vector, no difference of readings."""
-    arm, poses = observed("orientation")
-    assert poses.pose_slopes(arm, KEYS[:1]) is None
+    arm, poses = problem("orientation")
+    assert poses.static_jacobian(arm, KEYS[:1]) is None
 
 
-def without_noise_std(repeats: int, noise: float, turned: bool = False) -> Observed:
+def without_noise_std(repeats: int, noise: float, turned: bool = False) -> Problem:
     """Eight poses between -1 and 1.2 rad, some of them measured again, far from what the model says."""
     rng = np.random.default_rng(5)
     number = np.concatenate([np.arange(8), np.arange(repeats) % 8])
@@ -80,7 +80,7 @@ def without_noise_std(repeats: int, noise: float, turned: bool = False) -> Obser
         Signal(name="q", quantity="joint_angle", joint="hinge", values=angles, pose=rows),
         Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), values=seen, pose=rows),
     ]
-    return Observed(soft_rod(), {"r": Record(kind="static", drive=("q",), signals=signals)})
+    return Problem(soft_rod(), {"r": Record(kind="static", drive=("q",), signals=signals)})
 
 
 @pytest.mark.parametrize("turned", [False, True], ids=["swept", "in any order"])
