@@ -61,7 +61,7 @@ torture: build
 reproduce: build
 	@$(BIN)/flexarm reproduce --out results --force
 
-## Linters, types, formats, stubs; C++ tests under sanitizers, with SuiteSparse and on Eigen alone. That
+## Linters, types, layers, formats, stubs; C++ tests under sanitizers, with SuiteSparse and on Eigen alone. That
 ## CMake does without SuiteSparse is seen from its configuration; make check-no-suitesparse builds all of it.
 check: build check-python check-cpp check-stubs check-asan build/no-suitesparse/build.ninja
 	@echo "make check: all passed"
@@ -71,6 +71,8 @@ check-python: setup
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	PYTHONPATH=python $(BIN)/lint-imports --no-logo
+	$(BIN)/python scripts/count.py --check
 
 check-cpp: setup
 	@echo "$(BIN)/clang-format --dry-run --Werror (cpp/)"

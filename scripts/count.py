@@ -2,6 +2,7 @@
 
     python scripts/count.py            # a table in Markdown
     python scripts/count.py --names    # also where each constant and effect name stands
+    python scripts/count.py --check    # fail if modules import one another
 
 Counted by the syntax tree of `python/flexarm`. A numeric constant is a module's name in capitals whose value
 is a number or numbers. An effect name is a string in the code that is a name of the vocabulary. A one-use
@@ -142,8 +143,12 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--names", action="store_true", help="list constants and effect names")
+    parser.add_argument("--check", action="store_true", help="fail if modules import one another")
     given = parser.parse_args()
     modules = {m.name: m for m in map(Module, sorted(ROOT.rglob("*.py")))}
+    found = circles(modules)
+    if given.check:
+        raise SystemExit("\n".join(f"circle: {', '.join(group)}" for group in found) or 0)
     effects = modules["flexarm.arm.vocabulary"].tree
     vocabulary = frozenset(
         n.value
@@ -171,7 +176,6 @@ def main() -> None:
             sum(deferred for m in group for _, deferred in m.imports()),
         ]
         print(f"| {label} | " + " | ".join(map(str, cells)) + " |")
-    found = circles(modules)
     print(f"\nCircles of imports: {len(found)}" + "".join(f"\n* {len(group)} modules" for group in found))
     if given.names:
         for module in core:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arm.link import Material
+from flexarm.material import Material
 from flexarm.solids import SolidMesh
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)

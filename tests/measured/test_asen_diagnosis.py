@@ -17,7 +17,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.cross_validation import press_rms
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves.proposals import larger_fits
+from flexarm.diagnosis.moves.proposals import fit_singles
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.ranking import best_of
@@ -55,7 +55,7 @@ def tests(shared_dir, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def bench(tests):
-    """Every tenth reading of test 3, a fitter, and all that could be there, by name and place."""
+    """Every tenth reading of test 3, a estimator, and all that could be there, by name and place."""
     arm, record = tests["test_3"]
     few = record.replace(
         signals=[
@@ -115,9 +115,9 @@ def test_the_search_takes_the_offset_and_then_friction_of_the_motor(bench):
     assert len({each.candidate.place for each in nearest}) == len(NEAREST)
     null = estimator.fit(())
     criteria = Criteria(estimator.problem, null)
-    one, about = best_of(estimator, larger_fits(estimator, nearest, null, criteria), null, criteria)
+    one, about = best_of(estimator, fit_singles(estimator, nearest, null, criteria), null, criteria)
     assert one.places == (("sensor_offset", "tip"),)
-    two, _ = best_of(about, larger_fits(about, nearest, one, criteria), one, criteria)
+    two, _ = best_of(about, fit_singles(about, nearest, one, criteria), one, criteria)
     assert set(two.places) == {("sensor_offset", "tip"), ("motor_friction", "hub")}
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from flexarm.arm import Arm
+from flexarm.arm.kinematics import link_pose
 from flexarm.comparison.directions import base_directions, joint_directions, project
 from flexarm.measurement import Registration
-from flexarm.measurement.kinematics import link_pose
 
 SECTION = {"shape": "tube", "outer_diameter": 0.06, "thickness": 0.003}
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}

@@ -24,10 +24,10 @@ from flexarm.arm import (
     StateFeedback,
     Tube,
 )
-from flexarm.diagnosis import report_file
 from flexarm.quantities import QUANTITIES
 from flexarm.record import CarriedPayload, Clock, Frame, Record
 from flexarm.record.file_table import RecordTable, SignalTable
+from flexarm.report import report_file
 from flexarm.tables import Table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")

@@ -244,3 +244,12 @@ def test_a_wall_that_no_round_section_of_that_area_can_have_is_said() -> None:
     assert said is not None
     assert said.startswith("wall 0.05 m contradicts area 0.00058 m2")
     assert said.endswith("its radius is 0.0136 m, and a wall must be less than that")
+
+
+def test_an_error_lists_a_thousand_problems_and_counts_the_others(tmp_path, model_file):
+    text = "".join(f"a{i} = 1\n" for i in range(1500)) + model_file.read_text()
+    (tmp_path / "many.toml").write_text(text)
+    with pytest.raises(InvalidFile) as error:
+        Arm.from_toml(tmp_path / "many.toml")
+    assert len(error.value.problems) == 1001
+    assert error.value.problems[-1].what == "has 500 more problems"

@@ -10,8 +10,8 @@ from pytest import approx
 
 import flexarm
 from flexarm import Arm, InvalidFile, InvalidParameter
+from flexarm.arm.kinematics import link_pose
 from flexarm.arm.weight import weight_statement
-from flexarm.measurement.kinematics import link_pose
 
 MODEL = """
 format = "flexarm-arm/1"

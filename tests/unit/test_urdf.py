@@ -298,3 +298,12 @@ def test_numbers_beyond_any_range_are_refused_where_they_stand(folder, number):
     (folder / "crane.urdf").write_text(URDF.replace('ixx="1"', f'ixx="{number}"'))
     with pytest.raises(InvalidFile, match=r"links\.mast\.ixx: must be at"):
         flexarm.Arm.from_toml(folder / "crane.urdf")
+
+
+def test_of_many_roots_ten_are_named(tmp_path):
+    links = "".join(f"<link name='l{i}'/>" for i in range(300))
+    (tmp_path / "a.urdf").write_text(f"<robot name='x'>{links}</robot>")
+    model = tmp_path / "arm.toml"
+    model.write_text('format = "flexarm-arm/1"\nurdf = "a.urdf"\n')
+    with pytest.raises(InvalidFile, match=r"l8, l9 and 290 more$"):
+        flexarm.Arm.from_toml(model)

@@ -6,12 +6,13 @@ from flexarm.arm.controller import Cascade, Controller, StateFeedback
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Gear, Joint, Origin
-from flexarm.arm.link import Beam, Link, Material, RigidLink, SuperElementLink
+from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
 from flexarm.arm.motor import Motor
 from flexarm.arm.prior import Prior
 from flexarm.arm.section import General, Rectangle, Round, Section, Tube
 from flexarm.arm.sensor import Measurement, Sensor
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
+from flexarm.material import Material
 
 __all__ = [
     "KNOWN_EFFECTS",

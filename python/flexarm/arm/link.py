@@ -9,24 +9,12 @@ from pydantic import Field, model_validator
 
 from flexarm.arm.inertia import Inertia, impossible
 from flexarm.arm.section import Section
+from flexarm.material import Material
 from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
 from flexarm.tables.table import Whole
 
 if TYPE_CHECKING:
     from flexarm.superelement import SuperElement
-
-
-class Material(Table):
-    """An isotropic elastic material."""
-
-    youngs_modulus: Number = value_in("Pa", "Young's modulus E", gt=0)
-    poisson_ratio: Number = value_in("-", "Poisson's ratio", gt=-1, lt=0.5)
-    density: Number = value_in("kg/m3", "density", ge=0)
-
-    @property
-    def shear_modulus(self) -> float:
-        """G = E / (2 (1 + nu)) [Pa]."""
-        return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
 
 
 WEIGHTLESS = "must be 0 where the density is 0, got {ratio:g}; a ratio is of a vibration, which needs mass"

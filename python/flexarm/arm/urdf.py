@@ -100,9 +100,8 @@ def read_urdf(path: Path) -> dict[str, Any]:
     children = {reader.end(joint, "child") for joint in joints}
     roots = [name for link in robot.findall("link") if (name := reader.name(link)) not in children]
     if len(roots) != 1:
-        raise InvalidFile(
-            path, "links", f"must have one root that no joint moves, got {', '.join(roots) or 'none'}"
-        )
+        named = ", ".join(roots[:10]) + (f" and {len(roots) - 10} more" if len(roots) > 10 else "")
+        raise InvalidFile(path, "links", f"must have one root that no joint moves, got {named or 'none'}")
     reader.root = roots[0]
     return {
         "name": robot.get("name") or path.stem,

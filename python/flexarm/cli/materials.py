@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile, Problem
+from flexarm.material import Material
 from flexarm.units import FACTORS, factor_to
 
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")

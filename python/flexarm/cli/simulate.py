@@ -100,7 +100,7 @@ def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
 
 
 def _refuse_endless(motion: Motion, step: float) -> None:
-    from flexarm.simulation.step_limit import MOST_STEPS
+    from flexarm.record.step_limit import MOST_STEPS
 
     steps = (motion.end - motion.start) / step
     if steps > MOST_STEPS:

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.arm.kinematics import chain_to, joint_frame, link_pose
 from flexarm.arrays import Floats
 from flexarm.measurement.frames import Registration
-from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
 SPAN = 0.02

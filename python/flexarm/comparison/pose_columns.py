@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.kinematics import link_pose, point_jacobian
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.gap import drive_angles
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.measurement.sampling import sample
 from flexarm.measurement.tracker import base_position
 

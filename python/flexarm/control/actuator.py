@@ -123,11 +123,11 @@ def differentiated(drive: _A, pairs: Sequence[tuple[_A, _A]], spreads: Sequence[
     numbers: dict[str, Real | VoltageDrive] = {}
     for field in fields(drive):
         value = getattr(drive, field.name)
-        beside = [(getattr(above, field.name), getattr(below, field.name)) for above, below in pairs]
+        perturbed = [(getattr(plus, field.name), getattr(minus, field.name)) for plus, minus in pairs]
         if isinstance(value, VoltageDrive):
-            numbers[field.name] = differentiated(value, beside, spreads)
+            numbers[field.name] = differentiated(value, perturbed, spreads)
         elif value is not None:
-            numbers[field.name] = between(value, beside, spreads)
+            numbers[field.name] = between(value, perturbed, spreads)
     return replace(drive, **numbers)  # type: ignore[arg-type]
 
 

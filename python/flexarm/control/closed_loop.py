@@ -27,12 +27,12 @@ from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
+from flexarm.record.step_limit import check_step_count
 from flexarm.simulation.energies import Energies
 from flexarm.simulation.from_core import simulation_of
 from flexarm.simulation.progress import Progress, reported
 from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import DIFFERENTIATED
-from flexarm.simulation.step_limit import check_step_count
 
 Schedule = Mapping[str, Callable[[float], Controller]]
 _LOOK = 64

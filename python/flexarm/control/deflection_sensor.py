@@ -25,10 +25,10 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.arm.kinematics import chain_to, joint_frame, link_pose
 from flexarm.arm.names import link_of
 from flexarm.arrays import Floats
 from flexarm.measurement.deformation import rigid_reference
-from flexarm.measurement.kinematics import chain_to, joint_frame, link_pose
 from flexarm.measurement.sampling import columns
 
 Point = tuple[float, float, float]

@@ -82,8 +82,8 @@ class Differentiation:
         self._arms: list[tuple[Arm, Arm]] = []
         self._spreads: list[float] = []
         for parameter in acting:
-            (above, up), (below, down) = neighbours(task.arm, parameter)
-            self._arms.append((above, below))
+            (plus, up), (minus, down) = neighbours(task.arm, parameter)
+            self._arms.append((plus, minus))
             self._spreads.append(up - down)
         self._equilibrium = task.at_rest(start)
         self._initial = _core.static_derivative(task.held, self._equilibrium, self._still, start)
@@ -160,7 +160,7 @@ class Differentiation:
         """Return d(c φ')/dp of the back-EMF c φ', (instant, parameter)."""
         losses = [tuple(replace(self._task, arm=arm).losses[name] for arm in pair) for pair in self._arms]
         slopes = [
-            (above - below) / spread for (above, below), spread in zip(losses, self._spreads, strict=True)
+            (plus - minus) / spread for (plus, minus), spread in zip(losses, self._spreads, strict=True)
         ]
         rate = run.drive_rate[:, run.joints.index(name), None]
         found: Floats = self._task.losses[name] * rate_slopes + rate * np.array(slopes)
@@ -173,8 +173,8 @@ class Differentiation:
         for k, (pair, place) in enumerate(zip(self._arms, self._places, strict=True)):
             entry = entry_of(self._task.arm, self._wanted[place])
             if isinstance(entry, SignalEffect) and entry.at in told:
-                above, below = (self._redriven(arm).drive.joints[name](times) for arm in pair)
-                slopes[:, k] = (above - below) / self._spreads[k]
+                plus, minus = (self._redriven(arm).drive.joints[name](times) for arm in pair)
+                slopes[:, k] = (plus - minus) / self._spreads[k]
         return slopes
 
     def _redriven(self, arm: Arm) -> ControlledArm:

@@ -111,9 +111,9 @@ def between(value: float, pairs: Sequence[tuple[float, float]], spreads: Sequenc
     spreads : sequence of float
         By how much the two values of each parameter differ.
     """
-    if not isfinite(value) or all(above == below for above, below in pairs):
+    if not isfinite(value) or all(plus == minus for plus, minus in pairs):
         return value
     return Dual(
         value,
-        np.array([(above - below) / spread for (above, below), spread in zip(pairs, spreads, strict=True)]),
+        np.array([(plus - minus) / spread for (plus, minus), spread in zip(pairs, spreads, strict=True)]),
     )

@@ -108,20 +108,20 @@ class DifferentiatedSensing(Sensing):
         The model.
     controller : Controller
         Names joint and deflection sensor.
-    beside : sequence of (Arm, Arm)
+    perturbed : sequence of (Arm, Arm)
         For each parameter the model with a little more and a little less of it.
     spreads : sequence of float
         By how much the two values of each parameter differ.
     """
 
     def __init__(
-        self, arm: Arm, controller: Controller, beside: Sequence[tuple[Arm, Arm]], spreads: Sequence[float]
+        self, arm: Arm, controller: Controller, perturbed: Sequence[tuple[Arm, Arm]], spreads: Sequence[float]
     ) -> None:
         super().__init__(arm, controller)
         self._changed: dict[str, list[tuple[int, float, SensorEffects, SensorEffects]]] = {}
         self._moved: list[tuple[int, float, DeflectionSensor, DeflectionSensor]] = []
-        for k, ((above, below), spread) in enumerate(zip(beside, spreads, strict=True)):
-            up, down = Sensing(above, controller), Sensing(below, controller)
+        for k, ((plus, minus), spread) in enumerate(zip(perturbed, spreads, strict=True)):
+            up, down = Sensing(plus, controller), Sensing(minus, controller)
             for name in self._effects:
                 if up._effects[name] != down._effects[name]:
                     change = (k, spread, up._effects[name], down._effects[name])
@@ -137,16 +137,16 @@ class DifferentiatedSensing(Sensing):
         high, low = seen.reading(np.array([[u + h], [u - h]]), rounded=False)[:, 0]
         slopes: Floats = (high - low) / (2 * h) * true.slopes
         at = np.array([[u]])
-        for k, spread, above, below in self._changed.get(sensor.name, ()):
-            slopes[k] += (above.reading(at, False)[0, 0] - below.reading(at, False)[0, 0]) / spread
+        for k, spread, plus, minus in self._changed.get(sensor.name, ()):
+            slopes[k] += (plus.reading(at, False)[0, 0] - minus.reading(at, False)[0, 0]) / spread
         return Dual(value_of(super()._shown(sensor, u)), slopes)  # eq. (2)
 
     def _bent(self, plant: Plant) -> Real:
         true = super()._bent(plant)
         if isinstance(true, Dual) and self._geometry is not None:
             seen = plant.seen_by(self._geometry)
-            for k, spread, above, below in self._moved:
-                true.slopes[k] += (above.read(*seen) - below.read(*seen)) / spread
+            for k, spread, plus, minus in self._moved:
+                true.slopes[k] += (plus.read(*seen) - minus.read(*seen)) / spread
         return true
 
 

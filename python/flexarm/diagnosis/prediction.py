@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import TYPE_CHECKING
 
-from flexarm.wording import number, with_unit
+from flexarm.report.sentences import contradicted_sentence
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.problem import Problem
@@ -30,7 +30,7 @@ LEAST = {"m": 1e-6, "rad": 1e-6}
 
 
 @dataclass(frozen=True)
-class _Left:
+class HeldOutGap:
     """What the updated model leaves of a signal, of a held-out record and of the training, in its unit."""
 
     record: str
@@ -52,22 +52,10 @@ class _Left:
         return self.held_out / known if known > 0 else 0.0
 
 
-def foretold_sentence(diagnosis: Diagnosis) -> str:
-    """What is left of what the model does not foretell, and why that may be; empty if it foretells all."""
-    d = diagnosis
-    worst = max(_left(d), key=lambda left: left.ratio, default=None)
-    if worst is None or worst.ratio < TIMES:
-        return ""
-    who = "The repaired model" if d.updated != d.arm else "The model"
-    what = f"{worst.record!r}" if d.hold_out_kind == "blocks" else f"the held-out record {worst.record!r}"
-    size = f"{with_unit(worst.held_out, worst.unit)} rms are left of {worst.signal!r}"
-    noise = f", {number(worst.held_out / worst.noise, 2)} times the noise" if worst.noise else ""
-    rest = (
-        ""
-        if worst.training is None
-        else f"; the training is left with {with_unit(worst.training, worst.unit)}"
-    )
-    return f"{who} does not foretell {what}: {size}{noise}{rest}. {_why(d)}"
+def unpredicted(diagnosis: Diagnosis) -> HeldOutGap | None:
+    """Return the held-out gap that is largest relative to noise and training, or None below `TIMES`."""
+    worst = max(held_out_gaps(diagnosis), key=lambda gap: gap.ratio, default=None)
+    return None if worst is None or worst.ratio < TIMES else worst
 
 
 def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
@@ -86,20 +74,15 @@ def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swin
     if d.verdict != "adequate":
         return d
 
-    def times(left: _Left) -> float:
+    def times(left: HeldOutGap) -> float:
         if left.noise is None or swings:
             return left.ratio
         return left.held_out / max(left.noise * sqrt(1 + no_gap.get(left.signal, 0.0)), left.least, 1e-300)
 
-    worst = max(_left(d), key=times, default=None)
+    worst = max(held_out_gaps(d), key=times, default=None)
     if worst is None or times(worst) < TIMES:
         return d
-    noise = f", {number(worst.held_out / worst.noise, 2)} times the noise" if worst.noise else ""
-    said = (
-        "No effect is missing as far as the training tells, but the model is not adequate: of "
-        f"{worst.signal!r} in the held-out {worst.record!r} "
-        f"{with_unit(worst.held_out, worst.unit)} rms are left{noise}."
-    )
+    said = contradicted_sentence(worst)
     return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
 
 
@@ -111,23 +94,7 @@ def no_gap_of(problem: Problem, non_smooth: bool) -> dict[str, float]:
     return found
 
 
-def remarks_beside(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Remarks but for the one that stands beside the verdict."""
-    said = foretold_sentence(diagnosis)
-    return tuple(remark for remark in diagnosis.remarks if remark != said)
-
-
-def _why(d: Diagnosis) -> str:
-    fault = "that record has a fault of its own, which `flexarm check MODEL RECORD` looks for"
-    if d.hold_out_kind == "blocks":
-        return "Either something happens there and nowhere else, or these readings are at fault."
-    if d.hold_out_kind == "extrapolation":
-        beyond = f" ({d.hold_out_why})" if d.hold_out_why else ""
-        return f"Either what lies beyond the training{beyond} shows what the training does not, or {fault}."
-    return f"It lies within what the training covers: either the machine was another one then, or {fault}."
-
-
-def _left(d: Diagnosis) -> list[_Left]:
+def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:
     """Of every record that was held out, and every signal of it that is evidence."""
     found = []
     for record in d.held_out:
@@ -135,5 +102,5 @@ def _left(d: Diagnosis) -> list[_Left]:
             held, trained = d.gap([record], signal), d.gap(d.training, signal)
             if held.after_rms is not None:
                 unit, after = gap.unit, held.after_rms
-                found.append(_Left(record, signal, unit, after, held.noise_rms, trained.after_rms))
+                found.append(HeldOutGap(record, signal, unit, after, held.noise_rms, trained.after_rms))
     return found

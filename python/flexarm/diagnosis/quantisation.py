@@ -1,6 +1,6 @@
 """Encoders that count in steps their records do not tell of, and what those steps do to everything else.
 
-Readings of such an encoder lie on a quantisation grid (`flexarm.measurement.quantisation_grid`), seen in them
+Readings of such an encoder lie on a quantisation grid (`flexarm.record.quantisation_grid`), seen in them
 No fit can take the steps back: what the drive did between two
 counts is lost, and moves everything it drives. How much follows from rounding once more: with f the smoothed
 drive,
@@ -25,10 +25,10 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.quantisation_grid import quantisation_step
 from flexarm.measurement.smoothing import smooth
 from flexarm.named_effects import Estimate, NamedEffect
 from flexarm.record import Record
+from flexarm.record.quantisation_grid import quantisation_step
 
 COARSE = 5.0
 """Steps over the stated noise from which a record does not tell of them."""

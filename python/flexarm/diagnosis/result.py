@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from flexarm.arguments import PATH, takes
+from flexarm.arm.parameter import parameters, path_of
+from flexarm.comparison.align import KEPT
+from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
+from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
-from flexarm.residual_analysis.pooled_gap import PooledGap, pooled_gap
+from flexarm.wording import scale, signed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,6 +23,74 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
     from flexarm.residual_analysis.localisation import Localisation
+
+
+STILL = 1e-3
+"""Of its 1 sigma a value may move and still count as where it was."""
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A refined value beside what was stated of it.
+
+    Attributes
+    ----------
+    refined : Refined
+        The value.
+    sigma : float or None
+        1 sigma that the model states; None if it states none.
+    """
+
+    refined: Refined
+    sigma: float | None
+
+    @property
+    def moved(self) -> float:
+        """From the nominal value, eq. (1)."""
+        return self.refined.value - self.refined.nominal
+
+    @property
+    def pull(self) -> float | None:
+        """In stated sigmas, eq. (1)."""
+        return self.moved / self.sigma if self.sigma else None
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data say more than was known."""
+        return self.sigma is None or self.refined.std < KEPT * self.sigma
+
+    @property
+    def changed(self) -> bool:
+        """Whether the repaired model has another value; those that are left open mostly have not."""
+        return abs(self.moved) > STILL * self.refined.std
+
+    @property
+    def texts(self) -> tuple[str, str, str]:
+        """Moved and 1 sigma with the digits that this leaves, and the unit of both."""
+        std = self.refined.std
+        factor, unit = scale([self.moved, std], self.refined.unit)
+        if not isfinite(std) or std <= 0:
+            return signed(factor * self.moved, 2), "–", unit
+        places = max(0, min(9, 1 - floor(log10(factor * std))))
+        return signed(factor * self.moved, places), f"{factor * std:.{places}f}", unit
+
+
+def stated_sigma(arm: Arm, key: str) -> float | None:
+    """1 sigma that `[uncertainty]` gives a parameter: of the value itself or of the vector it is part of.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model.
+    key : str
+        The parameter, such as "points.tip.position.x"; the model's own key may end in a unit.
+    """
+    for given in arm.uncertainty:
+        if key in {parameter.key for parameter in parameters(arm, given)}:
+            _, sigma = arm.sigma(given)
+            component = path_of(arm, key).component or 0
+            return float(sigma[component] if isinstance(sigma, tuple) else sigma) or None
+    return None
 
 
 Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
@@ -119,6 +192,16 @@ class Diagnosis(SavedAsDirectory):
         """
         return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
 
+    @property
+    def refinements(self) -> tuple[Refinement, ...]:
+        """Return the refined values, each with the sigma that the nominal model states."""
+        return tuple(Refinement(each, stated_sigma(self.arm, each.parameter)) for each in self.refined)
+
+    @property
+    def unpredicted(self) -> HeldOutGap | None:
+        """Return the gap of held-out data that the model predicts worst, or None if it predicts all."""
+        return unpredicted(self)
+
     def figures_of(self, effect: NamedEffect) -> list[str]:
         """Names of the files that `save` draws for a named effect."""
         names = stems([f"{each.name}-{each.at}" for each in self.effects])
@@ -128,7 +211,7 @@ class Diagnosis(SavedAsDirectory):
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object of `report.json`, checked against its format."""
-        from flexarm.diagnosis.report_file import report_dict
+        from flexarm.report.report_file import report_dict
 
         return report_dict(self)
 
@@ -179,7 +262,7 @@ class Diagnosis(SavedAsDirectory):
         --------
         >>> flexarm.Diagnosis.load("diagnosis").plot(record="other_day")  # doctest: +SKIP
         """
-        from flexarm.diagnosis.storage import stored
+        from flexarm.report.storage import stored
 
         return cls(**stored(path))
 

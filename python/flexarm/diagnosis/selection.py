@@ -1,14 +1,11 @@
-"""Which effects: one after the other while they explain something real, then every one against its rivals.
+"""Selection of effects: forward, backward, refine, swap.
 
-*Forward*: the most promising effects are fitted beside those that are there (`moves.proposals`), as probes
-about their fit show it where that is not all (`nearby`), after those that do what unknowns are strained to do
-(`takeover`), and the best of them (`ranking`) is taken if it is accepted (`acceptance`). Where one explains
-too little, sets of two and three compete with what goes on from the best smaller one: sets are put in their
-order to first order about the nominal model, which may be far from what one effect makes of it. After each
-step derivatives are taken anew about the better model (`polish`). *Backward*: an effect that the others have
-made needless is dropped, and what that leaves is gone on from once more. *Rivals*: every rival of every
-effect that is left is fitted in its place (`rivals`); one that comes out ahead takes it, and may make others
-needless in its turn.
+*Forward*: the moves of `moves.registry` propose larger models; the best of them (`ranking`) is taken if it is
+accepted (`acceptance`). Where one effect explains too little, sets of two and three compete with it and with
+what goes on from it, since screening about the nominal model may order them wrongly. *Backward*: an effect
+that the others made needless is dropped, and the search goes forward once more. *Refine*: all values move
+together to the optimum (`refinement`). *Swap*: alternatives of each effect are fitted in its place
+(`alternatives`); one that comes out ahead takes it, and may make others needless.
 """
 
 from __future__ import annotations
@@ -16,17 +13,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
-from flexarm.diagnosis.candidate import carries
+from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, variance_inflation
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.moves.confounding import taken_over
-from flexarm.diagnosis.moves.proposals import larger_fits, other_springs
-from flexarm.diagnosis.moves.rescreening import awakened, nearby, new_springs
+from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
+from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
@@ -37,7 +32,7 @@ Note = Callable[[str, float], object]
 
 @dataclass(eq=False)
 class Choice:
-    """What was chosen.
+    """The selected model and its alternatives.
 
     Attributes
     ----------
@@ -65,228 +60,161 @@ class Choice:
 
     @property
     def gain(self) -> float:
-        """ln Z of the chosen model over the nominal one."""
+        """Return ln Z of the chosen model over the nominal one."""
         problem = self.estimator.problem
         return log_bayes_factor(self.best, self.null, problem, self.value)
 
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
-    """Forward, backward, and rivals."""
+    """Select effects: forward and backward, refine, swap."""
     tell = note or (lambda what, done: None)
-    search = _Search(estimator, probed)
-    best, about = search.through(tell)
-    most = search.policy.most_effects
+    problem, start = estimator.problem, estimator.fit(())
+    null, about_null = without_effects(start, estimator)
+    places = cardan_joints(problem.arm, driven_joints(problem.arm, problem.records.values()))
+    state = SearchState(probed, start, null, about_null, Criteria(problem, null), places)
+    best, about = forward_and_backward(state, estimator, tell)
+    most = problem.policy.most_effects
     tell("weighing rivals", most / (most + 1))
-    choice = search.weighed(*settled(best, about))
-    gains = [(f, log_bayes_factor(f, search.null, estimator.problem, choice.value)) for f in search.tried]
+    choice = swap(state, *settled(best, about))
+    gains = [(f, log_bayes_factor(f, null, problem, choice.value)) for f in state.tried]
     return replace(choice, tried=gains)
 
 
-class _Search:
-    """What the steps of a search share: candidates, the model without effects, and all fits so far.
+def forward_and_backward(state: SearchState, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
+    """Return the model to which effects were added and needless ones dropped, and the estimator about it."""
+    best = state.null
+    for _ in range(state.criteria.policy.rounds):
+        larger, there = forward(state, best, about, tell)
+        best, about = backward(state.criteria, larger, there)
+        if len(best.members) == len(larger.members) or state.criteria.explains(best):
+            break
+    return best, about
 
-    That model is fitted twice: `start` with clocks and frames about their nominal values, where the first
-    effects are looked for; `null` about its own optimum, with which larger models are compared.
+
+def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
+    """Return the largest model of which each effect is accepted, and the estimator about it."""
+    while not state.criteria.explains(best):
+        count = causes(best.members, state.places)
+        if count >= most_effects(state, best):
+            break
+        tell(f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1))
+        larger = enlarged(state, best, about)
+        if larger is None or not state.criteria.accepts(larger[0], best):
+            break
+        best, about = larger
+        if best is state.complete:
+            break
+    return best, about
+
+
+def most_effects(state: SearchState, fit: Fit) -> int:
+    """Return the most effects to look for: no third if two leave most, no second if one hardly helps."""
+    count, most = causes(fit.members, state.places), state.criteria.policy.most_effects
+    if count == 1 and state.criteria.hardly_helps(fit):
+        return 1
+    return min(2, most) if count == 2 and state.criteria.leaves_most(fit) else most
+
+
+def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator] | None:
+    """Return the best model with an effect more, at first with two or three if one explains too little.
+
+    None if there is no candidate.
     """
+    criteria, found = state.criteria, proposed(state, FORWARD, best, about)
+    if not found:
+        return None
+    better, there = best_proposed(state, about, found, best)
+    for size, (name, move) in enumerate(SETS.items(), start=2):
+        if best.members or criteria.explains(better):
+            break
+        sets = proposed(state, {name: move}, better, about)
+        if len(better.members) == size - 1 < most_effects(state, better) and criteria.reduces(better, best):
+            sets += proposed(state, FORWARD, better, there)
+            state.complete = better
+        if not sets:
+            continue
+        more, where = best_proposed(state, about, sets, better)
+        if criteria.accepts(more, better):
+            better, there = more, where
+    return better, there
 
-    def __init__(self, estimator: Estimator, probed: Sequence[Probed]) -> None:
-        self.estimator, self.problem, self.probed = estimator, estimator.problem, probed
-        self.start = estimator.fit(())
-        self.null, self.about_null = without_effects(self.start, estimator)
-        self.criteria, self.policy = Criteria(self.problem, self.null), self.problem.policy
-        arm, records = self.problem.arm, self.problem.records.values()
-        self.places = cardan_joints(arm, driven_joints(arm, records))
-        self.tried: list[Fit] = []
-        self.complete: Fit | None = None  # nothing beside it was accepted
-        self._awake: dict[frozenset[str], Sequence[Probed]] = {frozenset(): probed}
-        self._near: dict[frozenset[tuple[str, str]], Sequence[Probed]] = {}
 
-    def through(self, tell: Note) -> tuple[Fit, Estimator]:
-        """Forward and backward; forward once more where what is left after that is not all."""
-        best, about = self.null, self.estimator
-        for _ in range(self.policy.rounds):
-            larger, there = self.forward(best, about, tell)
-            best, about = _backward(there, larger, self.criteria)
-            if len(best.members) == len(larger.members) or self.criteria.explains(best):
-                break
+def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Estimator) -> list[Fit]:
+    """Return the models that moves propose, those that the policy allows."""
+    found: list[Fit] = []
+    for name, move in moves.items():
+        if name == "singles" or state.criteria.policy.allows(name):
+            found += move(state, best, about, found)
+    state.tried += found
+    return found
+
+
+def best_proposed(
+    state: SearchState, about: Estimator, fits: Sequence[Fit], old: Fit
+) -> tuple[Fit, Estimator]:
+    """Return the best of some models, or with one of its springs elsewhere where that is better."""
+    criteria, problem = state.criteria, state.criteria.problem
+    best, about = best_of(about, fits, old, criteria)
+    near = best.cost < criteria.policy.model_errors * len(problem)
+    if near and criteria.policy.allows("model_errors") and criteria.leaves_gap(best):
+        arm = about.with_effects(best.members)
+        allow_for_input_noise(problem, arm)
+        allow_for_discretisation_error(problem, arm)
+    nearer = [f for f in proposed(state, ELSEWHERE, best, about) if f.cost < best.cost]
+    if not nearer:
         return best, about
-
-    def forward(self, best: Fit, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
-        """The largest model of which each effect is accepted, and about which."""
-        while (count := causes(best.members, self.places)) < self._most(best) and not self.criteria.explains(
-            best
-        ):
-            tell(f"looking for effect {count + 1}", count / (self.policy.most_effects + 1))
-            larger = self._larger(best, about)
-            if larger is None or not self.criteria.accepts(larger[0], best):
-                break
-            best, about = larger
-            if best is self.complete:
-                break
-        return best, about
-
-    def _larger(self, best: Fit, about: Estimator) -> tuple[Fit, Estimator] | None:
-        """The best model with an effect more; with two or three at first, if one explains too little.
-
-        None if there is no candidate.
-        """
-        found = self._one_more(best, about)
-        if not found:
-            return None
-        better, there = self._best_of(about, found, best)
-        for size, move in ((2, "pairs"), (3, "triples")):
-            if not self.policy.allows(move) or best.members or self.criteria.explains(better):
-                break
-            sets = self._sets(about, size, better)
-            if len(better.members) == size - 1 < self._most(better) and self.criteria.reduces(better, best):
-                sets += self._one_more(better, there)
-                self.complete = better
-            if not sets:
-                continue
-            more, where = self._best_of(about, sets, better)
-            if self.criteria.accepts(more, better):
-                better, there = more, where
-        return better, there
-
-    def _one_more(self, best: Fit, about: Estimator) -> list[Fit]:
-        """Models with an effect more: what takes over where unknowns are strained, and what promises most.
-
-        Only the former, if there is such, where nothing but that strain is left.
-        """
-        here, at = (best, about) if best.members else (self.null, self.about_null)
-        probed = self._beside(best, about)
-        found = []
-        if self.policy.allows("confounding"):
-            found = taken_over(at, self.probed, here)  # whose sizes count from stated values
-        if not (found and self.criteria.adequate(here)):
-            here = best if best.members else self.start
-            found += larger_fits(about, probed, here, self.criteria, places=self.places, found=found)
-            if self.policy.allows("twin_spring"):
-                found += self._beside_a_twin(best, about)
-        self.tried += found
-        return found
-
-    def _beside(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
-        """Candidates as they are beside the effects of a fit: where more is left to explain, about it."""
-        if not fit.members or self.criteria.adequate(fit) or not self.policy.allows("rescreening"):
-            return self._awakened(fit, about)
-        places = frozenset(fit.places)
-        if places not in self._near:
-            self._near[places] = nearby(about, self.probed, fit)
-        return self._near[places]
-
-    def _awakened(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
-        """Candidates, those awake that act through springs which a fit has and the nominal model has not."""
-        joints = new_springs(fit)
-        if joints not in self._awake:
-            self._awake[joints] = awakened(about, self.probed, fit)
-        return self._awake[joints]
-
-    def _beside_a_twin(self, best: Fit, about: Estimator) -> list[Fit]:
-        """An effect more in the joint of a spring that elsewhere leaves as little as in the best model.
-
-        A base that gives way does what a soft shoulder does; friction there shows beside the latter.
-        """
-        limit = (1 + self.policy.alike) * best.cost
-        twins = [f for f in self.tried if f.cost < limit and _one_spring_apart(f, best)]
-        if not twins or not self.criteria.leaves_gap(best):
-            return []
-        twin = min(twins, key=lambda f: f.cost)
-        joints = new_springs(twin) - new_springs(best)
-        laws = [p for p in self._awakened(twin, about) if p.candidate.at in joints]
-        laws = [p for p in laws if p.candidate.effect.acts_through_spring()]
-        return larger_fits(about, laws, twin, self.criteria) if laws else []
-
-    def _sets(self, about: Estimator, size: int, beside: Fit) -> list[Fit]:
-        """Models of two or three effects, unless what a smaller one leaves is a strained unknown alone."""
-        if self.criteria.adequate(beside):
-            return []
-        found = larger_fits(about, self.probed, self.start, self.criteria, size, beside=beside)
-        self.tried += found
-        return found
-
-    def _best_of(self, estimator: Estimator, fits: Sequence[Fit], old: Fit) -> tuple[Fit, Estimator]:
-        """The best of some, or if it leaves a gap the same with another spring of the machine soft."""
-        best, about = best_of(estimator, fits, old, self.criteria)
-        near = self.policy.allows("model_errors") and best.cost < self.policy.model_errors * len(self.problem)
-        if near and self.criteria.leaves_gap(best):
-            arm = about.with_effects(best.members)
-            allow_for_input_noise(self.problem, arm)
-            allow_for_discretisation_error(self.problem, arm)
-        if not self.criteria.leaves_gap(best) or not self.policy.allows("spring_swap"):
-            return best, about
-        found = other_springs(best, about, self.probed)
-        self.tried += found
-        nearer = [f for f in found if f.cost < best.cost]
-        if not nearer:
-            return best, about
-        better, there = best_of(about, nearer, old, self.criteria)
-        return (better, there) if better.cost < best.cost else (best, about)
-
-    def _most(self, fit: Fit) -> int:
-        """Effects in one diagnosis; no third one where two are far off, no second where one hardly helps."""
-        count = causes(fit.members, self.places)
-        if count == 1 and self.criteria.hardly_helps(fit):
-            return 1
-        most = self.policy.most_effects
-        return min(2, most) if count == 2 and self.criteria.leaves_most(fit) else most
-
-    def weighed(self, best: Fit, about: Estimator) -> Choice:
-        """A model with the rivals of its effects, after those that are ahead have taken their places.
-
-        None does so twice: of two that are equal each may be ahead of the other by a little.
-        """
-        choice, chosen = self._with_rivals(best, about), []
-        for _ in range(self.policy.most_effects if self.policy.allows("swap") else 0):
-            ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
-            if ahead is None or ahead.behind >= 0:
-                break
-            chosen.append(set(choice.best.places))
-            if set(ahead.fit.places) in chosen:
-                break
-            self.tried.append(choice.best)  # which is the other's rival now
-            fewer = _backward(about_or_here(ahead.fit, choice.estimator), ahead.fit, self.criteria)
-            choice = self._with_rivals(*settled(*fewer))
-        return choice
-
-    def _with_rivals(self, best: Fit, about: Estimator) -> Choice:
-        value = variance_inflation(best.projected, self.problem)
-        rivals = [
-            rivals_of(k, best, self.criteria, about, self._beside(best, about), self.tried, value)
-            for k in range(len(best.members))
-        ]
-        needed = [self._needed(k, best, about, value) for k in range(len(best.members))]
-        return Choice(self.null, best, about, value, rivals, needed)
-
-    def _needed(self, k: int, best: Fit, about: Estimator, value: Mapping[Channel, float]) -> float:
-        """ln Z of a model over itself without effect k; over that without all, if others stand on it."""
-        others = tuple(m for i, m in enumerate(best.members) if i != k)
-        alone = not others or carries(others, best.members[k])
-        fewer = None if alone else without(others, about, self.tried)
-        return log_bayes_factor(best, fewer or self.null, self.problem, value)
+    better, there = best_of(about, nearer, old, criteria)
+    return (better, there) if better.cost < best.cost else (best, about)
 
 
-def _one_spring_apart(one: Fit, other: Fit) -> bool:
-    """Whether two models differ by where one spring is."""
-    mine, theirs = (set(a.places) - set(b.places) for a, b in ((one, other), (other, one)))
-    return len(mine) == len(theirs) == 1 and all(effect_class(name).is_spring for name, _ in mine | theirs)
-
-
-def _backward(estimator: Estimator, best: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
-    """Drops what the others have made needless."""
+def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
+    """Return a model without the effects that the others made needless."""
     k = 0 if criteria.policy.allows("backward") else len(best.members)
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
-        if carries(rest, best.members[k]):
-            k += 1
-            continue
-        try:
-            fewer = estimator.fit(rest, nearby=best)
-        except FIT_ERRORS:
-            k += 1
-            continue
-        if criteria.accepts(best, fewer):
+        fewer = None if carries(rest, best.members[k]) else _fitted(estimator, rest, best)
+        if fewer is None or criteria.accepts(best, fewer):
             k += 1
         else:
             best, estimator, k = fewer, about_or_here(fewer, estimator), 0
     return best, estimator
+
+
+def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
+    """Return a model with its alternatives, after those that are ahead took the places of its effects.
+
+    None does so twice: of two that are equal each may be ahead of the other by a little.
+    """
+    choice, chosen, policy = with_alternatives(state, best, about), [], state.criteria.policy
+    for _ in range(policy.most_effects if policy.allows("swap") else 0):
+        ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
+        if ahead is None or ahead.behind >= 0:
+            break
+        chosen.append(set(choice.best.places))
+        if set(ahead.fit.places) in chosen:
+            break
+        state.tried.append(choice.best)  # which is the other's alternative now
+        fewer = backward(state.criteria, ahead.fit, about_or_here(ahead.fit, choice.estimator))
+        choice = with_alternatives(state, *settled(*fewer))
+    return choice
+
+
+def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
+    """Return a model with the alternatives of its effects and the evidence for each effect."""
+    criteria = state.criteria
+    value = variance_inflation(best.projected, criteria.problem)
+    rivals, needed = [], []
+    for k, member in enumerate(best.members):
+        rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried, value))
+        others = tuple(m for i, m in enumerate(best.members) if i != k)
+        alone = not others or carries(others, member)
+        fewer = None if alone else without(others, about, state.tried)
+        needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem, value))
+    return Choice(state.null, best, about, value, rivals, needed)
+
+
+def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:
+    try:
+        return estimator.fit(members, nearby=nearby)
+    except FIT_ERRORS:
+        return None

@@ -179,7 +179,7 @@ def _default_unit(arm: Any, sensor: Sensor) -> str:
 
 def _instants(simulation: Any, sensor: Sensor, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Return planned and true instants (1), as many as fit into the run."""
-    from flexarm.simulation.step_limit import MOST_STEPS
+    from flexarm.record.step_limit import MOST_STEPS
 
     first, last = float(simulation.time[0]), float(simulation.time[-1])
     count = int(np.floor((last - first - sensor.start) * sensor.rate_hz * (1 + 1e-12))) + 1

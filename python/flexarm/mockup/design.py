@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from flexarm.arm.link import Material
+from flexarm.material import Material
 from flexarm.tables import Inconsistent, Name, Number, Table, check_table, read_toml, value_in
 from flexarm.tables.table import Whole
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.rotation import from_rpy
 from flexarm.arrays import Floats
 from flexarm.errors import Problem
 from flexarm.record.workspace import farthest_point, workspace_radius
@@ -82,6 +83,4 @@ def _far(signal: Signal, frame: Frame) -> float:
 def _turned(frame: Frame, place: Floats) -> Floats:
     if not any(frame.rpy):
         return place
-    from flexarm.measurement.frames import rotation_from_rpy
-
-    return np.asarray(rotation_from_rpy(*frame.rpy) @ place)
+    return np.asarray(np.array(from_rpy(frame.rpy)) @ place)

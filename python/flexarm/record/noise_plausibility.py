@@ -82,7 +82,7 @@ def _noise(signal: Signal, stated: float) -> Iterable[str]:
 
 def _step(signal: Signal) -> float:
     """Step of which all readings of a channel are multiples, 0 if there is none."""
-    from flexarm.measurement.quantisation_grid import quantisation_step
+    from flexarm.record.quantisation_grid import quantisation_step
 
     if signal.quantity in ("joint_angle", "joint_command", "force", "payload_mass"):
         return 0.0  # encoders count, and who loads an arm does so in equal steps

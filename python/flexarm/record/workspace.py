@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.kinematics import link_pose
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 
@@ -51,8 +52,6 @@ def predicted_places(record: Record, arm: Arm, signal: Signal) -> list[Floats]:
 
 def _places(record: Record, arm: Arm, point: str, rows: Mapping[str, NDArray[np.intp]]) -> Floats:
     """Return rigid positions of a point at rows of the drives, by name."""
-    from flexarm.measurement.kinematics import link_pose
-
     count = len(next(iter(rows.values()))) if rows else 1
     values = {joint.name: np.full(count, record.joints.get(joint.name, 0.0)) for joint in arm.joints}
     for name, each in rows.items():

@@ -1,1 +1,1 @@
-"""Pages, figures, tables and sentences of results."""
+"""Pages, figures, tables and sentences of results that are given as data; no analysis is imported."""

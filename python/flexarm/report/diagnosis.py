@@ -9,16 +9,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.storage import GAPS, MODEL, REPORT, gap_contents
 from flexarm.netcdf import save
 from flexarm.output import stems
 from flexarm.report.diagnosis_page import page
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
+from flexarm.report.files import Drawing, drawn, write_files
 from flexarm.report.gap_curves import sides
 from flexarm.report.gap_figures import by_band, gap_along, waterfall
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
+from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
 from flexarm.report.updated_model import write_updated
-from flexarm.reproduction.files import Drawing, drawn, write_files
 from flexarm.wording import listed
 
 if TYPE_CHECKING:

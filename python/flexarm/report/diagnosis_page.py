@@ -11,26 +11,25 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
-from flexarm.diagnosis.identifiability import refinements
-from flexarm.diagnosis.prediction import foretold_sentence, remarks_beside
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.sentences import (
     FITS_TOO,
+    foretold_sentence,
     headline,
     hold_out_sentence,
+    remarks_beside,
     rivals,
     stated_sentence,
     verdict_sentence,
 )
 from flexarm.report.template import filled
-from flexarm.residual_analysis.policy import POLICY
 from flexarm.tables import toml_text
 from flexarm.wording import interval, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import Alternative, Estimate, NamedEffect
-    from flexarm.reproduction.files import Drawing
+    from flexarm.report.files import Drawing
 
 Row = dict[str, Any]
 MOST_REJECTED = 12
@@ -70,7 +69,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         effects=[_effect(d, each) for each in d.effects],
         refined=list(_refined_rows(d)),
         undetermined=[
-            each.refined.parameter for each in refinements(d) if not (each.determined or each.changed)
+            each.refined.parameter for each in d.refinements if not (each.determined or each.changed)
         ],
         nuisances=list(_nuisance_rows(d)),
         rejected=_rejected_rows(d),
@@ -105,7 +104,7 @@ def _where_rows(d: Diagnosis) -> Iterator[Row]:
 def _follows_rows(d: Diagnosis) -> Iterator[Row]:
     """Which state explains the gap of a signal best, where one does."""
     for signal, found in (d.located.dependence if d.located is not None else {}).items():
-        if found.share >= POLICY.explained_share:
+        if found.relevant:
             yield {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
 
 
@@ -115,7 +114,7 @@ def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
     if found is None or len(found.joints) < 2:
         return
     for each in found.joints:
-        named = each.share >= POLICY.listed_share
+        named = each.relevant
         yield {
             "joint": each.joint,
             "rms": with_unit(each.rms, each.unit),
@@ -160,7 +159,7 @@ def _parameter(estimate: Estimate) -> Row:
 
 def _refined_rows(d: Diagnosis) -> Iterator[Row]:
     """Nominal values that the data determine: where they were, and by how much they moved."""
-    for each in refinements(d):
+    for each in d.refinements:
         if not (each.determined or each.changed):
             continue
         refined, (moved, std, unit) = each.refined, each.texts

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.comparison.pooled_gap import pooled
 from flexarm.report.gap_curves import LOOKS, along, directions, draw, noise_of, sides
 from flexarm.report.sheets import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
-from flexarm.residual_analysis.pooled_gap import pooled
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:

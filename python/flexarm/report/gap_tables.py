@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexarm.residual_analysis.pooled_gap import PooledGap
+from flexarm.comparison.pooled_gap import PooledGap
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:

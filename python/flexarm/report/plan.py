@@ -10,25 +10,23 @@ A plan as text in a terminal: sizes that are seen, effects that cannot be parted
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.diagnosis.design.plan_result import FAR
-from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.report.diagnosis_page import effect_law
+from flexarm.report.files import Drawing, drawn, write_files
 from flexarm.report.sheets import margin_for, sheet
 from flexarm.report.template import filled
-from flexarm.reproduction.files import Drawing, drawn, write_files
-from flexarm.wording import listed, number, place_words
+from flexarm.wording import listed, number, place_words, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.design.plan_result import Plan, Tie
+    from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect, Tie
 
 
 FILE, PAGE = "plan.json", "plan.html"
@@ -91,6 +89,25 @@ def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
     )
 
 
+def least_words(effect: PlannedEffect) -> str:
+    """Return the smallest detectable size as text: a value, or a change of the nominal one."""
+    if not effect.detectable:
+        return "not seen"
+    if effect.null == inf:
+        return f"softer than {with_unit(effect.least, effect.unit)}"
+    size = with_unit(abs(effect.least - effect.null), effect.unit)
+    return f"± {size}" if effect.null else size
+
+
+def value_words(effect: PlannedEffect) -> str:
+    """Return the plausible size as text; of a change below 5 % the change."""
+    change = effect.value - effect.null
+    if isfinite(effect.null) and 0 < abs(change) < 0.05 * abs(effect.null):
+        sign = "+" if change > 0 else "-"
+        return f"{effect.parameter} = {effect.null:g} {sign} {with_unit(abs(change), effect.unit)}"
+    return f"{effect.parameter} = {with_unit(effect.value, effect.unit)}"
+
+
 def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
     for i, each in enumerate(plan.effects):
         rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
@@ -98,8 +115,8 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
         yield {
             "title": place_words(*each.place),
             "what": effect_law(each.name),
-            "least": each.least_words,
-            "value": each.value_words,
+            "least": least_words(each),
+            "value": value_words(each),
             "evidence": number(each.log_bayes_factor),
             "seen": each.seen,
             "hidden": each.hidden,
@@ -121,8 +138,6 @@ def _tie_rows(plan: Plan) -> Iterator[dict[str, Any]]:
         }
 
 
-HARDLY = 10 * SelectionPolicy.reach
-"""Expected ln Bayes factor below which two effects are hardly told apart."""
 TIED, PARTED, CLEAR, UNSEEN = "#d55e00", "#f0c08a", "#0072b2", "#dddddd"
 """Colours of a pair: not told apart, hardly (up to ten times ln 20), well; of an effect that is not seen."""
 
@@ -133,11 +148,12 @@ def near_effects(plan: Plan) -> list[int]:
     Of an effect that is hardly seen every wrong name is hardly told: it is near those only that explain more
     than half of the evidence for it, or that are tied with it.
     """
+    reach = plan.thresholds["parted"]
     own = np.array([each.log_bayes_factor for each in plan.effects])
     seen = np.array([each.seen for each in plan.effects], dtype=bool)
     factors = plan.log_bayes_factor
-    hardly = (factors < HARDLY) & (factors < own[:, None] / 2) & seen
-    near = seen[:, None] & ((factors < SelectionPolicy.reach) | hardly)
+    hardly = (factors < 10 * reach) & (factors < own[:, None] / 2) & seen
+    near = seen[:, None] & ((factors < reach) | hardly)
     np.fill_diagonal(near, False)
     found = np.flatnonzero(near.any(axis=0) | near.any(axis=1))
     return found.tolist() if len(found) else list(range(len(seen)))
@@ -149,13 +165,14 @@ def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
 
     ax = ax if ax is not None else _axes()
     shown = near_effects(plan)
+    reach = plan.thresholds["parted"]
     effects = [plan.effects[i] for i in shown]
     seen = np.array([each.seen for each in effects])
     values = np.clip(plan.log_bayes_factor[np.ix_(shown, shown)], 1e-3, 1e9)
     values = np.where(seen[:, None], values, np.nan)
     np.fill_diagonal(values, np.nan)
     colours = ListedColormap([TIED, PARTED, CLEAR]).with_extremes(bad=UNSEEN)
-    norm = BoundaryNorm([0.0, SelectionPolicy.reach, HARDLY, 1e10], 3)
+    norm = BoundaryNorm([0.0, reach, 10 * reach, 1e10], 3)
     ax.imshow(values, cmap=colours, norm=norm, aspect="equal", interpolation="none")
     labels = [place_words(*each.place) for each in effects]
     ax.set_yticks(range(len(labels)), labels, fontsize=7)
@@ -173,18 +190,18 @@ def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
     ax = ax if ax is not None else _axes()
     shown = sorted((e for e in plan.effects if e.log_bayes_factor > 0), key=lambda each: each.times)
     labels = [place_words(*each.place) for each in shown]
-    times = [min(each.times, FAR) for each in shown]
+    times = [min(each.times, 10.0) for each in shown]
     colours = [CLEAR if each.seen else UNSEEN for each in shown]
     bars = ax.barh(labels, times, color=colours)
     ax.axvline(1.0, color="black", lw=0.8, ls="--", zorder=0.9)
     behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85}
-    ax.bar_label(bars, [each.least_words for each in shown], padding=3, fontsize=7, bbox=behind)
+    ax.bar_label(bars, [least_words(each) for each in shown], padding=3, fontsize=7, bbox=behind)
     ax.set_xscale("log")
     if times:
         ax.set(xlim=(0.5 * min(times), 12 * max(times)), ylim=(-0.7, len(times) - 0.3))
     ax.tick_params(axis="y", labelsize=7)
     ax.set_xlabel(
-        f"smallest detectable size (ln B = {SelectionPolicy.strong_evidence:g}) over the plausible one [-]"
+        f"smallest detectable size (ln B = {plan.thresholds['detected']:g}) over the plausible one [-]"
     )
     ax.invert_yaxis()
     ax.tick_params(axis="y", length=0)
@@ -211,7 +228,7 @@ def plan_dict(plan: Plan) -> dict[str, Any]:
         "model": plan.arm.name,
         "runs": list(plan.runs),
         "assumed": list(plan.assumed),
-        "thresholds": {"detected": SelectionPolicy.strong_evidence, "parted": SelectionPolicy.reach},
+        "thresholds": plan.thresholds,
         "effects": [
             {
                 "name": each.name,
@@ -220,7 +237,7 @@ def plan_dict(plan: Plan) -> dict[str, Any]:
                 "unit": each.unit,
                 "value": _finite(each.value),
                 "null": _finite(each.null),
-                "smallest_detectable": _finite(each.least) if each.times <= FAR else None,
+                "smallest_detectable": _finite(each.least) if each.detectable else None,
                 "log_bayes_factor": _finite(each.log_bayes_factor),
                 "seen": each.seen,
                 "hidden": each.hidden,
@@ -293,8 +310,8 @@ def _effect_lines(plan: Plan) -> list[str]:
         rows.append(
             (
                 place_words(*each.place),
-                each.least_words,
-                each.value_words,
+                least_words(each),
+                value_words(each),
                 number(each.log_bayes_factor),
                 shown if each.seen else each.hidden,
             )

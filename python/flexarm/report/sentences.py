@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.prediction import foretold_sentence
 from flexarm.report.gap_tables import changed_signals, changes
 from flexarm.wording import listed, number, place_words, probability, scale, with_unit
 
 if TYPE_CHECKING:
+    from flexarm.comparison.pooled_gap import PooledGap
+    from flexarm.diagnosis.prediction import HeldOutGap
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import Alternative, NamedEffect
-    from flexarm.residual_analysis.pooled_gap import PooledGap
 
 
 HEADLINES = {
@@ -140,6 +140,47 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
             f"{_article(diagnosis.hold_out_kind)} of the training{f': {why}' if why else ''}."
         )
     return f"Fitted on {fitted}; nothing was held back."
+
+
+def foretold_sentence(diagnosis: Diagnosis) -> str:
+    """Return what the model fails to predict of held-out data, and possible reasons; empty if nothing."""
+    d, worst = diagnosis, diagnosis.unpredicted
+    if worst is None:
+        return ""
+    who = "The repaired model" if d.updated != d.arm else "The model"
+    what = f"{worst.record!r}" if d.hold_out_kind == "blocks" else f"the held-out record {worst.record!r}"
+    size = f"{with_unit(worst.held_out, worst.unit)} rms are left of {worst.signal!r}{_times_noise(worst)}"
+    rest = f"; the training is left with {with_unit(worst.training, worst.unit)}"
+    return f"{who} does not foretell {what}: {size}{'' if worst.training is None else rest}. {_why(d)}"
+
+
+def contradicted_sentence(worst: HeldOutGap) -> str:
+    """Return the sentence on an adequate model that held-out data contradict."""
+    return (
+        "No effect is missing as far as the training tells, but the model is not adequate: of "
+        f"{worst.signal!r} in the held-out {worst.record!r} "
+        f"{with_unit(worst.held_out, worst.unit)} rms are left{_times_noise(worst)}."
+    )
+
+
+def _times_noise(gap: HeldOutGap) -> str:
+    return f", {number(gap.held_out / gap.noise, 2)} times the noise" if gap.noise else ""
+
+
+def remarks_beside(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Remarks but for the one that stands beside the verdict."""
+    said = foretold_sentence(diagnosis)
+    return tuple(remark for remark in diagnosis.remarks if remark != said)
+
+
+def _why(d: Diagnosis) -> str:
+    fault = "that record has a fault of its own, which `flexarm check MODEL RECORD` looks for"
+    if d.hold_out_kind == "blocks":
+        return "Either something happens there and nowhere else, or these readings are at fault."
+    if d.hold_out_kind == "extrapolation":
+        beyond = f" ({d.hold_out_why})" if d.hold_out_why else ""
+        return f"Either what lies beyond the training{beyond} shows what the training does not, or {fault}."
+    return f"It lies within what the training covers: either the machine was another one then, or {fault}."
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:

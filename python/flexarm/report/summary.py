@@ -5,10 +5,15 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.identifiability import refinements
-from flexarm.diagnosis.prediction import foretold_sentence, remarks_beside
 from flexarm.report.gap_tables import gap_tables
-from flexarm.report.sentences import headline, hold_out_sentence, stated_sentence, verdict_sentence
+from flexarm.report.sentences import (
+    foretold_sentence,
+    headline,
+    hold_out_sentence,
+    remarks_beside,
+    stated_sentence,
+    verdict_sentence,
+)
 from flexarm.wording import interval, place_words, probability, signed, with_unit
 
 if TYPE_CHECKING:
@@ -72,7 +77,7 @@ def _row(estimate: Estimate) -> str:
 
 
 def _refined(diagnosis: Diagnosis) -> list[str]:
-    found = list(refinements(diagnosis))
+    found = diagnosis.refinements
     lines = ["nominal values refined: from, by +- 1 sigma, of what is stated"] if found else []
     for each in found:
         if each.determined or each.changed:

@@ -12,9 +12,8 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexarm.diagnosis.identifiability import refinements
-from flexarm.diagnosis.report_file import provenance_of
 from flexarm.output import write_file
+from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import rivals_sentence
 from flexarm.wording import listed, place_words, probability
 
@@ -44,7 +43,7 @@ def _head(d: Diagnosis) -> Iterator[str]:
     if d.held_out and d.hold_out_kind != "blocks":
         yield f"tried on {_records(d.held_out)}, which no fit has seen"
     kept = [effect for effect in d.effects if _in(d, effect)]
-    moved = list(refinements(d))
+    moved = d.refinements
     changed = [each for each in moved if each.refined.value != each.refined.nominal]
     if not kept and not changed:
         yield "nothing is changed: this is the nominal model"

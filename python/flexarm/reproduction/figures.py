@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,24 +22,6 @@ if TYPE_CHECKING:
 
 WIDTH = 6.9
 """Two columns of a journal [in]."""
-STYLE: Any = {
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.labelsize": 9,
-    "legend.fontsize": 8,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "axes.grid": True,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.1,
-    "legend.framealpha": 0.9,
-    "figure.constrained_layout.use": True,
-    "savefig.dpi": 200,
-    "pdf.fonttype": 42,
-}
 _MEASURED: dict[str, Any] = {
     "linestyle": "none",
     "marker": "o",
@@ -56,15 +37,6 @@ def draw(number: str, table: Table, surfaces: Sequence[Surface] = ()) -> Figure:
     """Draw the figure of that number; Figure 6 shows the surfaces of the mock-up."""
     figure: Figure = deformed(table, surfaces) if number == "06" else _DRAWERS[number](table)
     return figure
-
-
-@contextmanager
-def style() -> Iterator[None]:
-    """Draw without a screen, in the style of a journal."""
-    import matplotlib as mpl
-
-    with mpl.rc_context(STYLE):
-        yield
 
 
 def save(figure: Figure, stem: Path) -> None:

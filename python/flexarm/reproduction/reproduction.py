@@ -14,6 +14,7 @@ import numpy as np
 
 from flexarm.mockup import solid_arm
 from flexarm.output import output_directory, write_file
+from flexarm.report.files import style
 from flexarm.reproduction.study import Report
 from flexarm.simulation.progress import bar
 
@@ -72,7 +73,7 @@ def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
     content = tables(found)
     numbers = summary(found, content, claims(found), seed)
     surfaces = scene(found.models, float(found.angle(np.array([deformed_instant(found)]))[0]))
-    with figures.style():
+    with style():
         for i, (number, table) in enumerate(content.items()):
             report(0.75 + 0.04 * i, f"figure {int(number)}")
             write_csv(table, directory / f"figure-{number}.csv")

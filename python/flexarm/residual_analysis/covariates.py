@@ -72,6 +72,11 @@ class CovariateDependence:
         rest = 0.0 if self.best == CONSTANT else self.adjusted[self.best]
         return self.constant + (1 - self.constant) * rest
 
+    @property
+    def relevant(self) -> bool:
+        """Return True if the best covariate explains enough of the squares to be named in a table."""
+        return self.share >= POLICY.explained_share
+
     def __str__(self) -> str:
         shares = {name: f"{name} {100 * share:.0f} %" for name, share in self.adjusted.items()}
         ranked = sorted(self.adjusted, key=lambda name: -self.adjusted[name])

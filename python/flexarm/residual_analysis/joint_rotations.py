@@ -25,10 +25,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.kinematics import point_jacobian
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.gap import drive_angles
-from flexarm.measurement.kinematics import point_jacobian
 from flexarm.residual_analysis.covariates import CovariateDependence, covariate_dependence
 from flexarm.residual_analysis.motion_states import (
     JointStates,
@@ -86,6 +86,11 @@ class JointRotation:
         return float(np.sqrt(np.mean(self.angle**2)))
 
     @property
+    def relevant(self) -> bool:
+        """Return True if the joint holds a share of the gap that is worth a word."""
+        return self.share >= POLICY.listed_share
+
+    @property
     def hint(self) -> str:
         """Effect that shows such a dependence."""
         return HINTS.get(self.dependence.best, "")
@@ -122,7 +127,7 @@ class JointRotations:
             said = f"   {each.dependence.best} ({100 * each.dependence.share:.0f} %), as {each.hint} would"
             lines.append(
                 f"{each.joint:<14}{with_unit(each.rms, each.unit):>12}{100 * each.alone:7.0f}%"
-                f"{100 * each.share:7.0f}%{said if each.share >= POLICY.listed_share else ''}"
+                f"{100 * each.share:7.0f}%{said if each.relevant else ''}"
             )
         return "\n".join(lines)
 

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.kinematics import point_jacobian
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_parts
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
-from flexarm.measurement.kinematics import point_jacobian
 from flexarm.measurement.torque import gear_ratio
 from flexarm.residual_analysis.motion_states import JointStates, joined_states, joint_states
 from flexarm.residual_analysis.order_tracking import (

@@ -9,7 +9,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
-from flexarm.simulation.step_limit import check_step_count
+from flexarm.record.step_limit import check_step_count
 
 
 @dataclass(frozen=True)

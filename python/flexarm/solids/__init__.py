@@ -4,7 +4,7 @@
 `tube`, `disc`, `shaft` and `flange` make parts that revolve. All give a `SolidMesh`.
 """
 
-from flexarm.arm.link import Material
+from flexarm.material import Material
 from flexarm.solids.cell_types import CELL_TYPES, CellType
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.reading import read_mesh

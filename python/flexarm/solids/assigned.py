@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.link import Material
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.material import Material
 from flexarm.solids.names import known_names
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm import _core
-from flexarm.arm.link import Material
 from flexarm.arrays import Floats, Ints
+from flexarm.material import Material
 
 if TYPE_CHECKING:
     from flexarm.solids.mesh import SolidMesh

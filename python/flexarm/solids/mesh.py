@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexarm.arguments import ARRAY, FLAG, GROUPS, INDICES, MATERIALS, PATH, TEXT, holds, takes
-from flexarm.arm.link import Material
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.material import Material
 from flexarm.solids.cell_types import CELL_TYPES
 from flexarm.solids.names import known_names
 

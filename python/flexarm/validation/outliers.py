@@ -38,7 +38,7 @@ from flexarm.measurement.outliers import (
     nearby,
 )
 from flexarm.measurement.predict import read
-from flexarm.measurement.quantisation_grid import quantisation_step
+from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.channel import channels
 from flexarm.validation.finding import RemovedOutliers
 from flexarm.validation.policy import POLICY

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.record.plausibility import disjoint_clocks
-from flexarm.simulation.step_limit import endless
+from flexarm.record.step_limit import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault

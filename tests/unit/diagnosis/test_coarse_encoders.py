@@ -8,7 +8,7 @@ import flexarm
 from flexarm import Record, Signal
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.quantisation import coarse_encoders, with_coarse_encoders
-from flexarm.measurement.quantisation_grid import quantisation_step
+from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.outliers import clean_drives
 
 STEP, ENCODER_NOISE = 8e-4, 2e-6

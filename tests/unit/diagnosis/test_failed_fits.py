@@ -127,7 +127,7 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
 def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without_it(monkeypatch):
     monkeypatch.setattr(Criteria, "accepts", lambda *_: False)
     estimator = SimpleNamespace(fit=lambda *_, **__: Made("b"), about=raises, problem=None)
-    best, there = choose._backward(estimator, Made("ab"), CRITERIA)
+    best, there = choose.backward(CRITERIA, Made("ab"), estimator)
     assert (best.name, there) == ("b", estimator)
 
 

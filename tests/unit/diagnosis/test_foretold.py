@@ -9,9 +9,10 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.prediction import TIMES, _Left, adequate_if_foretold, foretold_sentence
+from flexarm.diagnosis.prediction import TIMES, HeldOutGap, adequate_if_foretold
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
+from flexarm.report.sentences import foretold_sentence
 
 
 def not_foretold(**changes):
@@ -99,8 +100,8 @@ def test_no_model_is_adequate_that_does_not_foretell_another_machine():
 
 def test_a_record_without_noise_is_foretold_to_what_simulations_miss():
     """Nanometres are no gap, though the training is left with less."""
-    assert _Left("other", "tip", "m", 3e-8, None, 1e-9).ratio < TIMES
-    assert _Left("other", "tip", "m", 3e-5, None, 1e-9).ratio > TIMES
+    assert HeldOutGap("other", "tip", "m", 3e-8, None, 1e-9).ratio < TIMES
+    assert HeldOutGap("other", "tip", "m", 3e-5, None, 1e-9).ratio > TIMES
 
 
 @pytest.mark.parametrize(("swings", "verdict"), [(False, "unexplained"), (True, "adequate")])

@@ -10,7 +10,9 @@ from flexarm.diagnosis import selection as module
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.moves import confounding, search_state, springs
 from flexarm.diagnosis.moves import proposals as promising
+from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
@@ -29,6 +31,16 @@ NOTHING = SimpleNamespace(channels=lambda: [], records={}, policy=SelectionPolic
 
 BARE = SimpleNamespace(members=(), places=(), cost=100.0)
 CRITERIA = Criteria(NOTHING, BARE)
+STATE = SearchState([], BARE, BARE, None, CRITERIA, {})
+
+
+class Rows(SimpleNamespace):
+    """Ten rows of a problem."""
+
+    policy = SelectionPolicy()
+
+    def __len__(self):
+        return 10
 
 
 def fit(names):
@@ -36,7 +48,7 @@ def fit(names):
 
 
 def fits_all(members, nearby=None, limit=np.inf):
-    """What a fitter finds of effects that are names: a model that leaves as much as all others."""
+    """What a estimator finds of effects that are names: a model that leaves as much as all others."""
     return SimpleNamespace(name=members[0], places=members, cost=50.0)
 
 
@@ -56,41 +68,37 @@ def search(monkeypatch):
     """A search whose fits are looked up, and the models from which single effects were added."""
     went_on = []
 
-    def larger_fits(estimator, probed, best, null, size=1, places=None, beside=None, found=()):
-        if size > 1 or not best.members:
-            return [fit(names) for names in LINEAR[size]]
+    def singles(state, best, about, found):
+        if not best.members:
+            return [fit(names) for names in LINEAR[1]]
         went_on.append(best.name)
         names = {"".join(sorted(best.name + each)) for each in "abcd" if each not in best.name}
         return [fit(each) for each in sorted(names & set(COST))]
 
-    monkeypatch.setattr(module, "larger_fits", larger_fits)
-    monkeypatch.setattr(module, "taken_over", lambda *_: [])
+    def sets(size):
+        return lambda state, best, *_: [] if state.criteria.adequate(best) else list(map(fit, LINEAR[size]))
+
+    def spring_swap(state, best, *_):
+        return [fit(n) for n in ELSEWHERE.get(best.name, "")] if state.criteria.leaves_gap(best) else []
+
+    monkeypatch.setattr(module, "FORWARD", {"singles": singles})
+    monkeypatch.setattr(module, "SETS", {"pairs": sets(2), "triples": sets(3)})
+    monkeypatch.setattr(module, "ELSEWHERE", {"spring_swap": spring_swap})
     monkeypatch.setattr(Criteria, "adequate", lambda *_: False)
     monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
     monkeypatch.setattr(Criteria, "leaves_gap", lambda self, one: one.cost > 30)
-    monkeypatch.setattr(
-        module, "other_springs", lambda best, *_: [fit(n) for n in ELSEWHERE.get(best.name, "")]
-    )
     monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: new.cost < 0.8 * old.cost)
     monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < 0.97 * old.cost)
     monkeypatch.setattr(Criteria, "explains", lambda self, one: one.cost < 10)
     monkeypatch.setattr(Criteria, "leaves_most", lambda self, one: one.cost > 90)
     monkeypatch.setattr(Criteria, "hardly_helps", lambda self, one: False)
     monkeypatch.setattr(module, "causes", lambda members, places: len(members))
-    found = module._Search.__new__(module._Search)
-    found.problem, found.probed = (), None
-    found.start = found.null = fit("")
-    found.policy = SelectionPolicy()
-    found.criteria = Criteria(SimpleNamespace(policy=found.policy), found.null)
-    monkeypatch.setattr(found, "_beside", lambda best, about: None)
-    monkeypatch.setattr(found, "_beside_a_twin", lambda best, about: [])
-    found.about_null = None
-    found.estimator, found.places, found.tried, found.complete = SimpleNamespace(), {}, [], None
-    return found, went_on
+    null = fit("")
+    return SearchState(None, null, null, None, Criteria(Rows(), null), {}), went_on
 
 
 def forward(search):
-    return search[0].forward(search[0].null, search[0].estimator, lambda what, done: None)
+    return module.forward(search[0], search[0].null, SimpleNamespace(), lambda what, done: None)
 
 
 def test_what_goes_on_from_the_best_single_effect_competes_with_pairs(search):
@@ -160,12 +168,12 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     about.about = lambda best: about
     ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=made("bd"))
 
-    def with_rivals(best, estimator):
+    def with_alternatives(state, best, estimator):
         rivals = [[ahead]] if best.name == "ad" else []
         return SimpleNamespace(best=best, estimator=estimator, rivals=rivals)
 
-    monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
-    choice = search[0].weighed(made("ad"), about)
+    monkeypatch.setattr(module, "with_alternatives", with_alternatives)
+    choice = module.swap(search[0], made("ad"), about)
     assert choice.best.name == "b"
     assert [each.name for each in search[0].tried] == ["ad"]
 
@@ -173,17 +181,17 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
 def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, monkeypatch):
     weighed = []
     monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
-    monkeypatch.setattr(module, "_backward", lambda about, best, criteria: (best, about))
+    monkeypatch.setattr(module, "backward", lambda criteria, best, about: (best, about))
     about = SimpleNamespace(problem=None)
     about.about = lambda best: about
 
-    def with_rivals(best, estimator):
+    def with_alternatives(state, best, estimator):
         weighed.append(best.name)
         other = SimpleNamespace(behind=-0.1, foretells=True, fit=made("b" if best.name == "a" else "a"))
         return SimpleNamespace(best=best, estimator=estimator, rivals=[[other]])
 
-    monkeypatch.setattr(search[0], "_with_rivals", with_rivals)
-    assert search[0].weighed(made("a"), about).best.name == "b"
+    monkeypatch.setattr(module, "with_alternatives", with_alternatives)
+    assert module.swap(search[0], made("a"), about).best.name == "b"
     assert weighed == ["a", "b"]
 
 
@@ -193,10 +201,10 @@ def test_what_is_left_after_an_effect_was_dropped_is_gone_on_from(search, monkey
     monkeypatch.setitem(COST, "b", cost)
     monkeypatch.setitem(COST, "bd", 9)
     forward = {"": "abc", "b": "bd"}
-    monkeypatch.setattr(search[0], "forward", lambda best, about, tell: (fit(forward[best.name]), about))
+    monkeypatch.setattr(module, "forward", lambda state, best, about, tell: (fit(forward[best.name]), about))
     dropped = {"abc": "b", "bd": "bd"}
-    monkeypatch.setattr(module, "_backward", lambda about, best, criteria: (fit(dropped[best.name]), about))
-    best, _ = search[0].through(lambda what, done: None)
+    monkeypatch.setattr(module, "backward", lambda criteria, best, about: (fit(dropped[best.name]), about))
+    best, _ = module.forward_and_backward(search[0], None, lambda what, done: None)
     assert best.name == chosen
 
 
@@ -215,7 +223,7 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
 
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     estimator = SimpleNamespace(trial=fitted, problem=NOTHING)
-    assert names(promising.larger_fits(estimator, [], BARE, CRITERIA, 2)) == ["friction", "tilt", "play"]
+    assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == ["friction", "tilt", "play"]
 
 
 def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
@@ -225,7 +233,7 @@ def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
-    assert names(promising.larger_fits(estimator, [], BARE, CRITERIA, 2)) == ["tilt"]
+    assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == ["tilt"]
 
 
 def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeypatch):
@@ -240,7 +248,7 @@ def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeyp
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
     for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
         monkeypatch.setattr(Criteria, "leaves_gap", lambda *_, gap=gap: gap)
-        assert names(promising.larger_fits(estimator, [], BARE, CRITERIA, 2)) == fits
+        assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == fits
 
 
 @pytest.mark.parametrize("gap, tried", [(True, 15), (False, 6)], ids=["all leave a gap", "one leaves none"])
@@ -260,7 +268,7 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
-    found = names(promising.larger_fits(estimator, [None] * 20, BARE, CRITERIA))
+    found = names(promising.fit_singles(estimator, [None] * 20, BARE, CRITERIA))
     assert len(found) == len(set(found)) == tried
 
 
@@ -270,7 +278,7 @@ def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(m
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
     wanted, others = promising._promising(
-        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, estimates_at_bounds=False
+        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False
     )
     assert len(wanted) == 6
     assert [share.share for share in others] == [0.5**6]  # the next is 0.8 %
@@ -285,13 +293,9 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted, _ = promising._promising(
-        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, estimates_at_bounds=True
-    )
+    wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
-    wanted, _ = promising._promising(
-        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, estimates_at_bounds=False
-    )
+    wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
     assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 
@@ -310,13 +314,12 @@ def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
     assert values["link_damping", "upper"] == [prior.low, prior.high]
 
 
-def test_where_only_an_unknown_is_strained_only_what_takes_over_is_fitted(search, monkeypatch):
+def test_where_only_an_unknown_is_strained_only_what_takes_over_is_fitted(monkeypatch):
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
-    monkeypatch.setattr(module, "taken_over", lambda at, probed, best: [fit("ab")])
-    assert [each.name for each in search[0]._one_more(fit("a"), None)] == ["ab"]
-    assert search[1] == []
-    monkeypatch.setattr(module, "taken_over", lambda *_: [])
-    assert {each.name for each in search[0]._one_more(fit("a"), None)} == {"ab", "ac"}
+    monkeypatch.setattr(SearchState, "candidates", lambda *_: [])
+    monkeypatch.setattr(promising, "fit_singles", lambda *_: [made("ac")])
+    assert promising.singles(STATE, made("a"), None, [made("ab")]) == []
+    assert names(promising.singles(STATE, made("a"), None, [])) == ["ac"]
 
 
 def test_no_sets_are_tried_where_only_an_unknown_is_strained(search, monkeypatch):
@@ -336,26 +339,28 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     )
     rubs = SimpleNamespace(candidate=SimpleNamespace(effect=CoulombFriction, at="shoulder"))
     other = SimpleNamespace(candidate=SimpleNamespace(effect=CoulombFriction, at="elbow"))
-    found, beside_a_twin = search[0], module._Search._beside_a_twin
+    found = search[0]
     found.tried = [far, twin]
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
-    monkeypatch.setattr(module, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name})
-    monkeypatch.setattr(found, "_awakened", lambda fit, about: [rubs, other])
+    monkeypatch.setattr(
+        springs, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name}
+    )
+    monkeypatch.setattr(found, "awake", lambda fit, about: [rubs, other])
     asked = []
     monkeypatch.setattr(
-        module, "larger_fits", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
+        springs, "fit_singles", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
     )
-    assert beside_a_twin(found, best, None) == []
+    assert springs.twin_spring(found, best, None, []) == []
     assert asked == [([rubs], twin)]
 
 
 def test_candidates_are_probed_once_about_effects_that_are_not_all(search, monkeypatch):
     """About the same effects as they are taken further, too: what others move beside them is the same."""
-    found, beside, asked = search[0], module._Search._beside, []
-    found.probed, found._near = ["nominal"], {}
-    monkeypatch.setattr(found, "_awakened", lambda fit, about: ["awake"])
+    found, asked = search[0], []
+    found.probed, beside = ["nominal"], SearchState.candidates
+    monkeypatch.setattr(found, "awake", lambda fit, about: ["awake"])
     monkeypatch.setattr(Criteria, "adequate", lambda self, one: one.cost < 30)
-    monkeypatch.setattr(module, "nearby", lambda *given: asked.append(given) or ["near"])
+    monkeypatch.setattr(search_state, "nearby", lambda *given: asked.append(given) or ["near"])
     assert beside(found, fit(""), "about") == ["awake"]
     assert beside(found, made("ab"), "about") == ["awake"]  # which explains all
     gap = made("cd")
@@ -367,10 +372,11 @@ def test_sizes_of_what_takes_over_unknowns_count_from_stated_values(search, monk
     """There the unknowns go back to; candidates probed about a fit count from where that has them."""
     found, asked = search[0], []
     found.probed = ["stated"]
-    monkeypatch.setattr(found, "_beside", lambda fit, about: ["fitted"])
-    monkeypatch.setattr(module, "taken_over", lambda about, probed, fit: asked.append(probed) or [])
-    monkeypatch.setattr(module, "larger_fits", lambda about, probed, *_, **__: asked.append(probed) or [])
-    found._one_more(made("ab"), None)
+    monkeypatch.setattr(SearchState, "candidates", lambda *_: ["fitted"])
+    monkeypatch.setattr(confounding, "taken_over", lambda about, probed, fit: asked.append(probed) or [])
+    monkeypatch.setattr(promising, "fit_singles", lambda about, probed, *_: asked.append(probed) or [])
+    for move in (confounding.confounding, promising.singles):
+        move(found, made("ab"), None, [])
     assert asked == [["stated"], ["fitted"]]
 
 
@@ -382,21 +388,23 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     monkeypatch.setattr(
         module, "log_bayes_factor", lambda best, fewer, *_: "null" if fewer is found.null else fewer.gain
     )
-    best = SimpleNamespace(members=("spring", "law", "tilt"))
-    assert [found._needed(k, best, None, {}) for k in range(3)] == ["null", 10, 9]
-    alone = SimpleNamespace(members=("tilt",))
-    assert found._needed(0, alone, None, {}) == "null"
+    for name in ("variance_inflation", "rivals_of"):
+        monkeypatch.setattr(module, name, lambda *_: {})
+    monkeypatch.setattr(SearchState, "candidates", lambda *_: [])
+    best = SimpleNamespace(members=("spring", "law", "tilt"), projected=None)
+    assert module.with_alternatives(found, best, None).needed == ["null", 10, 9]
+    alone = SimpleNamespace(members=("tilt",), projected=None)
+    assert module.with_alternatives(found, alone, None).needed == ["null"]
 
 
 @pytest.mark.parametrize("error", ["allow_for_input_noise", "allow_for_discretisation_error"])
 def test_errors_of_a_model_are_allowed_for_where_they_may_be_all_that_is_left(search, monkeypatch, error):
     found, asked = search[0], []
-    found.problem = range(10)
     for each in ("allow_for_input_noise", "allow_for_discretisation_error"):
         monkeypatch.setattr(module, each, lambda *_: None)
     monkeypatch.setattr(module, error, lambda problem, arm: asked.append(arm))
     about = SimpleNamespace(with_effects=lambda members: "".join(members))
     for cost in (35.0, 400.0):  # 3.5 and 40 times the noise
         one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a")
-        found._best_of(about, [one], found.null)
+        module.best_proposed(found, about, [one], found.null)
     assert asked == ["a"]

@@ -5,8 +5,8 @@ import pytest
 from arms import arm, hinge, point, rigid
 from planted import run_of
 
+from flexarm.arm.kinematics import link_pose, point_jacobian
 from flexarm.comparison.aligned_record import simulate_record
-from flexarm.measurement.kinematics import link_pose, point_jacobian
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.joint_rotations import joint_rotations
 from flexarm.residual_analysis.localisation import localise

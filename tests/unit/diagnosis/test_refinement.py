@@ -5,7 +5,7 @@ import pytest
 from arms import crane
 from pytest import approx
 
-from flexarm.diagnosis.identifiability import Refinement, refinements, stated_sigma
+from flexarm.diagnosis.result import Refinement, stated_sigma
 from flexarm.named_effects import Refined
 
 
@@ -35,7 +35,7 @@ def test_products_of_inertia_are_as_uncertain_as_they_are_large():
 
 
 def test_a_modulus_moved_by_as_many_sigmas_as_it_differs():
-    [each] = refinements(diagnoses.of_effects())
+    [each] = diagnoses.of_effects().refinements
     assert each.moved == approx(-2e9)
     assert each.pull == approx(-2e9 / 2.1e9)
     assert each.determined

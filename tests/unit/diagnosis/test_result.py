@@ -9,8 +9,8 @@ import pytest
 from pytest import approx
 
 import flexarm
-from flexarm.diagnosis.report_file import ReportFile
 from flexarm.named_effects import Estimate, NamedEffect, Rejected
+from flexarm.report.report_file import ReportFile
 
 VERDICTS = sorted(diagnoses.ALL)
 GAP = {"before_rms", "after_rms", "noise_rms", "before_max", "after_max"}

@@ -65,7 +65,7 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, (), {}) == []
     asked = []
     monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
-    choose._backward(estimator, best, Criteria(estimator.problem, None))
+    choose.backward(Criteria(estimator.problem, None), best, estimator)
     assert asked == [(SPRING,)]
 
 

@@ -7,12 +7,12 @@ import diagnoses
 import numpy as np
 import pytest
 
+from flexarm.comparison.pooled_gap import PooledGap
 from flexarm.diagnosis import naming
 from flexarm.diagnosis import naming as sentence
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.named_effects import Alternative, NamedEffect
 from flexarm.report.sentences import _change, headline, verdict_sentence
-from flexarm.residual_analysis.pooled_gap import PooledGap
 
 
 def plain(text: str) -> str:

@@ -15,8 +15,7 @@ from flexarm.named_effects import NamedEffect
 from flexarm.output import stems
 from flexarm.report.diagnosis import _figures, write
 from flexarm.report.diagnosis_page import page
-from flexarm.reproduction.figures import style
-from flexarm.reproduction.files import Drawing
+from flexarm.report.files import Drawing, style
 from flexarm.residual_analysis.localisation import localise
 
 VERDICTS = sorted(diagnoses.ALL)

@@ -3,8 +3,8 @@
 import diagnoses
 import pytest
 
+from flexarm.report.files import style
 from flexarm.report.gap_figures import by_band
-from flexarm.reproduction.figures import style
 
 
 @pytest.mark.parametrize("order", [("slow", "fast", "other"), ("other", "fast", "slow")])

@@ -11,6 +11,7 @@ from pytest import approx
 from flexarm.arm.effect import effect_class
 from flexarm.named_effects import NamedEffect
 from flexarm.report.diagnosis import _figures
+from flexarm.report.files import style
 from flexarm.report.state_figures import (
     against_states,
     located_sides,
@@ -18,7 +19,6 @@ from flexarm.report.state_figures import (
     rotations,
     shown_joints,
 )
-from flexarm.reproduction.figures import style
 from flexarm.residual_analysis.localisation import localise
 
 

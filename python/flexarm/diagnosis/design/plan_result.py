@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf, isfinite, sqrt
+from math import inf, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.output import SavedAsDirectory
-from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
 
 
 Place = tuple[str, str]
-SMALL = 0.05
-"""Change of a nominal value that is told as such."""
 FAR = 10.0
 """Sizes beyond so many times the plausible one are not stated: the law need not be linear so far."""
 
@@ -78,23 +75,9 @@ class PlannedEffect:
         )
 
     @property
-    def least_words(self) -> str:
-        """The smallest detectable size, for a person: a value, or a change of the nominal one."""
-        if self.times > FAR:
-            return "not seen"
-        if self.null == inf:
-            return f"softer than {with_unit(self.least, self.unit)}"
-        size = with_unit(abs(self.least - self.null), self.unit)
-        return f"± {size}" if self.null else size
-
-    @property
-    def value_words(self) -> str:
-        """The plausible size, for a person; of a small change the change."""
-        change = self.value - self.null
-        if isfinite(self.null) and 0 < abs(change) < SMALL * abs(self.null):
-            sign = "+" if change > 0 else "-"
-            return f"{self.parameter} = {self.null:g} {sign} {with_unit(abs(change), self.unit)}"
-        return f"{self.parameter} = {with_unit(self.value, self.unit)}"
+    def detectable(self) -> bool:
+        """Return True if the least size is within `FAR` plausible ones."""
+        return self.times <= FAR
 
 
 @dataclass(frozen=True)
@@ -210,6 +193,11 @@ class Plan(SavedAsDirectory):
                 found[each.addition] = (each.minutes, count + each.parts)
         rows = [(words, minutes, count) for words, (minutes, count) in found.items()]
         return sorted(rows, key=lambda row: (-row[2], row[1]))
+
+    @property
+    def thresholds(self) -> dict[str, float]:
+        """Return the expected ln Bayes factors from which an effect is detected, and a pair is told apart."""
+        return {"detected": SelectionPolicy.strong_evidence, "parted": SelectionPolicy.reach}
 
     def rivals(self, i: int) -> list[int]:
         """Effects that would do in the place of one, by number."""

@@ -31,6 +31,7 @@ from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
+from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
 
@@ -69,6 +70,12 @@ class Takeover:
         """The effect of that size, or of so many times that size."""
         sized = self.candidate.sized((times * self.alphas).tolist())
         return replace(self.candidate, effect=sized)
+
+
+def confounding(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
+    """Propose effects in the place of nuisance parameters in conflict; sizes count from stated values."""
+    here, at = (best, about) if best.members else (state.null, state.about_null)
+    return taken_over(at, state.probed, here)
 
 
 def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Fit]:
@@ -152,7 +159,7 @@ def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
 def _takes_over(
     candidate: Candidate, moves: Floats, strained: Strained, policy: SelectionPolicy
 ) -> Iterator[tuple[str, float, Takeover]]:
-    """Unknowns that an effect takes over, R^2 of (1), and how."""
+    """NuisanceModel that an effect takes over, R^2 of (1), and how."""
     parts = {key: _part(move, moves) for key, (move, _) in strained.items()}
     found = [
         (key, part, [other for other in parts if other == key or parts[other] > SAME])
@@ -166,7 +173,7 @@ def _takes_over(
 def _together(
     moves: Floats, strained: Strained, parts: Mapping[str, float], half: float
 ) -> tuple[str, float, list[str]]:
-    """Unknowns that an effect does better for all at once than for any of them, and R^2 of (1)."""
+    """NuisanceModel that an effect does better for all at once than for any of them, and R^2 of (1)."""
     first, *others = sorted(parts, key=lambda key: -parts[key])
     part, keys = parts[first], [first]
     for key in others:
@@ -221,8 +228,8 @@ def _small_moves(
     """Those derivatives from small steps of each effect, in simulations of longer steps."""
     problem = estimator.problem.with_step(LONGER * estimator.problem.step)
     there = estimator.with_effects(best.members)
-    jacobian = problem.jacobian(there, list(strained), estimator.nuisance.steps(there))
-    of = {key: (jacobian[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
+    slopes = problem.jacobian(there, list(strained), estimator.nuisance.steps(there))
+    of = {key: (slopes[:, k] * at, at) for k, (key, (_, at)) in enumerate(strained.items())}
     for candidate, steps in zip(others, small_steps(estimator, others, best), strict=True):
         if steps is not None:
             yield candidate, steps.moves, of

@@ -4,7 +4,7 @@ A mass or a stiffness that is far off shifts the frequency at which an arm rings
 model is out of step: to first order nothing explains that any more, least of all the right size of the right
 effect. How the arm hangs, and what its motors bear, still follow in proportion.
 
-Larger models worth a fit: the effects that promise most, or sets of them, beside those that are there.
+Larger models that merit a fit: the effects that promise most, or sets of them, given those that are there.
 
 A screening (`diagnosis.screening`) puts effects and places in an order; the first few are fitted. Sets
 of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
@@ -22,10 +22,11 @@ import numpy as np
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import Candidate, carries, value_of
+from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.minimisers import multi_start
+from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 
@@ -49,37 +50,38 @@ def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
     return averaged
 
 
-def larger_fits(
+def singles(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
+    """Propose the most promising single effects, unless nothing but a resolved conflict was left."""
+    here = best if best.members else state.null
+    if found and state.criteria.adequate(here):
+        return []
+    here = best if best.members else state.start
+    probed = state.candidates(best, about)
+    return fit_singles(about, probed, here, state.criteria, state.places, found)
+
+
+def fit_singles(
     estimator: Estimator,
     probed: Sequence[Probed],
     best: Fit,
     criteria: Criteria,
-    size: int = 1,
     places: Mapping[str, str] = NONE,
-    beside: Fit | None = None,
     found: Sequence[Fit] = (),
 ) -> list[Fit]:
-    """Fits of the most promising candidates, or sets of `size`, beside the effects of `best`.
+    """Return fits of the most promising candidates, given the effects of `best`.
 
-    `places` are joints that are one place of the machine; `beside` is the best smaller set, `found` are as
-    large and fitted already.
+    Where all leave a gap, so are those that explain most at low frequency, at the first step as many more as
+    the screening puts behind the first, and a backlash from other starts. `places` are joints that are one
+    place of the machine; `found` are as large and fitted already.
     """
-    policy, slow = criteria.policy, slow_part(estimator.problem)
-    if size > 1:
-        most = policy.proposals // 2
-        more = _fitted(estimator, _sets(estimator, probed, best, size, beside), best, criteria, most)
-        if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(more):
-            sets = one_variant(together(estimator, probed, best, size, slow), 2 * policy.proposals)
-            more += _fitted(estimator, sets, best, criteria, most)
-        return more
-    estimates_at_bounds = not found or not criteria.adequate(best)
-    wanted, others = _promising(estimator, probed, best, places, estimates_at_bounds)
+    policy = criteria.policy
+    at_ends = not found or not criteria.adequate(best)
+    wanted, others = _promising(estimator, probed, best, places, at_ends)
     more = _fitted(estimator, wanted, best, criteria)
     if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
-        slower = one_variant(screen(estimator, probed, best, seen=slow), policy.more_proposals)
-        more += _fitted(
-            estimator, [s for s in slower if not _there(s, best, more)], best, criteria, found=more
-        )
+        slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
+        slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
+        more += _fitted(estimator, slower, best, criteria, found=more)
     if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
         more += _fitted(
             estimator, [s for s in others if not _there(s, best, more)], best, criteria, found=more
@@ -90,7 +92,7 @@ def larger_fits(
 
 
 def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """The best model with several minima once more, from one that leaves less (`diagnosis.minimisers`)."""
+    """Return the best model with several minima refitted from the best of several starts, if that is better."""
     bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
     with suppress(*FIT_ERRORS):
         if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
@@ -98,21 +100,30 @@ def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     return []
 
 
-def other_springs(best: Fit, estimator: Estimator, probed: Sequence[Probed]) -> list[Fit]:
-    """A model with each of its springs elsewhere, as soft there, with the rest refitted.
+def pairs(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
+    """Propose sets of two effects, unless `best` leaves nothing but a conflict."""
+    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 2)
 
-    A base that gives way moves an arm almost as a soft joint does; as small steps they are far apart.
+
+def triples(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
+    """Propose sets of three effects, unless `best` leaves nothing but a conflict."""
+    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 3)
+
+
+def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -> list[Fit]:
+    """Return fits of the sets that explain most, of pairs also at low frequency where all leave a gap.
+
+    Sets of three are fitted only where adding to `beside`, the best smaller set, does not lead.
     """
-    springs = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.effect.is_spring}
-    alike, found = 1 + estimator.problem.policy.alike, []
-    for k, spring in enumerate(best.members):
-        others = tuple(m for i, m in enumerate(best.members) if i != k)
-        for place, candidate in springs.items():
-            if not spring.effect.is_spring or place in best.places or carries(others, spring):
-                continue
-            with suppress(*FIT_ERRORS):
-                members = (candidate.acting_as(spring) or candidate, *others)
-                found.append(estimator.trial(members, best, alike * best.cost))
+    criteria, start, probed = state.criteria, state.start, state.probed
+    policy = criteria.policy
+    shares = [s for s in together(estimator, probed, start, size) if s.share > policy.least_reduction]
+    ahead = size == 2 or _leads(shares, beside, policy.alike)
+    most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
+    found = _fitted(estimator, wanted, start, criteria, most)
+    if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(found):
+        slow = together(estimator, probed, start, size, slow_part(estimator.problem))
+        found += _fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
     return found
 
 
@@ -149,16 +160,6 @@ def _fitted(
     return found
 
 
-def _sets(
-    estimator: Estimator, probed: Sequence[Probed], best: Fit, size: int, beside: Fit | None
-) -> list[Share]:
-    """Sets that promise something; of three only if they go where adding to a smaller set does not lead."""
-    policy = estimator.problem.policy
-    shares = [s for s in together(estimator, probed, best, size) if s.share > policy.least_reduction]
-    ahead = size == 2 or beside is None or _leads(shares, beside, policy.alike)
-    return one_variant(shares, 2 * policy.proposals) if ahead else []
-
-
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     """The best variant of each, the best of those."""
     found: dict[tuple[tuple[str, str], ...], Share] = {}
@@ -168,11 +169,7 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 
 
 def _promising(
-    estimator: Estimator,
-    probed: Sequence[Probed],
-    best: Fit,
-    places: Mapping[str, str],
-    estimates_at_bounds: bool,
+    estimator: Estimator, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
 ) -> tuple[list[Share], list[Share]]:
     """Single candidates: those that explain most, and others.
 
@@ -181,8 +178,8 @@ def _promising(
     policy = estimator.problem.policy
     shares = one_variant(screen(estimator, probed, best, places), len(probed))
     sharp = sharpened(estimator, shares[: 2 * policy.proposals], best)
-    estimates_at_bounds = estimates_at_bounds and policy.allows("prior_ends")
-    if estimates_at_bounds and (not sharp or sharp[0].share < policy.most_of_gap):
+    at_ends = at_ends and policy.allows("prior_ends")
+    if at_ends and (not sharp or sharp[0].share < policy.most_of_gap):
         sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}

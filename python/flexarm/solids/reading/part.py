@@ -12,9 +12,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arm.link import Material
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidFile, Problem
+from flexarm.material import Material
 from flexarm.solids.cell_types import ALLOWED, BY_MESHIO_NAME
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.reading.content import Content

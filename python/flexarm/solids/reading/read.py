@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from flexarm.arguments import MATERIAL, NUMBER, PATH, TEXT, takes
-from flexarm.arm.link import Material
 from flexarm.errors import InvalidFile
+from flexarm.material import Material
 from flexarm.reading import regular_file
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.reading.content import Content

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from flexarm.arm.link import Material
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.material import Material
 from flexarm.solids.reading.content import Elastic
 from flexarm.units import FACTORS, factor_to
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Required, TypedDict, Unpack
 
-from flexarm.arm.link import Material
 from flexarm.errors import InvalidParameter
+from flexarm.material import Material
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
 from flexarm.solids.revolve.revolved import revolved

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 
-from flexarm.arm.link import Material
 from flexarm.errors import InvalidParameter
+from flexarm.material import Material
 
 
 @dataclass(frozen=True)

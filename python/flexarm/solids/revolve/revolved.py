@@ -7,9 +7,9 @@ from math import ceil, lcm, pi
 
 import numpy as np
 
-from flexarm.arm.link import Material
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidParameter
+from flexarm.material import Material
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.revolve.lines import SAME, Lines
 from flexarm.solids.revolve.plan import plan_of

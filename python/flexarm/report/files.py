@@ -4,21 +4,48 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.output import write_file
-from flexarm.reproduction.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+STYLE: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "legend.fontsize": 8,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.1,
+    "legend.framealpha": 0.9,
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 200,
+    "pdf.fonttype": 42,
+}
 DOTS = 170
 """Resolution [per inch]: sharp at the page's full width."""
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw without a screen, in the style of a journal."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(STYLE):
+        yield
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,11 @@ from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.gap import SignalGap
 from flexarm.comparison.simulated_record import Placement
 from flexarm.configuration import version
-from flexarm.diagnosis.report_file import ReportFile
 from flexarm.errors import InvalidFile
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.netcdf import Contents, Variable
 from flexarm.reading import reading
+from flexarm.report.report_file import ReportFile
 from flexarm.result import load, model_of
 from flexarm.tables import toml_text
 from flexarm.tables.toml import read_text

@@ -17,10 +17,9 @@ import numpy as np
 
 from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
-from flexarm.arm.rotation import IDENTITY, inverted
+from flexarm.arm.rotation import IDENTITY, from_rpy, inverted
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
-from flexarm.measurement.frames import rotation_from_rpy
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
     """
     if joint.at == "end":
         parent = parent.moved(np.eye(3), np.asarray(arm.link(joint.parent).end))
-    return parent.moved(rotation_from_rpy(*joint.origin.rpy), np.asarray(joint.origin.xyz))
+    return parent.moved(np.array(from_rpy(joint.origin.rpy)), np.asarray(joint.origin.xyz))
 
 
 def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDENTITY) -> Pose:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from flexarm.diagnosis.prediction import foretold_sentence, remarks_beside
+from flexarm.report.sentences import foretold_sentence, remarks_beside
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
