@@ -92,7 +92,7 @@ def fit_singles(
 
 
 def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """Return the best model with several minima refitted from the best of several starts, if that is better."""
+    """Return the best model with several minima refitted from a better start, if there is one."""
     bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
     with suppress(*FIT_ERRORS):
         if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
