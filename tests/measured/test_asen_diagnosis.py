@@ -11,6 +11,7 @@ from tests.helpers.example_scripts import load_script
 import flexarm
 from flexarm import Arm, Record
 from flexarm.arm.effect import read_effect
+from flexarm.arm.motor_limits import stall_torque
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
@@ -21,7 +22,6 @@ from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.ranking import best_of
 from flexarm.diagnosis.screening import probe
-from flexarm.effects.motor_limits import stall_torque
 
 SCRIPT = load_script("asen_flexible_arm", "make_records")
 REPAIR = (

@@ -130,7 +130,7 @@ def test_a_wrong_place_is_told_with_those_that_exist(table, what, tmp_path):
         (LinkBow(at="block"), "'block' is a rigid link; only a beam has a bow"),
         (LinkLength(at="rod", error=-2.0), "error: must leave a length of 'rod', 1 m long, got -2 m"),
         (BaseCompliance(at="base", stiffness=1e5), "first revolute joint, and the model has none"),
-        (ExternalVibration(at="base", amplitude=1.0), "needs the effect base_compliance with a stiffness"),
+        (ExternalVibration(at="base", amplitude=1.0), "needs a base_compliance with a stiffness"),
     ],
 )
 def test_an_effect_that_cannot_act_is_refused_with_what_would(effect, what):
@@ -144,9 +144,9 @@ def test_an_effect_that_cannot_act_is_refused_with_what_would(effect, what):
 
 def test_a_vibration_needs_its_base_as_long_as_it_is_there():
     shaken = paper_arm(1).with_effect(EXAMPLES[9]).with_effect(EXAMPLES[10])
-    with pytest.raises(InvalidParameter, match="needs the effect base_compliance"):
+    with pytest.raises(InvalidParameter, match="needs a base_compliance"):
         shaken.without_effect("base_compliance", "base")
-    with pytest.raises(InvalidParameter, match="needs the effect base_compliance with a stiffness"):
+    with pytest.raises(InvalidParameter, match="needs a base_compliance with a stiffness"):
         shaken.with_effect(BaseCompliance(at="base", damping=1.0))
 
 

@@ -7,8 +7,8 @@ from pytest import approx
 
 from flexarm import Arm, Drive
 from flexarm.arm.effect import read_effect
+from flexarm.arm.motor_limits import back_emf_damping, stall_torque
 from flexarm.control import simulate_closed_loop
-from flexarm.effects.motor_limits import back_emf_damping, stall_torque
 
 MOTOR = {
     "joint": "hinge",

@@ -1,22 +1,31 @@
 """An effect: a named physical mechanism with parameters, at a place, that a model has or has not.
 
 The same object simulates, is written into the TOML and is printed. A new effect is one file in
-`flexarm/effects/`, named after the effect, with one subclass of `Effect`.
+`flexarm/effects/`, named after the effect, with one subclass of `Effect` (CONTRIBUTING.md, "Add an effect").
+
+A search for missing effects screens one by finite steps, its probes: models with the effect at a plausible
+size, one for each direction in which its parameters move the prediction f,
+
+    f(model with probe_i) - f(model without) = d_i                                                    (1)
+
+Least squares of the gap on the d_i give multiples of the probes, which `Effect.sized` turns into parameters
+from which a fit of the nonlinear law starts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module, util
-from math import inf
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeGuard
+from math import exp, inf, log
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, TypeGuard
 
 from pydantic import Field, ValidationError
 
-from flexarm.arm.prior import Prior
+from flexarm.arm.effect_traits import EffectTraits
+from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
-from flexarm.tables import Table, unit_of
+from flexarm.tables import unit_of
 from flexarm.tables.field import Nested
 from flexarm.tables.table import Label
 
@@ -27,8 +36,23 @@ if TYPE_CHECKING:
 Derivative = Literal["smooth", "one-sided", "none"]
 
 
-class Effect(Table):
-    """Base of all effects. A subclass sets `name`, and has its parameters as fields.
+class Trial(NamedTuple):
+    """Values of parameters with which a search tries an effect.
+
+    Attributes
+    ----------
+    start : dict of str to float
+        From which a fit starts.
+    fixed : dict of str to float
+        That stay as they are.
+    """
+
+    start: Mapping[str, float] = {}
+    fixed: Mapping[str, float] = {}
+
+
+class Effect(EffectTraits):
+    """Base of all effects. A subclass sets `name` and traits, and has its parameters as fields.
 
     Attributes
     ----------
@@ -65,6 +89,12 @@ class Effect(Table):
                 found.append((name, value, unit_of(field)))
         return found
 
+    def value_of(self, key: str) -> float:
+        """Return a parameter, named as `parameters` spells it."""
+        name, _, axis = key.partition(".")
+        found = getattr(self, name)
+        return float(found["xyz".index(axis)] if axis else found)
+
     def with_parameters(self, values: Mapping[str, float]) -> Self:
         """The effect with other values, named as `parameters` spells them, such as `offset.x`.
 
@@ -94,8 +124,15 @@ class Effect(Table):
         """Changes the machine's data as the effect does; effects of sensors leave it as it is."""
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """Pairs of key and sentence for what keeps the effect from acting in an arm that has its place."""
-        return ()
+        """Return pairs of key and sentence for what keeps it from acting in an arm that has its place."""
+        there = (e for e in arm.effects_at(self.at) if e.name == self.requires)
+        if self.requires is None or not all(effect.inert for effect in there):
+            return []
+        why = (
+            f"{self.name} needs a {self.requires} with a stiffness at the same {self.place}, and {self.at!r} "
+            f'is rigid; add [[effects]] name = "{self.requires}", at = "{self.at}", stiffness = ...'
+        )
+        return [("at", why)]
 
     # ------------------------------------------------------------ what is known before
 
@@ -113,6 +150,104 @@ class Effect(Table):
         """
         return "smooth"
 
+    # -------------------------------------------------------- what a search must know
+
+    @property
+    def inert(self) -> bool:
+        """Return True if it leaves any model as it is, such as a spring that is rigid."""
+        return False
+
+    @classmethod
+    def acts_through_spring(cls) -> bool:
+        """Return True if it moves nothing in a joint that is rigid, where a drive turns that."""
+        return cls.torque_at == "output" or (cls.place == "joint" and cls.requires is not None)
+
+    @classmethod
+    def typical(cls, at: str, arm: Arm) -> Self:
+        """Return the effect with the typical values of its priors."""
+        required: dict[str, Any] = {
+            key: 1.0 for key, field in cls.model_fields.items() if field.is_required() and key != "at"
+        }
+        effect = cls.model_construct(at=at, **required)
+        values: dict[str, Any] = {}
+        for _ in range(2):  # some typical values follow from others
+            values = {}
+            for key, prior in effect.priors(arm).items():
+                name, _, axis = key.partition(".")
+                values[name] = [*values.get(name, ()), prior.typical] if axis else prior.typical
+            effect = cls.model_construct(at=at, **values)
+        return cls.model_validate({"at": at, **values})
+
+    def null(self, arm: Arm) -> dict[str, float]:
+        """Return the value of each parameter at which a model without the effect stays as it is."""
+        return {name: 1.0 if name == "scale" else 0.0 for name, _, _ in self.parameters()}
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterable[Trial]:
+        """Return values that are tried one after the other, as a fit would not find them from one start.
+
+        Parameters
+        ----------
+        stated : Effect or None
+            The effect as the model has it.
+        arm : Arm
+            The model.
+        frequencies : sequence of float
+            At which the gap swings [Hz].
+        softer : sequence of float
+            How much softer than typical springs are tried.
+        """
+        return [Trial()]
+
+    def probes(
+        self,
+        stated: Effect | None,
+        free: Sequence[str],
+        null: Mapping[str, float],
+        priors: Mapping[str, Prior],
+    ) -> Iterable[Self]:
+        """Return the effect at plausible sizes, one for each direction of the prediction, eq. (1)."""
+        sized = [key for key in free if key not in self.shape]
+        rest = {key: null[key] for key in sized}
+        return [self.with_parameters({**rest, key: _plausible(priors[key], null[key])}) for key in sized]
+
+    def sized(
+        self,
+        multiples: Sequence[float],
+        probes: Sequence[Effect],
+        null: Mapping[str, float],
+        stated: Effect | None,
+        least: float,
+    ) -> dict[str, float]:
+        """Return parameters of a sum of multiples of its probes.
+
+        What cannot be negative has at least the part `least` of them, from where a fit can start.
+        """
+        values: dict[str, float] = {}
+        for name, zero in null.items():
+            moves = [probe.value_of(name) - zero for probe in probes]
+            if name in self.shape or not any(moves):
+                continue
+            values[name] = zero + sum(a * m for a, m in zip(multiples, moves, strict=True))
+            if name in self.non_negative:
+                values[name] = max(values[name], least * max(abs(m) for m in moves))
+            elif zero > 0:
+                values[name] = max(values[name], 0.3 * zero)
+        return values
+
+    def acting_as(
+        self, other: Effect, other_stated: Effect | None, stated: Effect | None
+    ) -> dict[str, float] | None:
+        """Return parameters with which it plays the part of another effect; None where it cannot."""
+        return None
+
+    def model_key(self, parameter: str) -> str:
+        """Return the key of the model's parameter that moves the prediction alike, for a sensitivity."""
+        return f"effects.{self.name}.{self.at}.{parameter}"
+
+    # ------------------------------------------------------------------------- as text
+
     def to_plain(self) -> dict[str, Any]:
         """The effect's table in the TOML file."""
         return {"name": self.name, **super().to_plain()}
@@ -128,6 +263,15 @@ class Effect(Table):
 
 def _is_vector(value: Any) -> TypeGuard[tuple[float, ...]]:
     return isinstance(value, tuple) and len(value) > 0 and all(isinstance(item, float) for item in value)
+
+
+def _plausible(prior: Prior, null: float) -> float:
+    """Return a plausible value other than the null one: typical, or one sigma above."""
+    if prior.typical != null:
+        return prior.typical
+    if prior.scale == "log":
+        return exp(log(null) + (log(prior.high) - log(prior.typical)) / QUANTILE)
+    return null + (prior.high - prior.typical) / QUANTILE
 
 
 def effect_class(name: str) -> type[Effect]:

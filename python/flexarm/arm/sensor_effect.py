@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexarm.arm.arm import Arm
+    from flexarm.arm.prior import Prior
 
     Floats = NDArray[np.float64]
 
@@ -54,9 +55,25 @@ class SignalEffect(Effect):
     ----------
     quantities : tuple of str
         What it can act on; empty: any quantity.
+    of_drives : bool
+        True if a search looks for it in readings that drive the model, not in those compared with it.
+    not_sought_in : tuple of str
+        Quantities in which another effect stands for it, such as a frame's registration.
     """
 
     quantities: ClassVar[tuple[str, ...]] = ()
+    of_drives: ClassVar[bool] = False
+    not_sought_in: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def sought_in(cls, quantity: str) -> bool:
+        """Return True if a search looks for it in signals of a quantity."""
+        return (not cls.quantities or quantity in cls.quantities) and quantity not in cls.not_sought_in
+
+    @classmethod
+    def priors_from(cls, greatest: float, noise: float, unit: str) -> dict[str, Prior]:
+        """Return priors that follow from the greatest reading of a signal, and the noise in it."""
+        return {}
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
         """If the model has a sensor of that name: why it cannot act there."""
@@ -123,7 +140,20 @@ class ChannelEffect(SignalEffect):
 
 
 class ClockEffect(Effect):
-    """An effect on the stamps of a signal, or of all signals of a clock."""
+    """An effect on the stamps of a signal, or of all signals of a clock.
+
+    Attributes
+    ----------
+    of_commands : bool
+        True if a command may have it too.
+    """
+
+    of_commands: ClassVar[bool] = False
+
+    @classmethod
+    def command_priors(cls) -> dict[str, Prior]:
+        """Return what is plausible at a command."""
+        return {}
 
     def late(self) -> tuple[float, float]:
         """Delay [s] and rate [s/s] that it adds to (2)."""

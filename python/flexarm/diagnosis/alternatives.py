@@ -20,8 +20,9 @@ from math import exp
 
 import numpy as np
 
+from flexarm.arm.effect import effect_class
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import SPRINGS, Candidate, carries
+from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.cross_validation import predicts_better
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
@@ -107,7 +108,7 @@ def rivals_of(
     for candidate in wanted:
         try:
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
-            if (alike := _alike(candidate, chosen)) is not None:
+            if (alike := candidate.acting_as(chosen)) is not None:
                 fit = min(fit, estimator.trial((alike, *others), best, limit), key=lambda f: f.cost)
             fit, behind = _caught_up(fit, best, peer, estimator, value, open_gap)
         except FIT_ERRORS:
@@ -198,32 +199,24 @@ def _soft_elsewhere(
     way, beside a strained modulus, and a vibration all of it. `before` is what was left without them.
     """
     half = before - part * (before - best.cost)
-    found = [(fit.cost, fit, at) for at, fit in known.items() if at[0] in SPRINGS and fit.cost < half]
+    found = [
+        (fit.cost, fit, at) for at, fit in known.items() if effect_class(at[0]).is_spring and fit.cost < half
+    ]
     if not found or np.isinf(before):
         return []
     _, fit, at = min(found, key=lambda one: one[0])
     spring = next(member for member in fit.members if member.place == at)
     there = {candidate.place for candidate in wanted} | {member.place for member in best.members} | {at}
-    others = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.name in SPRINGS}
-    return [each.as_soft_as(spring) for place, each in others.items() if place not in there]
+    others = {p.candidate.place: p.candidate for p in reversed(probed) if p.candidate.effect.is_spring}
+    alike = (each.acting_as(spring) for place, each in others.items() if place not in there)
+    return [each for each in alike if each is not None]
 
 
 def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
     """Hysteresis in the place of a joint's spring, of which it is one while it sticks: no small step."""
-    place = ("joint_hysteresis", spring.at)
-    if spring.name != "joint_compliance" or place in (candidate.place for candidate in wanted):
-        return []
-    there = [p.candidate for p in probed if p.candidate.place == place]
-    return [each for each in there[:1] if _alike(each, spring) is not None]
-
-
-def _alike(candidate: Candidate, chosen: Candidate) -> Candidate | None:
-    """A rival that starts as stiff as the chosen spring makes the machine; None where it is no such law."""
-    if candidate.name in SPRINGS and chosen.name in SPRINGS:
-        return candidate.as_soft_as(chosen)
-    if candidate.name == "joint_hysteresis" and chosen.place == ("joint_compliance", candidate.at):
-        return candidate.as_stiff_as(chosen)
-    return None
+    like = [p.candidate for p in probed if (p.candidate.effect.acts_as, p.candidate.at) == spring.place]
+    there = like[:1] if like and like[0].place not in (candidate.place for candidate in wanted) else []
+    return [each for each in there if each.acting_as(spring) is not None]
 
 
 def _caught_up(

@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING
 from flexarm.arm import Arm
 from flexarm.arm.gears import coupled_joints
 from flexarm.arm.link import Beam, RigidLink
-from flexarm.arm.vocabulary import KNOWN_EFFECTS
+from flexarm.arm.sensor_effect import ClockEffect, SignalEffect
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.problem import Problem
 from flexarm.record import Record
 
 if TYPE_CHECKING:
+    from flexarm.arm.effect import Effect
     from flexarm.diagnosis.candidate import Candidate
 
 
@@ -66,45 +67,37 @@ def _weightless(arm: Arm, name: str) -> bool:
     return isinstance(link, RigidLink) and link.mass == 0
 
 
-REDUCER = ("transmission_error", "gear_ratio")
-"""Errors of a reducer; at a joint that nothing turns they are constant angles, and no errors."""
-
-
-def places_of(name: str, problem: Problem, arm: Arm) -> list[str]:
+def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     """Where an effect can act and be seen."""
-    place = KNOWN_EFFECTS[name]
     records = problem.records.values()
     evidence = dict.fromkeys((row.record, row.signal) for row in problem.rows)
     signals = [problem.records[record].signals[signal] for record, signal in evidence]
-    if place == "joint":
+    if kind.place == "joint":
         joints = [joint.name for joint in arm.joints if joint.moves]
-        if name == "motor_friction":
+        if kind.torque_at == "motor":
             shown = {s.joint for s in signals if s.quantity == "motor_torque"} | commanded(records)
             return [joint for joint in joints if joint in shown]
         turned = driven_joints(arm, records)
-        return [joint for joint in joints if name not in REDUCER or joint in turned]
-    if place == "payload":
-        known = {
-            load.name
-            for load in arm.payloads
-            if name == "payload_mass" and all(weighed(record, load.name) for record in records)
-        }
-        return [load.name for load in arm.payloads if load.name not in known]
-    if place == "link":
+        return [joint for joint in joints if not kind.driven_joints_only or joint in turned]
+    if kind.place == "payload":
+        known = kind.stated_by_records
+        loads = [load.name for load in arm.payloads]
+        return [name for name in loads if not (known and all(weighed(record, name) for record in records))]
+    if kind.place == "link":
         return [link.name for link in arm.links if isinstance(link, Beam)]
-    if place == "base":
+    if kind.place == "base":
         return ["base"]
-    if place == "point":
+    if kind.place == "point":
         return list(dict.fromkeys(s.point for s in signals if s.point is not None))
-    if place == "frame":
+    if kind.place == "frame":
         seen = [s.frame for s in signals if s.quantity in ("position", "orientation")]
         return [frame for frame in dict.fromkeys(seen) if frame != "base"]
-    if place == "signal or clock":
-        return _late(name, problem)
-    if name == "sensor_offset":
-        return list(dict.fromkeys(s.name for s in signals if s.quantity not in ("position", "orientation")))
-    drives = {d: r.signals[d] for r in records for d in r.drive}
-    return [d for d, s in drives.items() if s.quantity == "joint_angle"]
+    if issubclass(kind, ClockEffect):
+        return _late(kind, problem)
+    assert issubclass(kind, SignalEffect)
+    if kind.of_drives:
+        signals = [record.signals[name] for record in records for name in record.drive]
+    return list(dict.fromkeys(s.name for s in signals if kind.sought_in(s.quantity)))
 
 
 def commanded(records: Iterable[Record]) -> set[str | None]:
@@ -124,7 +117,7 @@ def late_commands(problem: Problem) -> list[str]:
     return list(found)
 
 
-def _late(name: str, problem: Problem) -> list[str]:
+def _late(kind: type[ClockEffect], problem: Problem) -> list[str]:
     """Clocks but the drives', signals of a clock that has several, and commands."""
     clocks: dict[str, set[str]] = {}
     for row in problem.rows:
@@ -136,7 +129,7 @@ def _late(name: str, problem: Problem) -> list[str]:
     for clock, names in clocks.items():
         if clock in own or len(names) > 1:
             found += [signal for signal in sorted(names) if signal not in found]
-    return found + (late_commands(problem) if name == "time_delay" else [])
+    return found + (late_commands(problem) if kind.of_commands else [])
 
 
 def weighed(record: Record, payload: str) -> bool:

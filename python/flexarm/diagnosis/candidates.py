@@ -4,56 +4,31 @@ Frequencies at which a gap swings, from samples at any instants.
 
 The periodogram (`residual_analysis.spectrum`) of every channel over its noise, summed over channels. A
 tracker alone cannot tell a frequency from its aliases about its sampling rate; beside a faster signal the
-sum can, as only the true frequency is high in both. What moves with the drive, below `LOWEST`, is left out.
+sum can, as only the true frequency is high in both. What moves with the drive, below the band of an external
+vibration, is left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import isinf
 
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior
+from flexarm.arm.sensor_effect import ClockEffect, SignalEffect
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidate import SPRINGS, Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate, nulls
 from flexarm.diagnosis.candidate_places import late_commands, places_of
-from flexarm.diagnosis.perturbations import (
-    command_priors,
-    nulls,
-    offset_priors,
-    probes,
-    spring_priors,
-    typical_of,
-    variants,
-)
 from flexarm.diagnosis.problem import Problem
-from flexarm.effects.joint_compliance import TYPICAL_DAMPING, TYPICAL_STIFFNESS, JointCompliance
+from flexarm.effects.external_vibration import ExternalVibration
 from flexarm.errors import InvalidParameter
 from flexarm.residual_analysis.spectrum import periodogram
-
-FAULTS = ("saturation", "sign_error", "unit_error", "dead_channel", "outliers")
-"""Of sensors; `check` finds them before."""
-LEFT_OUT = (*FAULTS, "lugre_friction", "encoder_quantisation")
-"""`lugre_friction` is no name of the shared vocabulary; steps of an encoder are noise."""
-ON_SPRING = ("joint_stiffening", "joint_hysteresis", "backlash")
-"""Laws of the reducer's deflection, which need a joint_compliance."""
-STARTS = ("width", "time_constant", "frequency", "stiffness")
-"""Parameters of which variants are starts of a fit."""
-IN_MOTION = (
-    "joint_hysteresis",
-    "coulomb_friction",
-    "viscous_friction",
-    "payload_inertia",
-    "link_damping",
-    "frame_drift",
-)
-"""Laws of motion and time, which are zero in poses that are each an equilibrium of their own."""
 
 
 def candidates(
@@ -70,61 +45,46 @@ def candidates(
     rhythm : sequence of float
         Frequencies at which the gap swings [Hz]: an external vibration may have them.
     softer : sequence of float
-        How much softer than typical springs are probed, such as `SOFTER`.
+        How much softer than typical springs are probed, such as `SpringEffect.softer`.
     """
     found: list[Candidate] = []
     poses = all(record.kind == "static" for record in problem.records.values())
-    for name in KNOWN_EFFECTS:
-        if name in LEFT_OUT or (poses and name in IN_MOTION):
+    for kind in map(effect_class, KNOWN_EFFECTS):
+        if not kind.competes or (poses and kind.only_in_motion()):
             continue
-        for at in places_of(name, problem, arm):
-            found += _at_place(name, at, arm, rhythm, softer, _stated(name, at, arm, problem))
+        for at in places_of(kind, problem, arm):
+            found += _at_place(kind, at, problem, arm, rhythm, softer)
     return [_of_poses(candidate) for candidate in found] if poses else found
-
-
-def _stated(name: str, at: str, arm: Arm, problem: Problem) -> dict[str, Prior]:
-    """Priors that follow from the records, and of springs from the model."""
-    if name == "sensor_offset":
-        return offset_priors(at, problem)
-    if name in SPRINGS:
-        return spring_priors(arm.effect(name, at), arm)
-    return command_priors() if name == "time_delay" and at in late_commands(problem) else {}
 
 
 def _of_poses(candidate: Candidate) -> Candidate:
     """Without what poses cannot show: the damping of a spring."""
-    return replace(candidate, free=tuple(key for key in candidate.free if key != "damping"))
+    return replace(candidate, free=tuple(k for k in candidate.free if k not in candidate.effect.in_motion))
 
 
 def _at_place(
-    name: str,
+    kind: type[Effect],
     at: str,
+    problem: Problem,
     arm: Arm,
     rhythm: Sequence[float],
     softer: Sequence[float],
-    stated: Mapping[str, Prior],
 ) -> Iterator[Candidate]:
     """Variants of an effect at a place; none where the model refuses it."""
-    without = arm.effect(name, at)
+    without, stated = arm.effect(kind.name, at), _stated(kind, at, arm, problem)
     needs: Effect | None = None
-    if name == "external_vibration":
-        base = arm.effect("base_compliance", at)
-        if base is None or isinf(value_of(base, "stiffness")):
-            needs = typical_of("base_compliance", at, arm)
-    if name in ON_SPRING:
-        spring = arm.effect("joint_compliance", at)
-        if spring is None or isinf(value_of(spring, "stiffness")):
-            damping = TYPICAL_DAMPING * TYPICAL_STIFFNESS
-            needs = JointCompliance(at=at, stiffness=TYPICAL_STIFFNESS, damping=damping)
+    if kind.requires is not None:
+        required = arm.effect(kind.requires, at)
+        if required is None or required.inert:
+            needs = effect_class(kind.requires).typical(at, arm)
     there = arm if needs is None else arm.with_effect(needs)
-    typical = without if without is not None and name not in SPRINGS else typical_of(name, at, there)
-    for fixed in variants(name, typical, without, arm, rhythm, softer):
-        effect = typical.with_parameters(fixed)
-        held = {key for key, value in fixed.items() if key not in STARTS or value == 0}
+    typical = kind.typical(at, there) if without is None or kind.is_spring else without
+    for start, fixed in typical.trials(without, arm, rhythm, softer):
+        effect = typical.with_parameters({**start, **fixed})
         priors = {**priors_in(effect, there), **stated}
-        free = tuple(key for key in priors if key not in held and _has(effect, key))
+        free = tuple(key for key in priors if key not in fixed and _has(effect, key))
         null = nulls(effect, without, arm)
-        steps = tuple(probes(name, effect, without, free, null, priors))
+        steps = tuple(effect.probes(without, free, null, priors))
         try:
             for probe in steps:
                 there.with_effect(probe)
@@ -134,6 +94,20 @@ def _at_place(
             yield Candidate(effect, free, steps, null, without, needs, stated)
 
 
+def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str, Prior]:
+    """Priors that follow from the records, and of springs from the model."""
+    if issubclass(kind, SignalEffect) and not kind.of_drives:
+        rows = [row for row in problem.rows if row.signal == at]
+        signals = [problem.records[row.record].signals[at] for row in rows]
+        readings = [np.abs(s.values[:, row.channel]) for s, row in zip(signals, rows, strict=True)]
+        greatest = max(float(np.nanmax(each)) for each in readings)
+        return kind.priors_from(greatest, max(row.sigma for row in rows), signals[0].unit)
+    if issubclass(kind, ClockEffect):
+        return kind.command_priors() if at in late_commands(problem) else {}
+    spring = arm.effect(kind.name, at)
+    return spring.stated_priors(arm) if isinstance(spring, SpringEffect) else {}
+
+
 def _has(effect: Effect, key: str) -> bool:
     """Whether a parameter is a number of the effect."""
     field, _, axis = key.partition(".")
@@ -141,8 +115,6 @@ def _has(effect: Effect, key: str) -> bool:
     return found is not None and (not axis or len(found) > "xyz".index(axis))
 
 
-LOWEST, HIGHEST = 0.3, 15.0
-"""Frequencies that are looked at [Hz]."""
 FINE = 4.0
 """Frequencies a width of a peak, which is one over the length of the record."""
 
@@ -153,12 +125,13 @@ def rhythms(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
     length = problem.seconds
     if length <= 0:
         return []
-    frequency = np.arange(LOWEST, HIGHEST, 1.0 / (FINE * length))
+    lowest, highest = ExternalVibration.band_hz
+    frequency = np.arange(lowest, highest, 1.0 / (FINE * length))
     power = np.zeros(len(frequency))
     for each in motions:
         values = rest[each.where]
         if len(values) > 8:
-            power += len(values) * np.interp(frequency, *periodogram(each.time, values, 2 * FINE, HIGHEST))
+            power += len(values) * np.interp(frequency, *periodogram(each.time, values, 2 * FINE, highest))
     found: list[float] = []
     width = 2.0 / length
     for k in np.argsort(-power):

@@ -28,7 +28,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.nuisance import NuisanceModel
 from flexarm.diagnosis.parameters import TransformedParameter
-from flexarm.diagnosis.residual_rows import NON_SMOOTH, is_non_smooth
+from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.errors import InvalidParameter, NotConverged
 
 
@@ -122,7 +122,7 @@ class Fit:
     @property
     def non_smooth(self) -> bool:
         """Whether some law of the model has corners."""
-        return is_non_smooth(self.nuisance.arm) or any(member.name in NON_SMOOTH for member in self.members)
+        return is_non_smooth(self.nuisance.arm) or not all(member.effect.smooth for member in self.members)
 
     @property
     def places(self) -> tuple[tuple[str, str], ...]:

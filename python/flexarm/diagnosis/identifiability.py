@@ -90,16 +90,14 @@ NEAR = 0.98
 """Part of its bound at which a parameter rests there."""
 FAR = 4.0
 """Sigmas of a logarithmic prior beyond which a size is one of some ten thousand."""
-MAY_VANISH = ("payload_mass",)
-"""Effects of which the lower end is something that machines have."""
 
 
 def sizes(fit: Fit) -> Iterator[tuple[int, TransformedParameter, float]]:
     """Number, coordinate and z of what sizes each effect, unless it is an angle or a load that is none."""
     for k, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
-        effect, _, name = fit.key(k)
-        is_size = name == fit.members[parameter.candidate].free[0] and parameter.prior.scale != "uniform"
-        if is_size and not (z < 0 and effect in MAY_VANISH):
+        member = fit.members[parameter.candidate]
+        is_size = fit.key(k)[2] == member.free[0] and parameter.prior.scale != "uniform"
+        if is_size and not (z < 0 and member.effect.may_vanish):
             yield k, parameter, float(z)
 
 

@@ -139,16 +139,20 @@ def _steps(part: float, parameter: TransformedParameter, z: float) -> list[float
 
 
 TIMES = tuple(np.geomspace(0.4, 2.5, 12).tolist())
-"""Gaps over the one that was found; the series steps over it, as it is known."""
+"""Values of a gap over the one that was found; the series steps over it, as it is known."""
 
 
 def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
-    """A fit from the best of the gaps; None where the model has none, or none is better than its own."""
-    k = next((i for i, member in enumerate(fit.members) if member.name == "backlash"), None)
+    """A fit from the best of several initial_conditions in the parameter whose misfit has several minima.
+
+    None where the model has no such parameter, or no value is better than its own.
+    """
+    k = next((i for i, member in enumerate(fit.members) if member.effect.multistart), None)
     if k is None:
         return None
-    gap = value_of(fit.members[k].effect, "gap")
-    tried = [_with_gap(fit.members, k, times * gap) for times in TIMES]
+    key = str(fit.members[k].effect.multistart)
+    value = value_of(fit.members[k].effect, key)
+    tried = [_with_value(fit.members, k, key, times * value) for times in TIMES]
     estimator.problem.prepare(estimator.with_effects(members) for members in tried)
     best = min(tried, key=lambda members: _left(members, estimator))
     if _left(best, estimator) >= fit.cost:
@@ -156,8 +160,8 @@ def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
     return estimator.fit(best)
 
 
-def _with_gap(members: Sequence[Candidate], k: int, gap: float) -> tuple[Candidate, ...]:
-    moved = replace(members[k], effect=members[k].effect.with_parameters({"gap": gap}))
+def _with_value(members: Sequence[Candidate], k: int, key: str, value: float) -> tuple[Candidate, ...]:
+    moved = replace(members[k], effect=members[k].effect.with_parameters({key: value}))
     return (*members[:k], moved, *members[k + 1 :])
 
 

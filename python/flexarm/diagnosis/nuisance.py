@@ -149,19 +149,19 @@ def nuisance_model(problem: Problem) -> NuisanceModel:
     arm = problem.arm
     clocks, frames = _clocks(problem), _frames(problem)
     for name in clocks:
-        if arm.effect("time_delay", name) is None:
+        if arm.effect(TimeDelay.name, name) is None:
             arm = arm.with_effect(TimeDelay(at=name))
     for name in frames:
-        if arm.effect("frame_registration", name) is None:
+        if arm.effect(FrameRegistration.name, name) is None:
             arm = arm.with_effect(FrameRegistration(at=name))
     found = []
     for name, sigma in clocks.items():
-        (p,) = parameters(arm, [f"effects.time_delay.{name}.delay"])
+        (p,) = parameters(arm, [TimeDelay(at=name).model_key("delay")])
         found.append(NuisanceParameter(p.key, p.value, sigma, p.unit, "clock"))
     for name, sigmas in frames.items():
         for kind, sigma in sigmas.items():
             if sigma > 0:
-                there = parameters(arm, [f"effects.frame_registration.{name}.{kind}"])
+                there = parameters(arm, [FrameRegistration(at=name).model_key(kind)])
                 found += [NuisanceParameter(p.key, p.value, sigma, p.unit, "frame") for p in there]
     swings = [
         NuisanceParameter(start.key, 0.0, SIGMA, start.unit, "start") for start in problem.initial_conditions

@@ -21,7 +21,6 @@ from flexarm.arm import Arm
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.residual_rows import NON_SMOOTH
 from flexarm.errors import InvalidParameter
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
@@ -120,7 +119,7 @@ class TransformedParameter:
 def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[TransformedParameter, ...]:
     """The free parameters of a set of effects, in their order."""
     return tuple(
-        TransformedParameter(k, name, prior, member.name not in NON_SMOOTH)
+        TransformedParameter(k, name, prior, member.effect.smooth)
         for k, member in enumerate(members)
         for name, prior in member.priors_in(arm).items()
         if name in member.free

@@ -70,7 +70,7 @@ class CoarseEncoder:
             f"{self.over_noise:.0f} times the stated noise; what the arm did between two counts is lost, and "
             f"moves {self.moves} by {self.error:.1f} times its noise"
         )
-        return NamedEffect("encoder_quantisation", self.effect.at, CERTAIN, (exact,), (), evidence)
+        return NamedEffect(EncoderQuantisation.name, self.effect.at, CERTAIN, (exact,), (), evidence)
 
 
 def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQuantisation, ...]:
@@ -79,7 +79,7 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
     for record in records.values():
         for name in record.drive if record.kind == "motion" else ():
             signal = record.signals[name]
-            if signal.quantity == "joint_angle" and arm.effect("encoder_quantisation", name) is None:
+            if signal.quantity == "joint_angle" and arm.effect(EncoderQuantisation.name, name) is None:
                 step = quantisation_step(signal.values[:, 0])
                 told = step <= COARSE * (signal.noise_std or np.inf)
                 steps.setdefault(name, []).append(0.0 if told else step)

@@ -30,12 +30,10 @@ from flexarm.errors import InvalidParameter
 from flexarm.record import Record, Signal
 from flexarm.residual_analysis.noise import repeated_noise
 
-NON_SMOOTH = ("backlash", "coulomb_friction", "joint_hysteresis", "motor_friction")
-
 
 def is_non_smooth(arm: Arm) -> bool:
-    """Whether a model has such a law."""
-    return any(effect.name in NON_SMOOTH for effect in arm.effects)
+    """Return True if a model has a law with a corner."""
+    return not all(effect.smooth for effect in arm.effects)
 
 
 REPEATS = 6

@@ -22,7 +22,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidate import SHAPES, SPRINGS, Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.errors import InvalidParameter, NotConverged
@@ -39,7 +39,6 @@ HARDLY = 0.02
 KEPT = 100
 """Sets of which a size is worked out."""
 NONE: Mapping[str, str] = MappingProxyType({})
-ONE_SIGNED = ("joint_hysteresis", "backlash", "coulomb_friction", "viscous_friction", "motor_friction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +101,7 @@ def in_proportion(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -
     A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
     explain less as an effect. A reflector is a point elsewhere, and needs no simulation.
     """
-    own = [f"effects.{candidate.name}.{candidate.at}.{name}" for name in candidate.free]
-    if candidate.name == "reflector_offset":
-        own = [f"points.{candidate.at}.{name.replace('offset', 'position')}" for name in candidate.free]
+    own = [candidate.effect.model_key(name) for name in candidate.free]
     if not set(own) <= set(keys):
         return None
     steps = [
@@ -119,14 +116,14 @@ def _seen(probed: Probed) -> Probed:
     """Without components of a vector that hardly move anything: across the plane of a planar arm."""
     candidate, moves = probed.candidate, probed.moves
     size = np.linalg.norm(moves, axis=0)
-    sized = [name for name in candidate.free if name not in SHAPES]
+    sized = [name for name in candidate.free if name not in candidate.effect.shape]
     if len(sized) != len(size) or not all("." in name for name in sized):
         return probed
     keep = [k for k in range(len(size)) if size[k] > HARDLY * size.max()]
     if not 0 < len(keep) < len(size):
         return probed
     seen = {sized[k] for k in keep}
-    free = tuple(name for name in candidate.free if name in seen or name in SHAPES)
+    free = tuple(name for name in candidate.free if name in seen or name in candidate.effect.shape)
     probes = tuple(candidate.probes[k] for k in keep)
     return Probed(replace(candidate, free=free, probes=probes), moves[:, keep])
 
@@ -329,9 +326,5 @@ class Linear:
 
 
 def possible(candidate: Candidate, alphas: Floats) -> bool:
-    """Whether a law has the sign that it can have."""
-    if candidate.name in ONE_SIGNED and candidate.without is None:
-        return bool(alphas.max() > 0)
-    if candidate.name in SPRINGS and candidate.without is None:
-        return bool(alphas[0] > 0)
-    return True
+    """Return True if a law has the sign that it can have."""
+    return not candidate.effect.one_signed or candidate.without is not None or bool(alphas.max() > 0)

@@ -16,6 +16,7 @@ import numpy as np
 
 from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
@@ -35,7 +36,6 @@ from flexarm.diagnosis.noise_model import (
     weighted_by_input_noise,
 )
 from flexarm.diagnosis.nuisance import nuisance_model
-from flexarm.diagnosis.perturbations import SOFTER
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Problem
@@ -327,7 +327,7 @@ def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:
     rhythm = rhythms(estimator.fit(()).projected, problem)
     probed = probe(
         estimator,
-        candidates(problem, estimator.nuisance.arm, rhythm, SOFTER),
+        candidates(problem, estimator.nuisance.arm, rhythm, SpringEffect.softer),
         lambda done: tell(0.15 + 0.25 * done, "screening"),
     )
     return choose(estimator, probed, lambda what, done: tell(0.4 + 0.4 * done, what))

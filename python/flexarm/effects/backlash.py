@@ -10,12 +10,10 @@ gap. At rest the teeth lie on the flank that the torque pushes them against.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Derivative, Effect
 from flexarm.arm.prior import Prior
-from flexarm.effects.joint_compliance import without_spring
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -35,15 +33,17 @@ class Backlash(Effect):
     """
 
     name: ClassVar[str] = "backlash"
+    requires = "joint_compliance"
+    smooth = False
+    one_signed = True
+    non_negative = ("gap",)
+    multistart = "gap"
+    varies_with = "torque"
     gap: Number = value_in("rad", "full width of the gap at the output", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
         """Opens a gap in the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].gap = self.gap  # eq. (1)
-
-    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """Teeth without a spring would hit without end."""
-        yield from without_spring(self, arm)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a preloaded reducer to a worn slewing drive."""

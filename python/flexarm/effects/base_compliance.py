@@ -15,8 +15,8 @@ from math import inf
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.base_axis import first_turning_joint
-from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flexarm.assembly.machine import Machine
 
 
-class BaseCompliance(Effect):
+class BaseCompliance(SpringEffect):
     """Linear spring and damper under the base.
 
     Parameters
@@ -53,7 +53,7 @@ class BaseCompliance(Effect):
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a frame on a floor of wood to a plate on bedrock; damping in proportion."""
         typical = 3e6
-        stiffness = self.stiffness if self.stiffness != inf else typical
+        stiffness = typical if self.inert else self.stiffness
         where = (
             "engineering judgement: frames bolted to a floor from 1e5, plates grouted into concrete to 1e8"
         )

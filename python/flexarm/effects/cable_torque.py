@@ -7,8 +7,9 @@ T [N m] is the torque on the link about +axis, \theta [rad] the link's angle rel
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from math import pi
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -33,6 +34,7 @@ class CableTorque(Effect):
     """
 
     name: ClassVar[str] = "cable_torque"
+    torque_at = "output"
     stiffness: Number = value_in("N m/rad", "stiffness of the cables", 0.0, ge=0)
     rest_angle: Number = value_in("rad", "angle of the joint where they pull at nothing", 0.0)
 
@@ -43,6 +45,30 @@ class CableTorque(Effect):
         machine.drive_trains[self.at].bearing.append(
             _core.CableTorque(self.stiffness, self.rest_angle)
         )  # eq. (1)
+
+    def probes(
+        self,
+        stated: Effect | None,
+        free: Sequence[str],
+        null: Mapping[str, float],
+        priors: Mapping[str, Prior],
+    ) -> Iterator[Self]:
+        """Yield two rest angles: (1) is linear in k_c and k_c theta_r."""
+        for angle in (0.0, 0.5):
+            yield self.with_parameters({"stiffness": priors["stiffness"].typical, "rest_angle": angle})
+
+    def sized(
+        self,
+        multiples: Sequence[float],
+        probes: Sequence[Effect],
+        null: Mapping[str, float],
+        stated: Effect | None,
+        least: float,
+    ) -> dict[str, float]:
+        """Return stiffness and rest angle of a sum of the probes' torques."""
+        k = sum(multiples) * probes[0].value_of("stiffness")
+        pull = multiples[1] * (probes[1].value_of("stiffness") * probes[1].value_of("rest_angle"))
+        return {"stiffness": k, "rest_angle": pull / k if k else 0.0}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a signal cable to a dress pack with hoses."""

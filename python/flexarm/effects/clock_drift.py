@@ -29,6 +29,7 @@ class ClockDrift(ClockEffect):
     """
 
     name: ClassVar[str] = "clock_drift"
+    varies_with = "time"
     rate: Number = value_in("s/s", "how much faster the clock runs", 0.0, gt=-0.5, lt=0.5)
 
     def late(self) -> tuple[float, float]:

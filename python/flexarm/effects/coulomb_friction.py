@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.motor_limits import stall_torque, within
 from flexarm.arm.prior import Prior
-from flexarm.effects.motor_limits import stall_torque, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -35,6 +35,12 @@ class CoulombFriction(Effect):
     """
 
     name: ClassVar[str] = "coulomb_friction"
+    torque_at = "output"
+    in_motion = ("torque",)
+    smooth = False
+    one_signed = True
+    non_negative = ("torque",)
+    varies_with = "rate"
     torque: Number = value_in("N m", "friction torque at the output bearing", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:

@@ -32,6 +32,8 @@ class DeadChannel(ChannelEffect):
     """
 
     name: ClassVar[str] = "dead_channel"
+    competes = False
+    varies_with = "time"
     value: Number = value_in("SI", "what the dead channels show", 0.0)
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:

@@ -15,6 +15,7 @@ import numpy as np
 
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import Channels, SignalEffect
+from flexarm.arm.wave_effect import WaveEffect
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from flexarm.arrays import Floats
 
 
-class EncoderEccentricity(SignalEffect):
+class EncoderEccentricity(WaveEffect, SignalEffect):
     """Eccentricity of an encoder, once per output turn.
 
     Parameters
@@ -34,7 +35,8 @@ class EncoderEccentricity(SignalEffect):
     """
 
     name: ClassVar[str] = "encoder_eccentricity"
-    quantities: ClassVar[tuple[str, ...]] = ("joint_angle",)
+    quantities = ("joint_angle",)
+    of_drives = True
     amplitude: Number = value_in("rad", "amplitude of the error once per output turn", 0.0, ge=0, lt=1)
     phase: Number = value_in("rad", "phase of the error at the true angle zero", 0.0)
 

@@ -28,7 +28,8 @@ class EncoderOffset(SignalEffect):
     """
 
     name: ClassVar[str] = "encoder_offset"
-    quantities: ClassVar[tuple[str, ...]] = ("joint_angle",)
+    quantities = ("joint_angle",)
+    of_drives = True
     offset: Number = value_in("rad", "offset of the encoder", 0.0)
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:

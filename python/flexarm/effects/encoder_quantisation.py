@@ -34,7 +34,10 @@ class EncoderQuantisation(SignalEffect):
     """
 
     name: ClassVar[str] = "encoder_quantisation"
-    quantities: ClassVar[tuple[str, ...]] = ("joint_angle",)
+    competes = False
+    varies_with = "time"
+    quantities = ("joint_angle",)
+    of_drives = True
     step: Number = value_in("rad", "step of the encoder, output-referred", 0.0, ge=0)
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:

@@ -28,7 +28,8 @@ class EncoderScale(SignalEffect):
     """
 
     name: ClassVar[str] = "encoder_scale"
-    quantities: ClassVar[tuple[str, ...]] = ("joint_angle",)
+    quantities = ("joint_angle",)
+    of_drives = True
     scale: Number = value_in("-", "scale of the encoder", 1.0, gt=0)
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:

@@ -9,12 +9,13 @@ without it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import inf, pi
+from collections.abc import Iterator, Sequence
+from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
+from flexarm.arm.wave_effect import WaveEffect
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from flexarm.assembly.machine import Machine
 
 
-class ExternalVibration(Effect):
+class ExternalVibration(WaveEffect):
     """Harmonic moment on a compliant base.
 
     Parameters
@@ -34,22 +35,24 @@ class ExternalVibration(Effect):
     """
 
     name: ClassVar[str] = "external_vibration"
+    requires = "base_compliance"
+    shape = ("frequency", "phase")
+    varies_with = "time"
+    band_hz: ClassVar[tuple[float, float]] = (0.3, 15.0)
+    """Frequencies that a search looks at; what moves with the drive is slower."""
     amplitude: Number = value_in("N m", "amplitude of the moment", 0.0, ge=0)
     frequency: Number = value_in("Hz", "its frequency", 0.0, ge=0)
     phase: Number = value_in("rad", "its phase at t = 0", 0.0)
 
-    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """A base that stands still cannot be shaken."""
-        base = arm.effect("base_compliance", self.at)
-        if getattr(base, "stiffness", inf) == inf:
-            yield (
-                "at",
-                "needs the effect base_compliance with a stiffness at the base, which else stands still",
-            )
-
     def patch(self, machine: Machine) -> None:
         """A moment, eq. (1)."""
         machine.base.vibration = (self.amplitude, self.frequency, self.phase)  # eq. (1)
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield the frequencies at which the gap swings to start from."""
+        yield from (Trial(start={"frequency": frequency}) for frequency in frequencies)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Machines and people nearby."""

@@ -31,6 +31,8 @@ class FrameDrift(FrameEffect):
     """
 
     name: ClassVar[str] = "frame_drift"
+    in_motion = ("velocity",)
+    varies_with = "time"
     velocity: Vector3 = value_in("m/s", "velocity of what is measured while nothing moves", NONE)
 
     def moved(self) -> tuple[Vector, Vector, Vector]:

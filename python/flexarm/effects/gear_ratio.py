@@ -32,6 +32,7 @@ class GearRatio(Effect):
     """
 
     name: ClassVar[str] = "gear_ratio"
+    driven_joints_only = True
     scale: Number = value_in("-", "true over nominal gear ratio", 1.0, gt=0)
 
     def patch(self, machine: Machine) -> None:

@@ -8,25 +8,19 @@ angle relative to its parent [rad]. Without this effect the drive train is rigid
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import inf, isinf
+from math import inf
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.assembly.machine import Machine
 
-TYPICAL_STIFFNESS = 1e5
-"""Of a rotary reducer that moves such arms [N m/rad]."""
-TYPICAL_DAMPING = 2e-3
-"""Of a spring, over its stiffness [s]: zeta = omega c/(2 k) is 1.6 % of critical at 2.5 Hz."""
 
-
-class JointCompliance(Effect):
+class JointCompliance(SpringEffect):
     """Linear spring and damper between motor and link, output side.
 
     Parameters
@@ -50,12 +44,12 @@ class JointCompliance(Effect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small strain-wave to large cycloidal reducers; damping in proportion to the stiffness."""
-        stiffness = TYPICAL_STIFFNESS if isinf(self.stiffness) else self.stiffness
+        stiffness = self.typical_stiffness if self.inert else self.stiffness
         return {
             "stiffness": Prior(
                 3e3,
                 4e6,
-                TYPICAL_STIFFNESS,
+                self.typical_stiffness,
                 "log",
                 "N m/rad",
                 "catalogues: small strain-wave reducers (some 1e3) to large cycloidal ones (1200 N m/arcmin)",
@@ -63,7 +57,7 @@ class JointCompliance(Effect):
             "damping": Prior(
                 1e-4 * stiffness,
                 1e-2 * stiffness,
-                TYPICAL_DAMPING * stiffness,
+                self.typical_damping * stiffness,
                 "log",
                 "N m s/rad",
                 "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz",
@@ -73,16 +67,7 @@ class JointCompliance(Effect):
 
 def spring_at(arm: Arm, joint: str) -> float:
     """Stiffness of the joint's compliance [N m/rad]; a typical one where it has none."""
-    found = [effect.stiffness for effect in arm.effects_at(joint) if isinstance(effect, JointCompliance)]
-    return found[-1] if found and not isinf(found[-1]) else TYPICAL_STIFFNESS
-
-
-def without_spring(effect: Effect, arm: Arm) -> Iterable[tuple[str, str]]:
-    """What an effect of the reducer's deflection has to say of a joint that is rigid."""
-    springs = (other for other in arm.effects_at(effect.at) if isinstance(other, JointCompliance))
-    if all(isinf(spring.stiffness) for spring in springs):
-        yield (
-            "at",
-            f"{effect.name} needs a joint_compliance with a stiffness at the same joint, and {effect.at!r} "
-            f'is rigid; add [[effects]] name = "joint_compliance", at = "{effect.at}", stiffness = ...',
-        )
+    spring = arm.effect(JointCompliance.name, joint)
+    return (
+        JointCompliance.typical_stiffness if spring is None or spring.inert else spring.value_of("stiffness")
+    )

@@ -9,12 +9,11 @@ A cycle of the deflection between -a and a, a much larger than w, takes 4 T_h (a
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
-from flexarm.effects.joint_compliance import without_spring
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -36,6 +35,14 @@ class JointHysteresis(Effect):
     """
 
     name: ClassVar[str] = "joint_hysteresis"
+    requires = "joint_compliance"
+    in_motion = ("torque", "width")
+    smooth = False
+    acts_as = "joint_compliance"
+    one_signed = True
+    non_negative = ("torque",)
+    shape = ("width",)
+    varies_with = "torque"
     torque: Number = value_in("N m", "torque at which the hysteresis saturates", 0.0, ge=0)
     width: Number = value_in("rad", "deflection over which it builds up", 3e-4, gt=0)
 
@@ -43,9 +50,20 @@ class JointHysteresis(Effect):
         """Puts Dahl's law beside the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].hysteresis.append((self.torque, self.width))  # eq. (1)
 
-    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """A rigid reducer has no deflection to be hysteretic in."""
-        yield from without_spring(self, arm)
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield a narrow and a wide loop to start from."""
+        yield from (Trial(start={"width": times * self.width}) for times in (1.0, 4.0))
+
+    def acting_as(
+        self, other: Effect, other_stated: Effect | None, stated: Effect | None
+    ) -> dict[str, float] | None:
+        """Return the loop that is T_h/w stiff while it sticks, for a spring stiffer than the stated one."""
+        if other_stated is None or other_stated.inert:
+            return None
+        stiffer = other.value_of("stiffness") - other_stated.value_of("stiffness")
+        return {"torque": stiffer * self.width} if stiffer > 0 else None
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Loss of a few percent of the rated torque over some arc minutes."""

@@ -8,12 +8,11 @@ d [rad] is the deflection of the reducer, e what of it lies beyond half its gap,
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
-from flexarm.effects.joint_compliance import spring_at, without_spring
+from flexarm.effects.joint_compliance import spring_at
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -33,15 +32,14 @@ class JointStiffening(Effect):
     """
 
     name: ClassVar[str] = "joint_stiffening"
+    requires = "joint_compliance"
+    non_negative = ("cubic_stiffness",)
+    varies_with = "torque"
     cubic_stiffness: Number = value_in("N m/rad3", "cubic stiffness, added to the linear spring", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
         """Adds the cubic part to the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].cubic_stiffness = self.cubic_stiffness  # eq. (1)
-
-    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """There is nothing to stiffen without a spring."""
-        yield from without_spring(self, arm)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """The tangent stiffness grows by 3 k_3 e^2, compared with k at the deflection of full load."""

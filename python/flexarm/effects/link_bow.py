@@ -14,10 +14,10 @@ and the part along the link is a uniform stretch. To second order a bow also dra
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.effect import Derivative, Effect
+from flexarm.arm.effect import Derivative, Effect, Trial
 from flexarm.arm.link import Beam
 from flexarm.arm.prior import Prior
 from flexarm.tables import Number, Vector3, value_in
@@ -41,6 +41,7 @@ class LinkBow(Effect):
     """
 
     name: ClassVar[str] = "link_bow"
+    shape = ("time_constant",)
     tip_offset: Vector3 = value_in("m", "where the unloaded tip is, from a straight link's", (0.0, 0.0, 0.0))
     time_constant: Number = value_in("s", "time constant with which it grows; 0: constant", 0.0, ge=0)
 
@@ -54,6 +55,17 @@ class LinkBow(Effect):
         """A rest curvature, eq. (1), (2)."""
         member = machine.links[self.at]
         member.bow, member.bow_time = self.tip_offset, self.time_constant  # eq. (1)
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield a constant bow and growing ones to start from; what stretches the link is no bow.
+
+        A bow that takes hours grows straight in a record.
+        """
+        straight = {key: self.value_of(key) for key in self.along(arm)}
+        yield Trial(fixed={"time_constant": 0.0, **straight})
+        yield from (Trial({"time_constant": seconds}, straight) for seconds in (10.0, 100.0))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Straightness of tubes, and the sun on one side of them."""

@@ -34,6 +34,9 @@ class LinkDamping(Effect):
     """
 
     name: ClassVar[str] = "link_damping"
+    in_motion = ("damping_ratio",)
+    non_negative = ("damping_ratio",)
+    varies_with = "rate"
     damping_ratio: Number = value_in("-", "damping ratio of the link's first clamped mode", 0.0, ge=0, lt=1)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
@@ -49,6 +52,10 @@ class LinkDamping(Effect):
         member = machine.links[self.at]
         assert not isinstance(member.table, RigidLink)
         member.table = member.table.replace(damping_ratio=self.damping_ratio)  # eq. (1)
+
+    def null(self, arm: Arm) -> dict[str, float]:
+        """Return the link's own damping ratio."""
+        return {"damping_ratio": getattr(arm.link(self.at), "damping_ratio", None) or 0.0}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From welded steel to a link full of cables."""

@@ -32,6 +32,7 @@ class LinkStiffness(Effect):
     """
 
     name: ClassVar[str] = "link_stiffness"
+    varies_with = "torque"
     scale: Number = value_in("-", "factor on the bending stiffness EI", 1.0, gt=0)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:

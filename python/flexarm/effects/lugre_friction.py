@@ -51,6 +51,9 @@ class LugreFriction(Effect):
     """
 
     name: ClassVar[str] = "lugre_friction"
+    competes = False
+    torque_at = "output"
+    varies_with = "rate"
     coulomb: Number = value_in("N m", "torque of the friction while it slips", gt=0)
     breakaway: Number = value_in("N m", "torque at which it gives way, at least coulomb", gt=0)
     bristle_stiffness: Number = value_in("N m/rad", "stiffness while it sticks", gt=0)

@@ -10,12 +10,13 @@ the link: where the motor's angle is imposed it is seen only in the motor's torq
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.motor_limits import back_emf_damping, stall_torque, within
 from flexarm.arm.prior import Prior
 from flexarm.effects.coulomb_friction import STICK_WIDTH
-from flexarm.effects.motor_limits import back_emf_damping, stall_torque, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -37,6 +38,11 @@ class MotorFriction(Effect):
     """
 
     name: ClassVar[str] = "motor_friction"
+    torque_at = "motor"
+    smooth = False
+    one_signed = True
+    non_negative = ("coulomb", "viscous")
+    varies_with = "rate"
     coulomb: Number = value_in("N m", "dry friction of the motor, output-referred", 0.0, ge=0)
     viscous: Number = value_in("N m s/rad", "viscous friction of the motor, output-referred", 0.0, ge=0)
 
@@ -48,6 +54,17 @@ class MotorFriction(Effect):
             _core.DahlFriction(self.coulomb, STICK_WIDTH),
             _core.ViscousFriction(self.viscous),
         ]  # eq. (1)
+
+    def probes(
+        self,
+        stated: Effect | None,
+        free: Sequence[str],
+        null: Mapping[str, float],
+        priors: Mapping[str, Prior],
+    ) -> Iterator[Self]:
+        """Yield dry and viscous friction, each without the other."""
+        for key, other in (("coulomb", "viscous"), ("viscous", "coulomb")):
+            yield self.with_parameters({key: priors[key].typical, other: 0.0})
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Motor and wave generator or input stage, seen through ratios of 50 to 200."""

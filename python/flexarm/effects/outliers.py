@@ -47,6 +47,8 @@ class Outliers(SignalEffect):
     """
 
     name: ClassVar[str] = "outliers"
+    competes = False
+    varies_with = "time"
     share: Number = value_in("-", "share of rows that are off", 0.0, ge=0, lt=0.5)
     size: Number = value_in("SI", "1 sigma of how far off, per channel", 0.0, ge=0)
 

@@ -47,6 +47,7 @@ class PayloadInertia(Effect):
     """
 
     name: ClassVar[str] = "payload_inertia"
+    in_motion = ("inertia",)
     inertia: Annotated[Number | Vector3 | None, BeforeValidator(_one_or_three)] = value_in(
         "kg m2", "inertia of the payload about its centre, one number or [Ixx, Iyy, Izz]", None
     )
@@ -65,6 +66,11 @@ class PayloadInertia(Effect):
         """Another inertia, eq. (1)."""
         if self.inertia is not None:
             machine.payloads[self.at].inertia = inertia_matrix(self._moments())  # eq. (1)
+
+    def null(self, arm: Arm) -> dict[str, float]:
+        """Return the mean of the nominal moments."""
+        moments = arm.payload(self.at).inertia[:3]
+        return {name: sum(moments) / 3 for name, _, _ in self.parameters()}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a body as heavy as the payload, with a radius of gyration of 2 to 40 cm."""

@@ -31,12 +31,19 @@ class PayloadMass(Effect):
     """
 
     name: ClassVar[str] = "payload_mass"
+    stated_by_records = True
+    may_vanish = True
+    varies_with = "torque"
     mass: Number | None = value_in("kg", "total mass of the payload", None, ge=0)
 
     def patch(self, machine: Machine) -> None:
         """Another mass, eq. (1)."""
         load = machine.payloads[self.at]
         load.mass = load.mass if self.mass is None else self.mass  # eq. (1)
+
+    def null(self, arm: Arm) -> dict[str, float]:
+        """Return the nominal mass."""
+        return {"mass": arm.payload(self.at).mass or 0.0}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """About the nominal mass."""

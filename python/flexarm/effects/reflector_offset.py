@@ -44,3 +44,7 @@ class ReflectorOffset(Effect):
         """Of a reflector whose nest was placed by hand."""
         source = "engineering judgement: nests glued or bolted by hand to 1 mm, drawings off by up to 5"
         return {f"offset.{axis}": Prior(-4e-3, 4e-3, 0.0, "linear", "m", source) for axis in "xyz"}
+
+    def model_key(self, parameter: str) -> str:
+        """Return the key of the point's position, which moves it alike."""
+        return f"points.{self.at}.{parameter.replace('offset', 'position')}"

@@ -36,6 +36,8 @@ class Saturation(ChannelEffect):
     """
 
     name: ClassVar[str] = "saturation"
+    competes = False
+    varies_with = "time"
     limit: Number = value_in("SI", "end of the range, on both sides of zero", inf, gt=0)
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:

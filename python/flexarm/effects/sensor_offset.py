@@ -44,6 +44,7 @@ class SensorOffset(ChannelEffect):
     """
 
     name: ClassVar[str] = "sensor_offset"
+    not_sought_in = ("position", "orientation")
     offset: Annotated[float | Vector, BeforeValidator(_number_or_three)] = value_in(
         "SI", "offset of the channels", 0.0
     )
@@ -67,6 +68,13 @@ class SensorOffset(ChannelEffect):
         offset = self.offset
         values = [offset["xyz".index(name)] if isinstance(offset, tuple) else offset for name in channels]
         return np.where(self.acts_on(channels), values, 0.0)
+
+    @classmethod
+    def priors_from(cls, greatest: float, noise: float, unit: str) -> dict[str, Prior]:
+        """Return up to a tenth of the greatest reading, but at least ten times the noise."""
+        high = max(0.1 * greatest, 10 * noise)
+        source = "10 % of the greatest reading in the records"
+        return {"offset": Prior(-high, high, 0.0, "linear", unit, source)}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a bridge or a probe that was not zeroed."""

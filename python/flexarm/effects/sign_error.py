@@ -29,6 +29,8 @@ class SignError(ChannelEffect):
     """
 
     name: ClassVar[str] = "sign_error"
+    competes = False
+    varies_with = "time"
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
         """Eq. (1)."""

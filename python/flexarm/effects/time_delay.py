@@ -29,6 +29,8 @@ class TimeDelay(ClockEffect):
     """
 
     name: ClassVar[str] = "time_delay"
+    of_commands = True
+    varies_with = "rate"
     delay: Number = value_in("s", "how late the stamps are", 0.0)
 
     def late(self) -> tuple[float, float]:
@@ -42,3 +44,9 @@ class TimeDelay(ClockEffect):
             "given where data arrive are 1 to 50 ms late"
         )
         return {"delay": Prior(-0.02, 0.05, 0.0, "linear", "s", source)}
+
+    @classmethod
+    def command_priors(cls) -> dict[str, Prior]:
+        """Return how late a command acts: its stamp is early, the mirror image of the stamps of a sensor."""
+        source = "engineering judgement: a command acts where it arrives, 1 to 50 ms after it was given"
+        return {"delay": Prior(-0.05, 0.02, 0.0, "linear", "s", source)}

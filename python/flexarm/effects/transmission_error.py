@@ -10,12 +10,13 @@ that gear.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from math import pi
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
+from flexarm.arm.wave_effect import WaveEffect
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from flexarm.assembly.machine import Machine
 
 
-class TransmissionError(Effect):
+class TransmissionError(WaveEffect):
     """A sine of the motor's angle, added to the output of the teeth.
 
     Parameters
@@ -39,6 +40,8 @@ class TransmissionError(Effect):
     """
 
     name: ClassVar[str] = "transmission_error"
+    driven_joints_only = True
+    shape = ("multiple", "phase")
     amplitude: Number = value_in("rad", "amplitude at the output", 0.0)
     multiple: Number = value_in("per motor turn", "periods in a turn of the motor", 1.0)
     phase: Number = value_in("rad", "phase at the motor's angle zero", 0.0)
@@ -59,6 +62,12 @@ class TransmissionError(Effect):
                 f"must keep amplitude x multiple x gear ratio below 1, got {self.amplitude:g} rad x "
                 f"{self.multiple:g} x {ratio:g} = {slope:.3g}: the output would turn back at times",
             )
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield periods a motor turn: of cycloidal and strain-wave reducers they are small whole numbers."""
+        yield from (Trial(fixed={"multiple": float(multiple)}) for multiple in range(1, 5))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """An arc minute peak to peak, mostly twice a turn."""

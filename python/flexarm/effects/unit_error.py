@@ -34,6 +34,8 @@ class UnitError(ChannelEffect):
     """
 
     name: ClassVar[str] = "unit_error"
+    competes = False
+    varies_with = "time"
     factor: Number = value_in("-", "reading over true value", 1.0, gt=0)
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:

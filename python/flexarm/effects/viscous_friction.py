@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.motor_limits import back_emf_damping, within
 from flexarm.arm.prior import Prior
-from flexarm.effects.motor_limits import back_emf_damping, within
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -31,6 +31,11 @@ class ViscousFriction(Effect):
     """
 
     name: ClassVar[str] = "viscous_friction"
+    torque_at = "output"
+    in_motion = ("coefficient",)
+    one_signed = True
+    non_negative = ("coefficient",)
+    varies_with = "rate"
     coefficient: Number = value_in("N m s/rad", "viscous friction of the output bearing", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:

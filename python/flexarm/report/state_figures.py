@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.effect import effect_class
 from flexarm.report.gap_curves import LOOKS, NOISE
 from flexarm.report.sheets import BOTTOM, legend_below, sheet
 from flexarm.wording import scale
@@ -23,21 +24,6 @@ if TYPE_CHECKING:
 
 KINDS = ("angle", "rate", "torque")
 MOST_JOINTS = 3
-_TORQUE = """joint_compliance joint_stiffening joint_hysteresis backlash link_stiffness base_compliance
-payload_mass"""
-_RATE = "coulomb_friction viscous_friction lugre_friction motor_friction link_damping time_delay"
-_TIME = """clock_drift frame_drift external_vibration encoder_quantisation dead_channel sign_error unit_error
-saturation outliers"""
-_STATE_OF = {
-    name: kind
-    for kind, names in (("torque", _TORQUE), ("rate", _RATE), ("time", _TIME))
-    for name in names.split()
-}
-
-
-def state_of(effect: str) -> str:
-    """The state that an effect is drawn against, where its law shows best; most follow the angle."""
-    return _STATE_OF.get(effect, "angle")
 
 
 def against_states(d: Diagnosis) -> Figure | None:
@@ -173,5 +159,5 @@ def draw_of_effect(ax: Axes, d: Diagnosis, effect: str, at: str) -> None:
     rows = d.located.gaps[signal]
     joints = [each.joint for each in rows.states]
     joint = at if at in joints else turned_most(d.located, rows).joint
-    draw_against(ax, d, signal, _largest(rows), joint, state_of(effect))
+    draw_against(ax, d, signal, _largest(rows), joint, effect_class(effect).varies_with)
     ax.set_title(f"{signal}: measured − model")

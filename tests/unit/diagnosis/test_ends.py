@@ -13,7 +13,7 @@ from flexarm.arm.prior import Prior
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.identifiability import bound_sentence, estimates_at_bounds, has_implausible_size
 from flexarm.diagnosis.parameters import TransformedParameter
-from flexarm.effects import PayloadMass
+from flexarm.effects import LinkStiffness, PayloadMass
 
 SCALE = TransformedParameter(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))
 DAMPING = replace(SCALE, name="damping")
@@ -21,7 +21,9 @@ DAMPING = replace(SCALE, name="damping")
 
 def fit(*z, parameters=(SCALE, DAMPING)):
     """A stiffer forearm of so many sigmas of its prior, and a second parameter."""
-    member = SimpleNamespace(place=("link_stiffness", "forearm"), free=("scale", "damping"))
+    member = SimpleNamespace(
+        place=("link_stiffness", "forearm"), free=("scale", "damping"), effect=LinkStiffness
+    )
     nothing = np.zeros(0)
     chosen = parameters[: len(z)]
     return Fit((member,), chosen, np.array(z), nothing, nothing, nothing, None, None)
@@ -73,5 +75,5 @@ def test_a_gripper_may_carry_nothing():
 
 @pytest.mark.parametrize(("sign", "count"), [(1.0, 1), (-1.0, 0)])
 def test_thirty_times_a_load_is_no_size_and_none_is(sign, count):
-    load = SimpleNamespace(place=("payload_mass", "load"), free=("scale",))
+    load = SimpleNamespace(place=("payload_mass", "load"), free=("scale",), effect=PayloadMass)
     assert len(estimates_at_bounds(replace(fit(sign * SCALE.bound), members=(load,)))) == count

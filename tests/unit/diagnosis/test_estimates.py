@@ -45,12 +45,18 @@ def problem(discretisation_error=0.0):
     return Recorded(rows=[rows], records=records, policy=SelectionPolicy())
 
 
-def fitted(noise, slope, name="payload_mass"):
+class Cornered(PayloadMass):
+    """A mass whose law has a corner."""
+
+    smooth = False
+
+
+def fitted(noise, slope, kind=PayloadMass):
     """A model that is linear in one mass, at its optimum: r = slope z + noise, the true z is 0."""
     column = slope[:, None]
     z = np.linalg.lstsq(column, -noise, rcond=None)[0] if slope.any() else np.zeros(1)
-    effect = PayloadMass(at="load", mass=14.0 + SIZE * float(z[0]))
-    member = SimpleNamespace(effect=effect, name=name, place=(name, "load"), free=("mass",))
+    effect = kind(at="load", mass=14.0 + SIZE * float(z[0]))
+    member = SimpleNamespace(effect=effect, name=kind.name, place=(kind.name, "load"), free=("mass",))
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
     nuisance = SimpleNamespace(parameters=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
@@ -84,7 +90,7 @@ def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
     """A slope of one line: d sqrt(2) sin(wt + phase) along sin(wt) is d sqrt(2) cos(phase), d rms."""
     slope = np.sin(3 * 2 * np.pi * np.arange(N) / N)
     noise = 1e-9 * RNG.normal(size=N)  # none: the discrepancy alone
-    smooth, bouncing = fitted(noise, slope), fitted(noise, slope, "backlash")
+    smooth, bouncing = fitted(noise, slope), fitted(noise, slope, Cornered)
     assert draws(smooth, problem(discretisation_error=2.25), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
     assert draws(bouncing, problem(), RNG)[:, 0].std() == pytest.approx(0.2, rel=0.1)
     assert draws(bouncing, problem(discretisation_error=2.25), RNG)[:, 0].std() == pytest.approx(1.5, rel=0.1)

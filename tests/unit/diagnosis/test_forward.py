@@ -17,7 +17,7 @@ from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import Probed
-from flexarm.effects import LinkDamping
+from flexarm.effects import CoulombFriction, LinkDamping
 from flexarm.errors import NotConverged
 
 COST = {"": 100, "a": 60, "b": 70, "c": 75, "d": 80, "cd": 40, "ab": 20, "ac": 50, "abc": 19.9, "abd": 19.9}
@@ -337,8 +337,8 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
         SimpleNamespace(places=places, cost=cost)
         for places, cost in (((base, elbow), 20.0), ((shoulder, elbow), 21.0), ((shoulder, base), 90.0))
     )
-    rubs = SimpleNamespace(candidate=SimpleNamespace(name="coulomb_friction", at="shoulder"))
-    other = SimpleNamespace(candidate=SimpleNamespace(name="coulomb_friction", at="elbow"))
+    rubs = SimpleNamespace(candidate=SimpleNamespace(effect=CoulombFriction, at="shoulder"))
+    other = SimpleNamespace(candidate=SimpleNamespace(effect=CoulombFriction, at="elbow"))
     found = search[0]
     found.tried = [far, twin]
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)

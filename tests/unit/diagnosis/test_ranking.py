@@ -31,7 +31,7 @@ class Made:
 
     @property
     def members(self):
-        return (SimpleNamespace(place=self.places[0]),)
+        return (SimpleNamespace(place=self.places[0], acting_as=lambda other: None),)
 
 
 @pytest.fixture(autouse=True)
@@ -204,7 +204,6 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     monkeypatch.setattr(rivals, "predicts_better", lambda *_: False)
     monkeypatch.setattr(rivals, "log_likelihood_ratio", lambda *_: 0.0)
-    monkeypatch.setattr(rivals, "_alike", lambda *_: None)
     monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
     estimator = SimpleNamespace(

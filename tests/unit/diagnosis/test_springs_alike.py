@@ -21,7 +21,7 @@ def test_a_soft_base_turns_the_arm_as_the_soft_joint_did():
     nominal = JointCompliance(at="waist", stiffness=3e5, damping=600.0)
     soft = JointCompliance(at="waist", stiffness=7e3, damping=7.0)
     base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3))
-    found = base.as_soft_as(candidate(soft, nominal)).effect
+    found = base.acting_as(candidate(soft, nominal)).effect
     w = 2 * np.pi * 1.5
     joint, both = (
         7e3 + 1j * w * 7.0,
@@ -33,7 +33,7 @@ def test_a_soft_base_turns_the_arm_as_the_soft_joint_did():
 def test_a_spring_that_is_there_becomes_softer_by_as_much():
     there = JointCompliance(at="elbow", stiffness=8e4, damping=160.0)
     soft = candidate(JointCompliance(at="waist", stiffness=1e5, damping=200.0))
-    found = candidate(there, there).as_soft_as(soft).effect
+    found = candidate(there, there).acting_as(soft).effect
     assert 1 / found.stiffness == pytest.approx(1 / 8e4 + 1 / 1e5)
 
 
@@ -41,7 +41,7 @@ def test_a_stiffer_joint_has_no_like_in_a_rigid_base():
     nominal = JointCompliance(at="hinge", stiffness=1e5, damping=200.0)
     stiffer = candidate(JointCompliance(at="hinge", stiffness=2e5, damping=200.0), nominal)
     base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3))
-    assert base.as_soft_as(stiffer) is base
+    assert base.acting_as(stiffer) == base
 
 
 @pytest.mark.parametrize("left, tried", [(40.0, ["base"]), (60.0, [])], ids=["helped", "hardly helped"])
@@ -55,7 +55,7 @@ def test_where_one_spring_helps_the_others_are_rivals_as_soft_as_that(left, trie
     probed = [Probed(each, np.empty((0, 0))) for each in (soft, waist, base)]
     found = _soft_elsewhere({soft.place: fit}, [waist], shakes, 100.0, probed, 0.5)
     assert [each.at for each in found] == tried
-    assert all(each.effect == base.as_soft_as(soft).effect for each in found)
+    assert all(each.effect == base.acting_as(soft).effect for each in found)
     assert _soft_elsewhere({}, [waist], shakes, 100.0, probed, 0.5) == []
 
 
@@ -65,7 +65,7 @@ def test_the_sum_bends_an_arm_alike():
 
     arm = crane()
     soft = candidate(JointCompliance(at="hinge", stiffness=5e4, damping=100.0))
-    base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3)).as_soft_as(soft)
+    base = candidate(BaseCompliance(at="base", stiffness=1e6, damping=1e3)).acting_as(soft)
     by_joint, by_base = (
         flexarm.static(arm.with_effect(each.effect), joints={"hinge": 0.4}).displacement
         for each in (soft, base)
@@ -81,7 +81,7 @@ def test_hysteresis_that_sticks_is_a_stiffer_spring():
     nominal = arm.effect("joint_compliance", "hinge")
     stiffer = candidate(nominal.with_parameters({"stiffness": 8e4}), nominal)
     law = JointHysteresis(at="hinge", torque=20.0, width=0.5)
-    sticking = Candidate(law, ("torque", "width"), (law,), {}).as_stiff_as(stiffer).effect
+    sticking = Candidate(law, ("torque", "width"), (law,), {}).acting_as(stiffer).effect
     drive = flexarm.Drive.from_samples([0.0, 0.4, 0.8, 2.0], {"hinge": [0.4, 0.41, 0.4, 0.41]})
     tip, alike, before = (
         flexarm.simulate(arm.with_effect(each), drive, step=4e-3).position
@@ -96,5 +96,5 @@ def test_hysteresis_is_nothing_like_a_softer_spring_or_one_where_none_was():
     hysteresis = Candidate(law, ("torque", "width"), (law,), {})
     nominal = JointCompliance(at="hinge", stiffness=1e5, damping=200.0)
     softer = nominal.with_parameters({"stiffness": 8e4})
-    assert hysteresis.as_stiff_as(candidate(softer, nominal)) is None
-    assert hysteresis.as_stiff_as(candidate(softer)) is None
+    assert hysteresis.acting_as(candidate(softer, nominal)) is None
+    assert hysteresis.acting_as(candidate(softer)) is None

@@ -10,7 +10,7 @@ from flexarm.diagnosis.alternatives import rivals_of
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves.rescreening import THROUGH_SPRINGS, awakened, new_springs
+from flexarm.diagnosis.moves.rescreening import awakened, new_springs
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import probe, screen, together
@@ -79,7 +79,7 @@ def test_friction_shows_beside_a_spring_and_not_in_a_rigid_joint(rigid):
     assert new_springs(beside) == {"hinge"}
     awake = awakened(estimator, probed, beside)
     assert np.abs(awake[k].moves).max() > 1.0
-    others = [i for i, p in enumerate(probed) if p.candidate.name not in THROUGH_SPRINGS]
+    others = [i for i, p in enumerate(probed) if not p.candidate.effect.acts_through_spring()]
     assert all(awake[i] is probed[i] for i in others)
 
 

@@ -3,10 +3,10 @@
 import pytest
 from planted import run_of
 
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.nuisance import NuisanceParameter, nuisance_model
-from flexarm.diagnosis.perturbations import GROWTH, SOFTER
 from flexarm.diagnosis.problem import Problem
 
 
@@ -36,10 +36,10 @@ def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
     arm = run_of("one joint").simulation.arm
     arm = arm.replace(effects=tuple(e for e in arm.effects if e.name != "joint_compliance"))
     problem = Problem(arm, {"run": run_of("one joint").showing({}, 1).record})
-    found = candidates(problem, nuisance_model(problem).arm, softer=SOFTER)
+    found = candidates(problem, nuisance_model(problem).arm, softer=SpringEffect.softer)
     springs = [c for c in found if c.name == "joint_compliance"]
     stiffness = [value_of(c.probes[0], "stiffness") for c in springs]
-    assert [stiffness[0] / k for k in stiffness] == pytest.approx(SOFTER)
+    assert [stiffness[0] / k for k in stiffness] == pytest.approx(SpringEffect.softer)
     assert all("stiffness" in c.free for c in springs)
 
 
@@ -47,7 +47,7 @@ def test_a_bow_that_grows_starts_at_several_time_constants():
     """Each is fitted from there; a probe grows as its start does, so that its size is what is asked for."""
     problem = Problem(run_of("one joint").simulation.arm, {"run": run_of("one joint").showing({}, 1).record})
     bows = [c for c in candidates(problem, nuisance_model(problem).arm) if c.name == "link_bow"]
-    assert [value_of(c.effect, "time_constant") for c in bows] == [0.0, *GROWTH]
+    assert [value_of(c.effect, "time_constant") for c in bows] == [0.0, 10.0, 100.0]
     assert ["time_constant" in c.free for c in bows] == [False, True, True]
     for bow in bows:
         assert len(bow.probes) == 2  # across the rod

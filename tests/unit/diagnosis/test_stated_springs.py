@@ -10,7 +10,6 @@ from planted import run_of
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.candidates import candidates
-from flexarm.diagnosis.perturbations import OF_STATED, SOFTER, STEP, spring_priors
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects import JointCompliance
 
@@ -26,26 +25,26 @@ def springs_at_the_hinge():
     run = run_of("one joint")
     arm = run.simulation.arm.with_effect(STATED)
     problem = Problem(arm, {"run": run.showing({}, 1).record})
-    return [c for c in candidates(problem, arm, softer=SOFTER) if c.name == STATED.name], arm
+    return [c for c in candidates(problem, arm, softer=STATED.softer) if c.name == STATED.name], arm
 
 
 def test_it_is_probed_a_little_softer_and_so_soft_that_it_moves_a_mode():
     found = [probe for each in springs_at_the_hinge()[0] for probe in each.probes]
-    assert [each.stiffness for each in found] == pytest.approx([3e5 / STEP / times for times in SOFTER])
-    assert [each.damping for each in found] == pytest.approx([600.0 / times for times in SOFTER])
+    times = np.array(STATED.softer)
+    assert [each.stiffness for each in found] == pytest.approx(3e5 / STATED.least_softer / times)
+    assert [each.damping for each in found] == pytest.approx(600.0 / times)
 
 
 def test_what_it_may_be_is_about_what_is_stated():
     found, arm = springs_at_the_hinge()
     for each in found:
         prior = each.priors_in(arm)["stiffness"]
-        assert (prior.low, prior.typical, prior.high) == (3e5 / OF_STATED, 3e5, 3e5 * OF_STATED)
+        assert (prior.low, prior.typical, prior.high) == (6e4, 3e5, 1.5e6)
         assert prior.unit == "N m/rad"
 
 
 def test_a_joint_that_is_rigid_in_the_model_has_what_machines_have():
-    assert spring_priors(None, crane()) == {}
-    assert spring_priors(JointCompliance(at="hinge", damping=1.0), crane()) == {}
+    assert JointCompliance(at="hinge", damping=1.0).stated_priors(crane()) == {}
 
 
 def test_a_shoulder_a_thirtieth_as_stiff_as_stated_is_found_in_three_joints():

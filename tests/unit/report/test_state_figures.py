@@ -8,6 +8,7 @@ import pytest
 from planted import run_of
 from pytest import approx
 
+from flexarm.arm.effect import effect_class
 from flexarm.named_effects import NamedEffect
 from flexarm.report.diagnosis import _figures
 from flexarm.report.files import style
@@ -17,7 +18,6 @@ from flexarm.report.state_figures import (
     most_repaired,
     rotations,
     shown_joints,
-    state_of,
 )
 from flexarm.residual_analysis.localisation import localise
 
@@ -130,7 +130,7 @@ def test_an_effect_is_shown_in_the_signal_that_it_repairs():
     ],
 )
 def test_an_effect_is_drawn_against_what_its_law_speaks_of(effect, state):
-    assert state_of(effect) == state
+    assert effect_class(effect).varies_with == state
 
 
 def test_poses_have_no_rate_in_figure_and_caption():

@@ -21,7 +21,7 @@ from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
 from flexarm.arm import Arm
 from flexarm.arm.joint_units import parameters_in
 from flexarm.configuration import version
-from flexarm.diagnosis.candidate import SPRINGS, value_of
+from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
 from flexarm.diagnosis.design.plan_result import FAR, Plan, PlannedEffect, Tie
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
 NOTHING = 1e-3
 """Expected ln Bayes factor below which an effect leaves no trace in the signals."""
-TORQUES = ("coulomb_friction", "viscous_friction", "lugre_friction", "motor_friction", "cable_torque")
-"""Laws that are a torque at a joint."""
 
 
 def planned_effect(
@@ -69,23 +67,24 @@ def planned_effect(
     name = _parameter(candidate, size)
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
     times = sqrt(SelectionPolicy.strong_evidence / seen) if seen > 0 else inf
-    if candidate.name in SPRINGS:
+    if candidate.effect.is_spring:
         there = value_of(candidate.without, "stiffness") if candidate.without is not None else inf
         change = 1.0 / value - 1.0 / there
         least = 1.0 / (1.0 / there + times * change)
     else:
         there, least = null, null + times * (value - null)
-    why = hidden(arm, *candidate.place, seen)
+    why = hidden(arm, candidate.effect, seen)
     return PlannedEffect(*candidate.place, name, units[name], value, there, least, seen, why)
 
 
-def hidden(arm: Arm, name: str, at: str, seen: float) -> str:
+def hidden(arm: Arm, effect: Effect, seen: float) -> str:
     """Why an effect is not seen at any plausible size; empty where it is.
 
     A torque on a joint that cannot give way is taken by the drive.
     """
-    if name in TORQUES and seen < NOTHING and arm.effect("joint_compliance", at) is None:
-        return f"{at} is rigid in the model: its drive takes the torque, which no sensor shows"
+    sprung = any(each.is_spring for each in arm.effects_at(effect.at))
+    if effect.torque_at is not None and seen < NOTHING and not sprung:
+        return f"{effect.at} is rigid in the model: its drive takes the torque, which no sensor shows"
     if not seen > 0:
         return "it moves nothing that is measured"
     return (
@@ -100,7 +99,7 @@ def _parameter(candidate: Candidate, size: Effect) -> str:
     moved = {
         name: abs(value_of(size, name) - candidate.null.get(name, 0.0))
         for name in candidate.free
-        if name not in ("phase", "frequency", "width", "damping", "time_constant", "multiple")
+        if name not in size.shape
     }
     names = [name for name, move in moved.items() if move > 0]
     return names[0] if names else candidate.free[0]

@@ -27,7 +27,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import conflict
-from flexarm.diagnosis.candidate import WAVES, Candidate
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
@@ -153,7 +153,7 @@ def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
     Waves have frequencies of their own, and a spring that another law needs moves the arm by itself.
     """
     again = same_in_small_steps(candidate, others)
-    return candidate.name in WAVES or candidate.needs is not None or again
+    return candidate.effect.is_wave or candidate.needs is not None or again
 
 
 def _takes_over(

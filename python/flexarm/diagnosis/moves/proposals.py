@@ -19,16 +19,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import SPRINGS, Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
-from flexarm.effects.joint_compliance import TYPICAL_DAMPING
 
 
 def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
@@ -92,8 +92,8 @@ def fit_singles(
 
 
 def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """Return the best model with a backlash refitted from the best of several gaps, if that is better."""
-    bouncing = [f for f in found if any(member.name == "backlash" for member in f.members)]
+    """Return the best model with several minima refitted from a better start, if there is one."""
+    bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
     with suppress(*FIT_ERRORS):
         if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
             return [again]
@@ -219,7 +219,7 @@ def _leads(shares: Sequence[Share], beside: Fit, alike: float) -> bool:
 
 def _relaxed(member: Candidate) -> Candidate:
     """A spring with a typical damping: what it had may have stood in for the effect that is added."""
-    if member.name not in SPRINGS or "damping" not in member.free:
+    if not isinstance(member.effect, SpringEffect) or "damping" not in member.free:
         return member
-    damping = TYPICAL_DAMPING * value_of(member.effect, "stiffness")
+    damping = member.effect.typical_damping * value_of(member.effect, "stiffness")
     return replace(member, effect=member.effect.with_parameters({"damping": damping}))

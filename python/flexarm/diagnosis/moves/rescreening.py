@@ -19,37 +19,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from math import isfinite, isinf
+from math import isfinite
 
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.diagnosis.candidate import SPRINGS, WAVES, Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate, nulls, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.perturbations import nulls
-from flexarm.diagnosis.residual_rows import NON_SMOOTH
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion
-
-THROUGH_SPRINGS = (
-    "backlash",
-    "cable_torque",
-    "coulomb_friction",
-    "joint_hysteresis",
-    "joint_stiffening",
-    "viscous_friction",
-)
 
 
 def new_springs(fit: Fit) -> frozenset[str]:
     """Joints that are rigid in the nominal model and have a spring in a fit."""
-    return frozenset(m.at for m in fit.members if m.name == "joint_compliance" and _rigid(m))
+    return frozenset(m.at for m in fit.members if _softens_a_joint(m))
 
 
 def awakened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
     """The same probes, those of laws through the new springs of a fit about its model."""
     joints = new_springs(fit)
-    sleeping = [p for p in probed if p.candidate.name in THROUGH_SPRINGS and p.candidate.at in joints]
+    sleeping = [p for p in probed if p.candidate.effect.acts_through_spring() and p.candidate.at in joints]
     if not sleeping:
         return list(probed)
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
@@ -69,8 +58,10 @@ def probed_beside(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
     return probed
 
 
-def _rigid(spring: Candidate) -> bool:
-    return spring.without is None or isinf(value_of(spring.without, "stiffness"))
+def _softens_a_joint(member: Candidate) -> bool:
+    """Return True for a spring at a joint that is rigid in the nominal model."""
+    rigid = member.without is None or member.without.inert
+    return member.effect.is_spring and member.effect.place == "joint" and rigid
 
 
 SMALL = 1e-3
@@ -94,7 +85,8 @@ def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Pro
             each = replace(each, moves=moves)
         elif candidate.place not in fit.places and candidate.stands_on in there:
             again = same_in_small_steps(candidate, [other.candidate for other in smooth.values()])
-            if again or candidate.needs is not None or candidate.name in (*NON_SMOOTH, *WAVES):
+            small = candidate.effect.smooth and not candidate.effect.is_wave
+            if again or candidate.needs is not None or not small:
                 each = probed_beside(coarse, each, fit)
             else:
                 smooth[len(found)] = each
@@ -131,7 +123,7 @@ def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit)
 
 def same_in_small_steps(candidate: Candidate, others: Sequence[Candidate]) -> bool:
     """Whether a candidate moves in small steps what another variant of it does."""
-    return candidate.name in SPRINGS and candidate.place in {other.place for other in others}
+    return candidate.effect.is_spring and candidate.place in {other.place for other in others}
 
 
 def _nudged(estimator: Estimator, candidate: Candidate, fit: Fit) -> list[Arm]:

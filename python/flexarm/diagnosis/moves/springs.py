@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 
-from flexarm.diagnosis.candidate import SPRINGS, carries
+from flexarm.arm.effect import effect_class
+from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import fit_singles
-from flexarm.diagnosis.moves.rescreening import THROUGH_SPRINGS, new_springs
+from flexarm.diagnosis.moves.rescreening import new_springs
 from flexarm.diagnosis.moves.search_state import SearchState
 
 
@@ -25,27 +26,27 @@ def twin_spring(state: SearchState, best: Fit, about: Estimator, found: Sequence
     twin = min(twins, key=lambda f: f.cost)
     joints = new_springs(twin) - new_springs(best)
     laws = [p for p in state.awake(twin, about) if p.candidate.at in joints]
-    laws = [p for p in laws if p.candidate.name in THROUGH_SPRINGS]
+    laws = [p for p in laws if p.candidate.effect.acts_through_spring()]
     return fit_singles(about, laws, twin, state.criteria) if laws else []
 
 
 def _one_spring_apart(one: Fit, other: Fit) -> bool:
     """Return True if two models differ by the place of one spring."""
     mine, theirs = (set(a.places) - set(b.places) for a, b in ((one, other), (other, one)))
-    return len(mine) == len(theirs) == 1 and all(name in SPRINGS for name, _ in mine | theirs)
+    return len(mine) == len(theirs) == 1 and all(effect_class(name).is_spring for name, _ in mine | theirs)
 
 
 def spring_swap(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Propose a model that leaves a gap with each of its springs elsewhere, as soft there."""
     if not state.criteria.leaves_gap(best):
         return []
-    springs = {p.candidate.place: p.candidate for p in reversed(state.probed) if p.candidate.name in SPRINGS}
+    springs = {p.candidate.place: p.candidate for p in reversed(state.probed) if p.candidate.effect.is_spring}
     limit, swapped = (1 + state.criteria.policy.alike) * best.cost, []
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         for place, candidate in springs.items():
-            if spring.name not in SPRINGS or place in best.places or carries(others, spring):
+            if not spring.effect.is_spring or place in best.places or carries(others, spring):
                 continue
             with suppress(*FIT_ERRORS):
-                swapped.append(about.trial((candidate.as_soft_as(spring), *others), best, limit))
+                swapped.append(about.trial((candidate.acting_as(spring) or candidate, *others), best, limit))
     return swapped
