@@ -16,12 +16,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.assembly.machine import machine_of
 from flexarm.comparison.poses import is_input
 from flexarm.wording import with_unit
 
@@ -164,16 +165,14 @@ def _features(arm: Arm, record: Record) -> Features:
 
 def _masses(arm: Arm, record: Record) -> Features:
     """Least and greatest mass of each payload: one and the same but where poses were weighed one by one."""
-    carried = record.applied_to(arm)
+    machine = machine_of(record.applied_to(arm))
     by_pose = {signal.payload: signal for signal in record.of_quantity("payload_mass").values()}
     found = {}
-    for load in carried.payloads:
-        effect: Any = carried.effect("payload_mass", load.name)
-        mass = load.mass if effect is None or effect.mass is None else effect.mass
-        least, most = _range(by_pose[load.name]) if load.name in by_pose else (mass, mass)
-        words = "the payload weighs" if len(carried.payloads) == 1 else f"payload {load.name} weighs"
-        found[f"least mass of {load.name}"] = _Feature(words, "kg", least, -1)
-        found[f"greatest mass of {load.name}"] = _Feature(words, "kg", most, 1)
+    for name, load in machine.payloads.items():
+        least, most = _range(by_pose[name]) if name in by_pose else (load.mass, load.mass)
+        words = "the payload weighs" if len(machine.payloads) == 1 else f"payload {name} weighs"
+        found[f"least mass of {name}"] = _Feature(words, "kg", least, -1)
+        found[f"greatest mass of {name}"] = _Feature(words, "kg", most, 1)
     return found
 
 
