@@ -6,7 +6,8 @@
 Every field of `flexarm.SelectionPolicy` is halved and doubled, and every move is left out. Each case of the
 blind test is diagnosed by each of these policies in a process of its own with one thread. Answers are kept
 under --out, one file a policy and case; what is there is not computed again. The table, `ablation.md`, counts
-the cases of which verdict or names differ from those of the default.
+the cases of which verdict or names differ from those of the default, and those without an answer, which
+are kept nowhere and tried again by the next run.
 """
 
 import argparse
@@ -52,17 +53,14 @@ def diagnosed(spec: Spec, changes: dict, cases: Path, kept: Path) -> None:
     case = case_of(spec, cases)
     policy = SelectionPolicy(**{key: tuple(v) if isinstance(v, list) else v for key, v in changes.items()})
     records = {"train_a": case.train_a, "train_b": case.train_b}
-    try:
-        found = flexarm.diagnose(case.model, records, hold_out=case.held_out, jobs=1, policy=policy)
-        answer = {"verdict": found.verdict, "names": sorted([e.name, e.at] for e in found.effects)}
-    except Exception as error:  # a policy by which a case fails is counted, and the rest goes on
-        answer = {"verdict": f"{type(error).__name__}: {error}", "names": []}
+    found = flexarm.diagnose(case.model, records, hold_out=case.held_out, jobs=1, policy=policy)
+    answer = {"verdict": found.verdict, "names": sorted([e.name, e.at] for e in found.effects)}
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_text(json.dumps(answer) + "\n")
 
 
-def answer_of(spec: Spec, name: str, changes: dict, out: Path, timeout: float) -> dict:
-    """Return the answer to a case by a policy, from the disk if it is there, else of a process of its own."""
+def answer_of(spec: Spec, name: str, changes: dict, out: Path, timeout: float) -> dict | None:
+    """Return the answer to a case by a policy, from the disk or a process of its own; None if it fails."""
     kept = out / name.replace(" ", "-") / f"{spec.name}.json"
     if not kept.exists():
         process = get_context("spawn").Process(target=diagnosed, args=(spec, changes, out / "cases", kept))
@@ -70,28 +68,30 @@ def answer_of(spec: Spec, name: str, changes: dict, out: Path, timeout: float) -
         process.join(timeout)
         if process.exitcode != 0:
             process.kill()
-            return {"verdict": "no answer", "names": []}
+            print(f"{name}: {spec.name}: no answer", file=sys.stderr, flush=True)
+            return None
         print(f"{name}: {spec.name}", file=sys.stderr, flush=True)
     return json.loads(kept.read_text())
 
 
-def table(found: dict[str, list[dict]], changed: dict[str, dict]) -> str:
+def table(found: dict[str, list[dict | None]], changed: dict[str, dict]) -> str:
     """Return the Markdown table of the answers by policy, in the order of the cases."""
     lines = [
         f"{len(found['default'])} cases; `default` is `SelectionPolicy()`.\n",
-        "| policy | value | default | verdicts changed | names changed |",
-        "|---|---|---|---|---|",
+        "| policy | value | default | compared | verdicts changed | names changed | no answer |",
+        "|---|---|---|---|---|---|---|",
     ]
     for name, answers in found.items():
         if name == "default":
             continue
-        pairs = list(zip(answers, found["default"], strict=True))
+        pairs = [(a, b) for a, b in zip(answers, found["default"], strict=True) if a and b]
         verdicts, names = (sum(a[key] != b[key] for a, b in pairs) for key in ("verdict", "names"))
+        failed = sum(answer is None for answer in answers)
         [(field, value)] = changed[name].items()
         shown = (
             ("off", "on") if field == "moves" else (f"{value:.4g}", f"{getattr(SelectionPolicy, field):.4g}")
         )
-        lines.append(f"| {name} | {shown[0]} | {shown[1]} | {verdicts} | {names} |")
+        lines.append(f"| {name} | {shown[0]} | {shown[1]} | {len(pairs)} | {verdicts} | {names} | {failed} |")
     return "\n".join(lines) + "\n"
 
 
