@@ -52,7 +52,7 @@ Found = TypeVar("Found")
 
 
 def at_once(do: Callable[[Given], Found], things: Iterable[Given], jobs: int) -> list[Found]:
-    """What is done to each, in their order, `jobs` at once."""
+    """Return what is done to each, in their order, `jobs` at once."""
     given = list(things)
     if jobs == 1 or len(given) < 2:
         return list(map(do, given))

@@ -24,7 +24,7 @@ _FREE_OF_SIZE = ("m", "rad")
 
 
 def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
-    """A factor and a unit in which the largest of the values reads well.
+    """Return a factor and a unit in which the largest of the values reads well.
 
     >>> scale([3.2e-3, 6e-5], "m"), scale([1.36e5], "N m/rad")
     ((1000.0, 'mm'), (0.001, 'kN m/rad'))
@@ -58,7 +58,7 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def with_unit(value: float | None, unit: str, digits: int = 3) -> str:
-    """A number and its unit.
+    """Return a number and its unit.
 
     >>> with_unit(3.21e-3, "m"), with_unit(0.97, "-")
     ('3.21 mm', '0.970')
@@ -68,7 +68,7 @@ def with_unit(value: float | None, unit: str, digits: int = 3) -> str:
 
 
 def instant(time: float) -> str:
-    """A stamp in seconds, to a tenth however far from zero clocks count.
+    """Return a stamp in seconds, to a tenth however far from zero clocks count.
 
     >>> instant(12.53), instant(4242.1234)
     ('12.5', '4242.1')
@@ -109,12 +109,13 @@ def signed(value: float, places: int) -> str:
 
 
 def effect_words(name: str) -> str:
-    """The name of an effect as words."""
+    """Return the name of an effect as words."""
     return name.replace("_", " ")
 
 
 def place_words(name: str, at: str) -> str:
-    """An effect with its place, and what kind of thing that is where the effect's name does not say it.
+    """Return an effect with its place, and what kind of thing that is where the effect's name does not say
+    it.
 
     >>> place_words("backlash", "hinge"), place_words("link_mass", "rod"), place_words("base_tilt", "base")
     ('backlash at joint hinge', 'link mass at rod', 'base tilt')
@@ -127,7 +128,7 @@ def place_words(name: str, at: str) -> str:
 
 
 def probability(value: float) -> str:
-    """A probability that never claims to be certain.
+    """Return a probability that never claims to be certain.
 
     >>> probability(0.9999), probability(0.5), probability(0.001)
     ('> 0.99', '0.50', '< 0.01')

@@ -96,7 +96,7 @@ class Effect(EffectTraits):
         return float(found["xyz".index(axis)] if axis else found)
 
     def with_parameters(self, values: Mapping[str, float]) -> Self:
-        """The effect with other values, named as `parameters` spells them, such as `offset.x`.
+        """Return the effect with other values, named as `parameters` spells them, such as `offset.x`.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class Effect(EffectTraits):
     # ------------------------------------------------------------------ mechanics
 
     def patch(self, machine: Machine) -> None:
-        """Changes the machine's data as the effect does; effects of sensors leave it as it is."""
+        """Change the machine's data as the effect does; effects of sensors leave it as it is."""
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
         """Return pairs of key and sentence for what keeps it from acting in an arm that has its place."""
@@ -141,7 +141,7 @@ class Effect(EffectTraits):
         return {}
 
     def derivative(self, parameter: str) -> Derivative:
-        """Whether what the model predicts has a derivative by a parameter.
+        """Return True if what the model predicts has a derivative by a parameter.
 
         Returns
         -------
@@ -249,7 +249,7 @@ class Effect(EffectTraits):
     # ------------------------------------------------------------------------- as text
 
     def to_plain(self) -> dict[str, Any]:
-        """The effect's table in the TOML file."""
+        """Return the effect's table in the TOML file."""
         return {"name": self.name, **super().to_plain()}
 
     def __str__(self) -> str:
@@ -275,7 +275,7 @@ def _plausible(prior: Prior, null: float) -> float:
 
 
 def effect_class(name: str) -> type[Effect]:
-    """The class of an effect, found by its name.
+    """Return the class of an effect, found by its name.
 
     Raises
     ------
@@ -302,7 +302,7 @@ def _simulated() -> str:
 
 
 def read_effect(table: Any) -> Effect:
-    """An effect from its table in the TOML file; an effect object is returned as it is."""
+    """Return an effect from its table in the TOML file; an effect object is returned as it is."""
     if isinstance(table, Effect):
         return table
     if not isinstance(table, dict):

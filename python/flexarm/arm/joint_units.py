@@ -22,7 +22,7 @@ SLIDING = {
 
 
 def unit_at(arm: Arm, at: str, parameter: str, unit: str) -> str:
-    """Unit of a parameter of an effect at a place; phases of waves are angles everywhere."""
+    """Return the unit of a parameter of an effect at a place; phases of waves are angles everywhere."""
     return SLIDING.get(unit, unit) if _slides(arm, at) and parameter != "phase" else unit
 
 
@@ -32,7 +32,7 @@ def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
 
 
 def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
-    """What is plausible of an effect, in the units of its place in an arm."""
+    """Return what is plausible of an effect, in the units of its place in an arm."""
     return {
         name: replace(prior, unit=unit_at(arm, effect.at, name, prior.unit))
         for name, prior in effect.priors(arm).items()
@@ -40,6 +40,6 @@ def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
 
 
 def _slides(arm: Arm, at: str) -> bool:
-    """Whether a place is a joint that slides, or an encoder or torque sensor of one."""
+    """Return True if a place is a joint that slides, or an encoder or torque sensor of one."""
     joint = next((sensor.joint for sensor in arm.sensors if sensor.name == at), at)
     return any(each.name == joint and each.type == "prismatic" for each in arm.joints)

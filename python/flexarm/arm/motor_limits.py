@@ -1,4 +1,4 @@
-r"""What a joint's motor can overcome, and priors of friction within it.
+r"""Limits of a joint's motor, and priors of friction within them.
 
 A motor at its greatest voltage or torque gives, on the output side, at most
 
@@ -46,7 +46,7 @@ def back_emf_damping(arm: Arm, joint: str) -> float:
 
 
 def within(most: float, prior: Prior) -> Prior:
-    """A prior for a joint whose motor overcomes no more than `most`, which the prior's unit is of."""
+    """Return a prior for a joint whose motor overcomes no more than `most`, which the prior's unit is of."""
     if not 0 < most < prior.high:
         return prior
     scale = most / prior.high

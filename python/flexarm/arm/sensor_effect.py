@@ -33,7 +33,7 @@ Vector = tuple[float, float, float]
 
 
 class Measured(Protocol):
-    """What sensors of a model and signals of a record say of themselves."""
+    """The facts that sensors of a model and signals of a record share."""
 
     @property
     def name(self) -> str:
@@ -164,5 +164,5 @@ class FrameEffect(Effect):
     """An effect on a frame of measurement."""
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
-        """Translation [m], rotation vector [rad] and velocity [m/s] that it adds to (3)."""
+        """Return the translation [m], rotation vector [rad] and velocity [m/s] that it adds to (3)."""
         raise NotImplementedError

@@ -86,7 +86,7 @@ class Dual:
 
 
 Real = float | Dual
-"""What laws compute with."""
+"""Numbers of control laws."""
 
 
 def value_of(number: Real) -> float:

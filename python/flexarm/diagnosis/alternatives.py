@@ -65,7 +65,9 @@ class Rival:
 
     @property
     def within_reach(self) -> bool:
-        """Whether the data cannot tell it from the chosen effect; what is implausible may still be true."""
+        """Return True if the data cannot tell it from the chosen effect; what is implausible may still be
+        true.
+        """
         reach = self.reach
         close = self.behind < reach or (self.fits_behind < reach and self.behind < 2 * reach)
         return close and self.foretells
@@ -80,7 +82,7 @@ def rivals_of(
     tried: Sequence[Fit],
     value: Mapping[Channel, float],
 ) -> list[Rival]:
-    """What could stand in the place of effect k of the chosen model, the best first.
+    """Return what could stand in the place of effect k of the chosen model, the best first.
 
     Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and fitted once.
     Beside a model that explains everything none is fitted that promises far less than the first. A spring
@@ -137,7 +139,7 @@ def _rival(
     value: Mapping[Channel, float],
     open_gap: bool,
 ) -> Rival:
-    """What is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
+    """Return what is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
     member = next(m for m in fit.members if m.place == candidate.place)
     told = not open_gap or not predicts_better(best, fit, problem)
     if open_gap and not predicts_better(fit, best, problem):
@@ -147,7 +149,7 @@ def _rival(
 
 
 def without(others: tuple[Candidate, ...], estimator: Estimator, tried: Sequence[Fit]) -> Fit | None:
-    """The model without the chosen effect; one that was tried, if any, where it cannot be fitted."""
+    """Return the model without the chosen effect; one that was tried, if any, where it cannot be fitted."""
     try:
         return estimator.fit(others)
     except FIT_ERRORS:
@@ -165,7 +167,7 @@ def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dic
 
 
 def _peer(best: Fit, tried: Sequence[Fit]) -> Fit:
-    """The chosen model as it was when it was tried beside its rivals, before it was taken further."""
+    """Return the chosen model as it was when it was tried beside its rivals, before it was taken further."""
     return next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
 
 
@@ -193,7 +195,8 @@ def _soft_elsewhere(
     probed: Sequence[Probed],
     part: float,
 ) -> list[Candidate]:
-    """The machine's other springs, as soft as one that explained a `part` of what the chosen effect does.
+    """Return the machine's other springs, as soft as one that explained a `part` of what the chosen effect
+    does.
 
     What is soft has moved far from where it was screened: a joint took half of what a base did that gives
     way, beside a strained modulus, and a vibration all of it. `before` is what was left without them.
@@ -222,7 +225,8 @@ def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[P
 def _caught_up(
     fit: Fit, best: Fit, peer: Fit, estimator: Estimator, value: Mapping[Channel, float], open_gap: bool
 ) -> tuple[Fit, float]:
-    """A rival's model after as many steps as could bring it near the chosen one, and its ln Z behind that.
+    """Return a rival's model after as many steps as could bring it near the chosen one, and its ln Z behind
+    that.
 
     A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
     """

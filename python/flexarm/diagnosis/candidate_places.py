@@ -57,7 +57,7 @@ def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
 
 
 def causes(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
-    """Number of effects, the same one at both axes of a cardan joint counted once."""
+    """Return the number of effects, the same one at both axes of a cardan joint counted once."""
     places = {member.place for member in members}
     return len(members) - sum((m.name, pairs.get(m.at, "")) in places for m in members)
 
@@ -133,6 +133,6 @@ def _late(kind: type[ClockEffect], problem: Problem) -> list[str]:
 
 
 def weighed(record: Record, payload: str) -> bool:
-    """Whether a record says what a payload weighs: its mass in the model has no effect there."""
+    """Return True if a record says what a payload weighs: its mass in the model has no effect there."""
     carried = record.payloads.get(payload)
     return carried is not None and carried.mass is not None

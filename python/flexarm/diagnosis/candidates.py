@@ -109,7 +109,7 @@ def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str
 
 
 def _has(effect: Effect, key: str) -> bool:
-    """Whether a parameter is a number of the effect."""
+    """Return True if a parameter is a number of the effect."""
     field, _, axis = key.partition(".")
     found = getattr(effect, field, None)
     return found is not None and (not axis or len(found) > "xyz".index(axis))
@@ -120,7 +120,7 @@ FINE = 4.0
 
 
 def rhythms(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
-    """The `most` frequencies [Hz] at which a residual swings most, the strongest first."""
+    """Return the `most` frequencies [Hz] at which a residual swings most, the strongest first."""
     motions = [each for each in problem.rows if problem.records[each.record].kind == "motion"]
     length = problem.seconds
     if length <= 0:

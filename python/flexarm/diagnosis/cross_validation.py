@@ -63,7 +63,7 @@ def press_rms(fit: Fit, problem: Problem) -> float:
 
 
 def predicts_better(one: Fit, other: Fit, problem: Problem) -> bool:
-    """Whether a model foretells what is left out clearly better than another one."""
+    """Return True if a model foretells what is left out clearly better than another one."""
     ratio = press_rms(other, problem) / max(press_rms(one, problem), 1e-300)
     odds = len(folds(problem)) * log(max(ratio, 1e-300))  # eq. (2)
     policy = problem.policy

@@ -1,4 +1,4 @@
-"""What all fits to the same records share, and the fits themselves.
+"""Estimator: fits to the same records, and the data that they share.
 
 Clocks, frames and nominal values act nearly in proportion. Their derivatives J are therefore taken about one
 model and kept, and its residuals are corrected for what simulations miss for their time steps, c. With the
@@ -40,7 +40,7 @@ FORETOLD = 0.1
 
 @dataclass(eq=False)
 class Estimator:
-    """What all fits share: records, unknowns, and derivatives by these at the nominal model.
+    """Records, nuisance parameters and derivatives at the nominal model, which all fits share.
 
     Attributes
     ----------
@@ -82,14 +82,15 @@ class Estimator:
         return cls(problem, nuisance, jacobian, nothing, problem.correction(arm), problem.residual(arm))
 
     def about(self, fit: Fit, part: float = 1.0) -> Estimator:
-        """The same about a fitted model, where derivatives are those of the model with its effects.
+        """Return the same about a fitted model, where derivatives are those of the model with its effects.
 
         Unknowns go `part` of the way to where the fit has them.
         """
         return self._moved(self._found_at(fit, part), fit.members)
 
     def towards(self, fit: Fit, part: float = 1.0) -> Estimator:
-        """The same about a fit of the same effects; with derivatives as they are, where these foretell it.
+        """Return the same about a fit of the same effects; with derivatives as they are, where these
+        foretell it.
 
         What they miss must be nothing, a sigma of a single value, or a small part of what they move.
         """
@@ -109,7 +110,7 @@ class Estimator:
         return np.asarray(self.at + part * (found - self.at))
 
     def moved_to(self, values: Mapping[str, float]) -> Estimator:
-        """The same with some unknowns elsewhere, from their centres; derivatives stay."""
+        """Return the same with some unknowns elsewhere, from their centres; derivatives stay."""
         at = [
             values.get(unknown.key, x) for unknown, x in zip(self.nuisance.parameters, self.at, strict=True)
         ]
@@ -120,11 +121,14 @@ class Estimator:
         return self.moved_to(dict.fromkeys(self.nuisance.keys, 0.0)).residual(())
 
     def as_stated(self, keys: Iterable[str], members: Sequence[Candidate]) -> Estimator:
-        """The same about a model with effects, some unknowns of which are at the centres of their priors."""
+        """Return the same about a model with effects, some unknowns of which are at the centres of their
+        priors.
+        """
         return self._moved(self.moved_to(dict.fromkeys(keys, 0.0)).at, tuple(members))
 
     def _moved(self, at: Floats, members: tuple[Candidate, ...]) -> Estimator:
-        """The same with unknowns elsewhere; those that an effect overrules, such as a mass, where they were.
+        """Return the same with unknowns elsewhere; those that an effect overrules, such as a mass, where
+        they were.
 
         Otherwise they would have moved, at no cost, in a model without that effect.
         """
@@ -139,7 +143,7 @@ class Estimator:
         return replace(self, at=acting, jacobian=jacobian, members=members)._corrected()
 
     def _corrected(self) -> Estimator:
-        """The same with what steps miss of its own model, unless that of another one is as good.
+        """Return the same with what steps miss of its own model, unless that of another one is as good.
 
         What they miss is a small part of a motion, and moves as the motion does.
         """
@@ -150,7 +154,8 @@ class Estimator:
         return replace(self, correction=self.problem.correction(arm), corrected=here)
 
     def centred(self) -> Estimator:
-        """The same about nominal values that fit better, for those that act otherwise than in proportion.
+        """Return the same about nominal values that fit better, for those that act otherwise than in
+        proportion.
 
         Clocks and frames stay: effects may take their places. Values go no further than is likely, and the
         others make up for what one of them may not: a joint that is 20 % stiffer seems at first, as the arm
@@ -209,7 +214,7 @@ class Estimator:
         limit: float = inf,
         nearby: Fit | None = None,
     ) -> Fit:
-        """The least of (1) of `least_squares`, for a set of effects that start at their own values.
+        """Return the least of (1) of `least_squares`, for a set of effects that start at their own values.
 
         A fit that would stay above the limit is not finished. The first derivatives are those of a model
         `nearby`, where that has them.
@@ -225,7 +230,7 @@ class Estimator:
         return self._found(solver, z, solver.members_at(z), jacobian)
 
     def trial(self, members: Sequence[Candidate], nearby: Fit, limit: float = inf) -> Fit:
-        """A fit that is one of several: its derivatives are those that led there.
+        """Return a fit that is one of several: its derivatives are those that led there.
 
         Raises
         ------
@@ -237,24 +242,24 @@ class Estimator:
         return self._found(solver, z, solver.members_at(z), solver.jacobian_at(z))
 
     def linearised(self, members: Sequence[Candidate]) -> Fit:
-        """A model with effects as they are, and its derivatives."""
+        """Return a model with effects as they are, and its derivatives."""
         solver = self.solver(tuple(members))
         z = solver.z_of(members)
         return self._found(solver, z, solver.members, solver.differences(z))
 
     def solver(self, members: tuple[Candidate, ...], nearby: Fit | None = None) -> LeastSquares:
-        """The least squares of a set of effects."""
+        """Return the least squares of a set of effects."""
         parameters = transformed_parameters(members, self.with_effects(members))
         return LeastSquares(self, members, parameters, self.eliminated(members)[1], nearby)
 
     def _found(
         self, solver: LeastSquares, z: Floats, members: tuple[Candidate, ...], jacobian: Floats
     ) -> Fit:
-        """The fit at z, which `members` have, with derivatives there."""
+        """Return the fit at z, which `members` have, with derivatives there."""
         residual, projection = solver.residual(z), solver.projection
         rest, left = projection.project(residual), self.eliminated(members)[0]
         return Fit(members, solver.parameters, z, residual, rest, jacobian, left, projection)
 
     def with_effects(self, members: Sequence[Candidate]) -> Arm:
-        """The nominal model with effects, and with what they need."""
+        """Return the nominal model with effects, and with what they need."""
         return with_members(self.arm, members)

@@ -111,7 +111,7 @@ def _worth_of_poses(rest: Floats, problem: Problem) -> dict[Channel, float]:
 
 
 def _in_time(rows: Rows, problem: Problem) -> bool:
-    """Whether neighbouring rows follow one another in time."""
+    """Return True if neighbouring rows follow one another in time."""
     return problem.records[rows.record].kind == "motion"
 
 
@@ -141,7 +141,7 @@ def log_bayes_factor(one: Fit, other: Fit, problem: Problem, value: Mapping[Chan
 
 
 def log_likelihood_ratio(one: Fit, other: Fit, problem: Problem, value: Mapping[Channel, float]) -> float:
-    """The first term of (4): how much better one model fits, whatever is plausible."""
+    """Return the first term of (4): how much better one model fits, whatever is plausible."""
     n, weight = len(problem), _weights(problem, value)
     (left, _), (left_by_other, _) = gls_estimate(one, weight), gls_estimate(other, weight)
     gain = weight @ (left_by_other[:n] ** 2 - left[:n] ** 2)
@@ -171,7 +171,7 @@ def _weights(problem: Problem, value: Mapping[Channel, float]) -> Floats:
 
 
 def occam(fit: Fit, weight: Floats) -> float:
-    """What the parameters cost: all terms of (1) but the first; and what effects need.
+    """Return what the parameters cost: all terms of (1) but the first; and what effects need.
 
     Unknowns that were eliminated cost theirs too: an effect at a clock or frame takes the place of some.
     """

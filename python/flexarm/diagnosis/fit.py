@@ -121,7 +121,7 @@ class Fit:
 
     @property
     def non_smooth(self) -> bool:
-        """Whether some law of the model has corners."""
+        """Return True if some law of the model has corners."""
         return is_non_smooth(self.nuisance.arm) or not all(member.effect.smooth for member in self.members)
 
     @property

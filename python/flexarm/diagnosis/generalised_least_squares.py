@@ -58,7 +58,7 @@ class NormalEquations:
         return cls(hessian, scale, unknown)
 
     def without(self, jacobian: Floats) -> NormalEquations:
-        """The same less rows of which these are J."""
+        """Return the same less rows of which these are J."""
         own = jacobian * self.scale
         return NormalEquations(self.hessian - own.T @ own, self.scale, ROUNDED)
 
@@ -96,7 +96,9 @@ NO_WEIGHT = 1e-12
 
 
 def gls_estimate(fit: Fit, weight: Floats) -> tuple[Floats, Floats]:
-    """What a fit leaves, as `rest` of `diagnosis.fit`, and its z, where rows have weights of shape (n,)."""
+    """Return what a fit leaves, as `rest` of `diagnosis.fit`, and its z, where rows have weights of shape
+    (n,).
+    """
     if (weight == 1.0).all():
         return fit.projected, fit.z
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])

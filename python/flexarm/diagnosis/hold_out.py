@@ -1,4 +1,4 @@
-"""What is held out of a diagnosis, and how far it lies from what is fitted.
+"""Data held out of a diagnosis, and how far they lie from the data that are fitted.
 
 Without a record of its own, whole blocks of every record are held back: every fifth twentieth of its time
 (every fifth pose of a static record). The motion is continuous and its drive is known throughout, so that
@@ -37,7 +37,7 @@ SAME = 0.05
 
 
 def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Record, Record | None]:
-    """A record without the blocks that are held back, and one with nothing else.
+    """Return a record without the blocks that are held back, and one with nothing else.
 
     If either would hold nothing to compare, as of four poses, the record stays whole and the other is None.
 
@@ -77,7 +77,7 @@ def hold_out_kind(arm: Arm, training: Mapping[str, Record], held_out: Record) ->
 
 
 def hold_out_why(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
-    """What of a held-out record lies beyond the training, in words; empty if nothing does."""
+    """Return what of a held-out record lies beyond the training, in words; empty if nothing does."""
     known = _alike(arm, training, held_out)
     if not known:
         return "it drives other joints, or other links are drawn out"
@@ -104,7 +104,7 @@ class _Feature:
     side: int = 0
 
     def same(self, other: _Feature) -> bool:
-        """Whether it is as in another record."""
+        """Return True if it is as in another record."""
         return abs(self.value - other.value) <= SAME * max(abs(self.value), abs(other.value), 1e-12)
 
     def beyond(self, known: Sequence[float]) -> str:
@@ -136,7 +136,7 @@ def _alike(arm: Arm, training: Mapping[str, Record], held_out: Record) -> list[F
 
 
 def _driven(record: Record) -> set[str]:
-    """The joints that a record drives."""
+    """Return the joints that a record drives."""
     return {record.signals[name].joint or name for name in record.drive}
 
 
@@ -231,7 +231,9 @@ def _span(record: Record, signal: Signal) -> tuple[float, float]:
 
 
 def _time_of(record: Record, signal: Signal) -> str:
-    """The time that a clock tells: that of the reference clock (""), or its own if its offset is unknown."""
+    """Return the time that a clock tells: that of the reference clock (""), or its own if its offset is
+    unknown.
+    """
     return signal.clock if record.clocks[signal.clock].unknown else ""
 
 

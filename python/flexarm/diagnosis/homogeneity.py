@@ -1,4 +1,4 @@
-r"""Whether a parameter is the same in every record: a right name's stays, a wrong one's drifts.
+r"""Parameter homogeneity: a test of equal values in all records (Cochran's Q).
 
 Each record alone determines the fitted parameters, to first order about the fit of all,
 
@@ -71,7 +71,7 @@ def constancy(fit: Fit, problem: Problem, value: Mapping[Channel, float]) -> lis
 def _alone(
     fit: Fit, problem: Problem, value: Mapping[Channel, float], name: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Steps and standard deviations of the parameters from one record, eq. (1)."""
+    """Return the steps and standard deviations of the parameters from one record, eq. (1)."""
     jacobian, residual, prior = joint_jacobian(fit)
     best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])
     weight = np.zeros(len(residual))
@@ -86,7 +86,7 @@ def _alone(
 
 
 def moves_with(problem: Problem, values: Mapping[str, tuple[float, float]]) -> str:
-    """What differs between the records among which a parameter moves."""
+    """Return what differs between the records among which a parameter moves."""
     records = [problem.records[name] for name in values]
     loads = {tuple((k, v.mass) for k, v in record.payloads.items()) for record in records}
     if len(loads) > 1:

@@ -51,7 +51,7 @@ def restore_unidentifiable(
     refined: tuple[Refined, ...],
     gaps: Callable[[Arm], Mapping[str, Comparison]],
 ) -> tuple[Arm, tuple[Refined, ...]]:
-    """The repaired model and its refined values, with those that the data leave open as they were.
+    """Return the repaired model and its refined values, with those that the data leave open as they were.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def restore_unidentifiable(
 
 
 def _grows(before: Mapping[str, Comparison], after: Mapping[str, Comparison]) -> bool:
-    """Whether any signal of any record is missed by more."""
+    """Return True if any signal of any record is missed by more."""
     for name, comparison in before.items():
         for signal, gap in comparison.evidence.items():
             other = after[name].evidence.get(signal)
@@ -93,7 +93,9 @@ FAR = 4.0
 
 
 def sizes(fit: Fit) -> Iterator[tuple[int, TransformedParameter, float]]:
-    """Number, coordinate and z of what sizes each effect, unless it is an angle or a load that is none."""
+    """Return number, coordinate and z of what sizes each effect, unless it is an angle or a load that is
+    none.
+    """
     for k, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
         member = fit.members[parameter.candidate]
         is_size = fit.key(k)[2] == member.free[0] and parameter.prior.scale != "uniform"
@@ -102,7 +104,7 @@ def sizes(fit: Fit) -> Iterator[tuple[int, TransformedParameter, float]]:
 
 
 def has_implausible_size(fit: Fit) -> bool:
-    """Whether the size of an effect is beyond `FAR` sigmas of a logarithmic prior."""
+    """Return True if the size of an effect is beyond `FAR` sigmas of a logarithmic prior."""
     return any(each.prior.scale == "log" and abs(z) > FAR for _, each, z in sizes(fit))
 
 
@@ -124,6 +126,6 @@ def estimates_at_bounds(fit: Fit) -> list[str]:
 
 
 def bound_sentence(fit: Fit) -> str:
-    """The same as a sentence of what remains; empty where no effect is at an end."""
+    """Return the same as a sentence of what remains; empty where no effect is at an end."""
     found = estimates_at_bounds(fit)
     return f"What fits best has a value that no machine has: {listed(found)}." if found else ""

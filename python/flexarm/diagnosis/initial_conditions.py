@@ -1,4 +1,4 @@
-"""What an arm swings with when its record begins, as unknowns.
+"""Initial conditions: the free vibration of an arm when its record begins, as nuisance parameters.
 
 A record that begins in motion does not tell what the arm did before. Whatever it was, free vibrations are
 left of it, and those are the same that jerks of the drives before the first sample leave (eq. (2) of
@@ -38,7 +38,7 @@ HEIGHT = 1e-4
 FINER = 3
 """Steps of fits over those of (1): what rings on must not fall out of step, (omega h)^2/12 of a turn each."""
 SEEN, OWN = 3.0, 0.03
-"""What a jerk of one sigma leaves beside the others: least length over the noise, and over the greatest."""
+"""Least response to a jerk of one sigma beside the others, over the noise and over the greatest."""
 
 
 @dataclass(frozen=True)

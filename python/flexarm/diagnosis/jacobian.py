@@ -95,7 +95,7 @@ def _put_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys:
 
 
 def _only_seen(problem: Problem, key: str) -> bool:
-    """Whether a parameter is the place of a point of which only positions are measured."""
+    """Return True if a parameter is the place of a point of which only positions are measured."""
     table, name, *_ = key.split(".")
     if table != "points":
         return False
@@ -105,7 +105,7 @@ def _only_seen(problem: Problem, key: str) -> bool:
 
 
 def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
-    """Derivative by the place of a point in its link."""
+    """Return derivative by the place of a point in its link."""
     _, point, _, axis = key.split(".")
     found = np.zeros(len(problem))
     for name, record in problem.records.items():
@@ -124,7 +124,7 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
 
 
 def _turned(quaternion: Floats, axis: int) -> Floats:
-    """An axis of the section in base axes, shape (n, 3)."""
+    """Return an axis of the section in base axes, shape (n, 3)."""
     from scipy.spatial.transform import Rotation
 
     found: Floats = Rotation.from_quat(quaternion).as_matrix()[:, :, axis]

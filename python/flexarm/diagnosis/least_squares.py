@@ -125,7 +125,7 @@ class LeastSquares:
         return np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in self.parameters])
 
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
-        """The effects with these parameters."""
+        """Return the effects with these parameters."""
         return members_at(self.members, self.parameters, z)
 
     def residual(self, z: Floats) -> Floats:
@@ -144,7 +144,9 @@ class LeastSquares:
         return np.concatenate([rest, prior_rows(self.parameters, z)[0]])
 
     def objective_jacobian(self, z: Floats) -> Floats:
-        """Derivatives of the rows, where a step has led; the fit ends here if it stays above its limit."""
+        """Return derivatives of the rows, where a step has led; the fit ends here if it stays above its
+        limit.
+        """
         found = np.vstack(
             [self.projection.project(self.jacobian_at(z)), np.diag(prior_rows(self.parameters, z)[1])]
         )
@@ -161,7 +163,7 @@ class LeastSquares:
             raise _FarOff
 
     def jacobian_at(self, z: Floats) -> Floats:
-        """Derivatives of the residuals by z, eq. (2) where that is enough."""
+        """Return derivatives of the residuals by z, eq. (2) where that is enough."""
         key = z.tobytes()
         if key not in self._slopes:
             found = self._at_start(z) if self._last is None else self._updated(z)
@@ -170,7 +172,7 @@ class LeastSquares:
         return self._slopes[key]
 
     def _at_start(self, z: Floats) -> Floats | None:
-        """The first derivatives, of the model nearby where it has some; None where it has none."""
+        """Return the first derivatives, of the model nearby where it has some; None where it has none."""
         taken = self._taken_over(z)
         if not taken:
             return None
@@ -181,7 +183,7 @@ class LeastSquares:
         return np.stack([columns[k] for k in range(len(z))], axis=1)
 
     def _taken_over(self, z: Floats) -> dict[int, Floats]:
-        """Derivatives by parameters that are the same, or nearly, in the model nearby."""
+        """Return derivatives by parameters that are the same, or nearly, in the model nearby."""
         if self.nearby is None:
             return {}
         there = {self.nearby.key(k): k for k in range(len(self.nearby.z))}
@@ -209,7 +211,7 @@ class LeastSquares:
         return updated
 
     def differences(self, z: Floats) -> Floats:
-        """Derivatives from finite steps, forward or backward where there is room."""
+        """Return derivatives from finite steps, forward or backward where there is room."""
         key = z.tobytes()
         if key not in self._differences:
             exact = self._exact(z)
@@ -235,7 +237,7 @@ class LeastSquares:
             return None
 
     def _exact(self, z: Floats) -> Floats | None:
-        """The same of laws without corners in poses, which have derivatives of their own."""
+        """Return the same of laws without corners in poses, which have derivatives of their own."""
         names = [(self.members[c.candidate], c.name) for c in self.parameters]
         arm = self._arm(z)
         if not names or arm is None or not all(c.smooth for c in self.parameters):

@@ -68,7 +68,7 @@ def hidden_strays(best: Fit, criteria: Criteria) -> NDArray[np.bool_]:
 
 
 def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Problem) -> dict[str, Record]:
-    """Records without the readings of a mask of rows, in all their channels."""
+    """Return records without the readings of a mask of rows, in all their channels."""
     found = dict(records)
     for each, where in problem.channels():
         record = found[each.record]
@@ -80,7 +80,7 @@ def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Pro
 
 
 def strays_told(found: NDArray[np.bool_], problem: Problem) -> list[str]:
-    """A sentence for each signal of a record that has some."""
+    """Return a sentence for each signal of a record that has some."""
     counts: dict[tuple[str, str], int] = {}
     for each, where in problem.channels():
         key = (each.signal, each.record)

@@ -43,7 +43,7 @@ from flexarm.errors import InvalidParameter, NotConverged
 
 
 def linearised(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """A fit as (1) needs it, with all derivatives of one model, and the fitter about that."""
+    """Return a fit as (1) needs it, with all derivatives of one model, and the fitter about that."""
     if estimator.members != fit.members:
         estimator = estimator.about(fit)
     elif fit.projection is estimator.eliminated(fit.members)[1]:
@@ -54,7 +54,8 @@ def linearised(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 def gauss_newton_step(
     fit: Fit, estimator: Estimator, anew: bool = True, part: float = 1.0, limit: float = inf
 ) -> tuple[Fit, Estimator]:
-    """The fit after a step of (1), or a part of it, from an evaluated one, and the fitter that made it.
+    """Return the fit after a step of (1), or a part of it, from an evaluated one, and the fitter that made
+    it.
 
     Its derivatives by unknowns are taken `anew`, or kept where they foretell the step. A fit that would stay
     above the limit is not finished.
@@ -80,7 +81,7 @@ def predicted_decrease(fit: Fit) -> float:
 
 
 def objective(fit: Fit) -> float:
-    """What (1) makes least."""
+    """Return what (1) makes least."""
     return fit.cost + float(np.sum(prior_rows(fit.parameters, fit.z)[0] ** 2))
 
 
@@ -105,7 +106,7 @@ MOVES = 4
 
 
 def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
-    """The effects of a fit where steps along cornered laws lead down to; as they are if none does."""
+    """Return the effects of a fit where steps along cornered laws lead down to; as they are if none does."""
     cornered = [j for j, c in enumerate(fit.parameters) if not c.smooth]
     if not cornered:
         return fit.members
@@ -132,7 +133,7 @@ def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
 
 
 def _steps(part: float, parameter: TransformedParameter, z: float) -> list[float]:
-    """Steps of z by such parts of the parameter, up and down, within its bounds."""
+    """Return the steps of z by such parts of the parameter, up and down, within its bounds."""
     step = abs(part * parameter.value(z) / parameter.slope(z))
     both = [sign * k * step for k in range(1, AHEAD + 1) for sign in (1, -1)]
     return [each for each in both if abs(z + each) <= parameter.bound]
@@ -143,7 +144,8 @@ TIMES = tuple(np.geomspace(0.4, 2.5, 12).tolist())
 
 
 def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
-    """A fit from the best of several initial_conditions in the parameter whose misfit has several minima.
+    """Return a fit from the best of several initial_conditions in the parameter whose misfit has several
+    minima.
 
     None where the model has no such parameter, or no value is better than its own.
     """

@@ -37,7 +37,7 @@ UNUSUAL = 3.0
 def evidence_sentence(
     choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, problem: Problem
 ) -> str:
-    """What speaks for effect k of a choice, and what does not; one sentence for a person."""
+    """Return what speaks for effect k of a choice, and what does not; one sentence for a person."""
     best = choice.best
     text = _shrinking(choice, k, problem)
     if choice.rivals[k]:
@@ -62,7 +62,7 @@ def evidence_sentence(
 
 
 def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
-    """What an effect does: the first one with the gap that all close and what they spare the model."""
+    """Return what an effect does: the first one with the gap that all close and what they spare the model."""
     members = [place_words(each.name, each.at) for each in choice.best.members]
     alone = len(members) == 1
     before = max(above_noise(choice.null.projected, problem, choice.null.non_smooth).values())
@@ -100,12 +100,14 @@ def _behind(rival: float, gained: float) -> str:
 
 
 def _factor(log_bayes: float) -> str:
-    """A logarithm of a Bayes factor: tenths where they count."""
+    """Return a logarithm of a Bayes factor: tenths where they count."""
     return f"{log_bayes:.1f}" if abs(log_bayes) < 10 else f"{log_bayes:.0f}"
 
 
 def _strained(fit: Fit, beyond: float) -> Iterator[str]:
-    """What a model must assume of a clock, a frame or a nominal value, if that is beyond so many sigmas."""
+    """Return what a model must assume of a clock, a frame or a nominal value, if that is beyond so many
+    sigmas.
+    """
     if not len(fit.nuisance.parameters):
         return
     pulls = np.abs(fit.projection.solve(fit.residual)) / fit.nuisance.sigma
@@ -145,7 +147,7 @@ def named_effects(
     problem: Problem,
     coarse: bool = False,
 ) -> tuple[NamedEffect, ...]:
-    """The chosen effects, each with its rivals within reach, the most probable first.
+    """Return the chosen effects, each with its rivals within reach, the most probable first.
 
     `coarse` says that an encoder counts in steps that matter.
     """
@@ -169,7 +171,7 @@ def named_effects(
 
 
 def _moves(drift: Drift, member: Candidate) -> bool:
-    """Whether it is an effect's first parameter that is not constant."""
+    """Return True if it is an effect's first parameter that is not constant."""
     first = (*member.place, member.free[0])
     return (drift["effect"], drift["at"], drift["parameter"]) == first and not drift["constant"]
 

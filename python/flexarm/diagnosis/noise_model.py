@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 def impute_noise(
     training: Mapping[str, Record], held_out: Mapping[str, Record]
 ) -> tuple[dict[str, Record], list[str]]:
-    """The held-out records with the noise of signals of the training, and sentences that say so.
+    """Return the held-out records with the noise of signals of the training, and sentences that say so.
 
     Also said is what a signal without any does not align; of one of the training that is said elsewhere.
     """
@@ -76,7 +76,7 @@ def impute_noise(
 
 
 def _same(training: Mapping[str, Record], signal: Signal) -> list[Signal]:
-    """The signals of that name and quantity."""
+    """Return the signals of that name and quantity."""
     named = [record.signals[signal.name] for record in training.values() if signal.name in record.signals]
     return [each for each in named if each.quantity == signal.quantity]
 
@@ -102,7 +102,7 @@ SEED = 0
 
 
 def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
-    """Counts what (1) does to each of `rows` beside a model, where that is more than was known."""
+    """Count what (1) does to each of `rows` beside a model, where that is more than was known."""
     rng = np.random.default_rng(SEED)
     with suppress(*FIT_ERRORS):
         errors = [_squared_error(problem, arm, rng)]
@@ -123,7 +123,7 @@ def input_noise_by_signal(problem: Problem) -> dict[str, float]:
 
 
 def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[str]:
-    """A sentence on what `input_noise_by_signal` found, if that is something."""
+    """Return a sentence on what `input_noise_by_signal` found, if that is something."""
     if not sizes:
         return []
     drives = dict.fromkeys(name for record in problem.records.values() for name in record.drive)
@@ -131,7 +131,8 @@ def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[st
 
 
 def weighted_by_input_noise(problem: Problem) -> Problem:
-    """The same, with rows that noise of the drives moves by more than `LOUD` as noisy as that makes them.
+    """Return the same, with rows that noise of the drives moves by more than `LOUD` as noisy as that makes
+    them.
 
     On a stiff arm a torque sensor reads little else at the beginnings and ends of moves, and by its own noise
     it would outweigh all other signals.
@@ -148,7 +149,7 @@ def weighted_by_input_noise(problem: Problem) -> Problem:
 
 
 def _squared_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
-    """What (1) does to each of `rows`, mean square over its variance."""
+    """Return what (1) does to each of `rows`, mean square over its variance."""
     again = {name: _noisy_again(record, arm, rng) for name, record in problem.records.items()}
     if all(again[name] is record for name, record in problem.records.items()):
         return np.zeros(len(problem.rows))
@@ -157,7 +158,7 @@ def _squared_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floa
 
 
 def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:
-    """A record whose encoders that drive read (1)."""
+    """Return a record whose encoders that drive read (1)."""
     noisy = {
         name: record.signals[name].replace(values=_reading(record, name, arm, rng))
         for name in record.drive
@@ -186,7 +187,7 @@ STEP_ERROR_COUNTS = 0.3
 
 
 def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
-    """Counts (1) in each of `rows` beside a model with corners, where it is more than was known."""
+    """Count (1) in each of `rows` beside a model with corners, where it is more than was known."""
     if not is_non_smooth(arm):
         return
     with suppress(*FIT_ERRORS):
@@ -202,7 +203,7 @@ def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
 
 
 def discretisation_remarks(problem: Problem) -> list[str]:
-    """A sentence on signals of which no step is fine enough, if there are some."""
+    """Return a sentence on signals of which no step is fine enough, if there are some."""
     most: dict[str, float] = {}
     for each in problem.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.discretisation_error))

@@ -1,4 +1,4 @@
-"""What is never known exactly and always fitted along: clocks, registrations, nominal values, and what an arm
+"""Nuisance parameters, always fitted along: clocks, registrations, nominal values, and what an arm
 swings with where a record begins in motion.
 
 Each is a parameter of the model with a Gaussian prior. Clocks and frames get effects of their own in the
@@ -72,7 +72,7 @@ class NuisanceParameter:
 
     @property
     def words(self) -> str:
-        """What it is, in a sentence."""
+        """Return what it is, in a sentence."""
         if self.kind == "nominal":
             return f"value {self.key}"
         if self.kind == "start":
@@ -81,7 +81,7 @@ class NuisanceParameter:
         return f"{'.'.join(rest)} of {self.kind} {at}"
 
     def kept(self, step: float) -> float:
-        """A step from the centre, shortened where a nominal value would all but lose its sign.
+        """Return a step from the centre, shortened where a nominal value would all but lose its sign.
 
         Steps are linear, and far from the optimum they can be far too long: a stiffness, however badly known,
         and what is known to less than itself stay above a fifth of it. A start is in proportion about any
@@ -120,7 +120,7 @@ class NuisanceModel:
         return np.array([unknown.sigma for unknown in self.parameters])
 
     def put(self, arm: Arm, values: np.ndarray) -> Arm:
-        """A model of which these have other values; what it swings with at a start is none of it."""
+        """Return a model of which these have other values; what it swings with at a start is none of it."""
         for unknown, value in zip(self.parameters, values, strict=True):
             if unknown.kind != "start":
                 arm = with_value(arm, unknown.key, float(value))
@@ -193,14 +193,16 @@ def known_loads(arm: Arm, records: Mapping[str, Record]) -> list[str]:
 
 
 def _known(key: str, records: Mapping[str, Record]) -> bool:
-    """Whether a value is the mass of a payload that every record weighed."""
+    """Return True if a value is the mass of a payload that every record weighed."""
     table, name, *rest = key.split(".")
     masses = table == "payloads" and rest == ["mass"] and bool(records)
     return masses and all(weighed(record, name) for record in records.values())
 
 
 def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
-    """Whether the model refuses a value as far on the other side of zero; of zero, a sigma below it."""
+    """Return True if the model refuses a value as far on the other side of zero; of zero, a sigma below
+    it.
+    """
     try:
         with_value(arm, nominal.key, -nominal.value or -sigma)
     except InvalidParameter:
@@ -209,7 +211,7 @@ def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
 
 
 def _bare(arm: Arm, key: str) -> str:
-    """A key of `[uncertainty]` without the unit at its end."""
+    """Return a key of `[uncertainty]` without the unit at its end."""
     from flexarm.arm.uncertainty import owner_of
 
     place = owner_of(arm, key)

@@ -73,7 +73,7 @@ class TransformedParameter:
         return (u - mode) / (below if u < mode else above)
 
     def value(self, z: float) -> float:
-        """The parameter."""
+        """Return the parameter."""
         mode, below, above = self._pieces()
         u = mode + z * (below if z < 0 else above)
         return exp(u) if self.prior.scale == "log" else u
@@ -117,7 +117,7 @@ class TransformedParameter:
 
 
 def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[TransformedParameter, ...]:
-    """The free parameters of a set of effects, in their order."""
+    """Return the free parameters of a set of effects, in their order."""
     return tuple(
         TransformedParameter(k, name, prior, member.effect.smooth)
         for k, member in enumerate(members)
@@ -127,7 +127,9 @@ def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[Tran
 
 
 def prior_rows(parameters: Sequence[TransformedParameter], z: Floats) -> tuple[Floats, Floats]:
-    """The priors' rows of a least-squares problem, with squares ln(1 + (z/3)^2), and their derivatives."""
+    """Return the priors' rows of a least-squares problem, with squares ln(1 + (z/3)^2), and their
+    derivatives.
+    """
     weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in parameters])
     x = weak * z
     rows = np.sign(x) * np.sqrt(np.log1p(x**2))
@@ -139,7 +141,7 @@ def prior_rows(parameters: Sequence[TransformedParameter], z: Floats) -> tuple[F
 def members_at(
     members: Sequence[Candidate], parameters: Sequence[TransformedParameter], z: Floats
 ) -> tuple[Candidate, ...]:
-    """The effects with these parameters."""
+    """Return the effects with these parameters."""
     found = list(members)
     for k, member in enumerate(found):
         values = {c.name: c.value(float(x)) for c, x in zip(parameters, z, strict=True) if c.candidate == k}

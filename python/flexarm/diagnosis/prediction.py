@@ -1,4 +1,4 @@
-"""Whether a model foretells what was held out, and what is said beside the verdict where it does not.
+"""Prediction of held-out data, and the remark beside the verdict where it fails.
 
 Of a record that it never saw a right model leaves what it leaves of the training, or the noise. What is held
 out chooses no effect; the sentence beside the verdict tells the signal and the record of which most is left
@@ -31,7 +31,7 @@ LEAST = {"m": 1e-6, "rad": 1e-6}
 
 @dataclass(frozen=True)
 class HeldOutGap:
-    """What the updated model leaves of a signal, of a held-out record and of the training, in its unit."""
+    """Residuals of a signal after the update, in a held-out record and in the training, in its unit."""
 
     record: str
     signal: str
@@ -42,7 +42,7 @@ class HeldOutGap:
 
     @property
     def least(self) -> float:
-        """What a simulation misses anyway."""
+        """Return what a simulation misses anyway."""
         return LEAST.get(self.unit, 0.0)
 
     @property

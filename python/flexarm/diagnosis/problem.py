@@ -1,4 +1,4 @@
-"""What was measured, beside what a model predicts of it: one vector of residuals over their noise.
+"""The identification problem: measured and predicted data as one vector of residuals over their noise.
 
     r(model) = (y - f(model)) / sigma                                                                 (1)
 
@@ -46,7 +46,7 @@ KEPT_RESIDUALS = 400
 """Number of residuals that are remembered."""
 
 _Seen = WeakKeyDictionary[Any, dict[tuple[str, SensorEffects], Floats]]
-"""What is left of each signal beside a run that is still there, by the effects on its sensor."""
+"""Residuals of each signal relative to a stored run, by the effects on its sensor."""
 
 
 @dataclass(eq=False)
@@ -108,7 +108,7 @@ class Problem:
         self.initial_conditions = find_initial_conditions(self, self.arm)
 
     def __len__(self) -> int:
-        """Number of residuals."""
+        """Return the number of residuals."""
         return int(self.rows[-1].where.stop)
 
     @property
@@ -127,7 +127,7 @@ class Problem:
         return (each for each in self.rows if each.record == record)
 
     def with_step(self, step: float) -> Problem:
-        """The same rows against other simulations, whose residuals are remembered too."""
+        """Return the same rows against other simulations, whose residuals are remembered too."""
         if step == self.step:
             return self
         if step not in self._stepped:
@@ -136,19 +136,19 @@ class Problem:
         return self._stepped[step]
 
     def again(self) -> Problem:
-        """The same with no residual remembered, for other rows or records to be put in."""
+        """Return the same with no residual remembered, for other rows or records to be put in."""
         found = copy(self)
         found._residuals, found._stepped = OrderedDict(), {}
         return found
 
     def with_drives(self, records: Mapping[str, Record]) -> Problem:
-        """The same rows against simulations along the drives of other records."""
+        """Return the same rows against simulations along the drives of other records."""
         found = self.again()
         found.records, found.simulations = records, SimulationCache(records, self.step, self.alpha)
         return found
 
     def with_noise(self, times: Floats) -> Problem:
-        """The same rows with more noise, times as much in each of `rows`."""
+        """Return the same rows with more noise, times as much in each of `rows`."""
         found = self.again()
         found.rows = tuple(
             replace(
@@ -188,7 +188,7 @@ class Problem:
     def put(
         self, found: Floats, name: str, pair: SimulatedRecord, rows: Iterable[Rows] | None = None
     ) -> None:
-        """Writes the rows of one record into a residual, or some of them."""
+        """Write the rows of one record into a residual, or some of them."""
         seen = self._seen.setdefault(pair.simulation, {})
 
         def of_signal(name_of: str) -> Floats:
@@ -201,7 +201,7 @@ class Problem:
         put_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
 
     def prepare(self, arms: Iterable[Arm]) -> None:
-        """Computes residuals of many models, `jobs` runs at once; `residual` says later which failed."""
+        """Compute residuals of many models, `jobs` runs at once; `residual` says later which failed."""
         wanted = {key: arm for arm in arms if (key := _key(arm)) not in self._residuals}
         if self.jobs == 1 or len(wanted) < 2:
             return
@@ -220,7 +220,7 @@ class Problem:
             self._keep(key, found[key])
 
     def correction(self, arm: Arm) -> Floats:
-        """What (1) misses of its value for vanishing time steps h, shape (len(self),).
+        """Return what (1) misses of its value for vanishing time steps h, shape (len(self),).
 
         Richardson's extrapolation from h and h/2 less r(h). Where
         h/2 moves more than the noise, or laws have corners, that shows in smaller steps: with h/2 and h/4.
@@ -238,7 +238,7 @@ class Problem:
     def jacobian(
         self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})
     ) -> Floats:
-        """Derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
+        """Return derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
 
         `steps` are those of differences by some parameters, if not small.
         """
@@ -256,7 +256,7 @@ class Problem:
         return differences(self, arm, keys, steps) if exact is None else exact
 
     def static_jacobian(self, arm: Arm, keys: list[str]) -> Floats | None:
-        """The same from the derivatives of equilibria; None where they have none."""
+        """Return the same from the derivatives of equilibria; None where they have none."""
         return static_jacobian(self, arm, keys)
 
 
@@ -267,6 +267,6 @@ def extrapolated(coarse: Floats, fine: Floats) -> Floats:
 
 
 def _key(arm: Arm) -> tuple[Any, ...]:
-    """What residuals depend on."""
+    """Return what residuals depend on."""
     parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points, arm.motors, arm.controllers)
     return (*parts, arm.effects)

@@ -91,7 +91,7 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
 
 
 def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[CoarseEncoder, ...]]:
-    """The same with noise that holds the errors of (1), and the encoders whose steps matter."""
+    """Return the same with noise that holds the errors of (1), and the encoders whose steps matter."""
     found: list[CoarseEncoder] = []
     variance = np.zeros(len(problem.rows))
     arm = problem.arm
@@ -115,7 +115,7 @@ def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[Co
 
 
 def _error(problem: Problem, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Floats:
-    """What (1) does to each of `rows`, rms over its noise."""
+    """Return what (1) does to each of `rows`, rms over its noise."""
     again = {
         name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
         for name, record in problem.records.items()
@@ -124,12 +124,14 @@ def _error(problem: Problem, arm: Arm, effect: EncoderQuantisation, rng: np.rand
 
 
 def _moves_by(record: Record, encoder: str) -> bool:
-    """Whether a record is a motion along the readings of an encoder; poses and other motions are not."""
+    """Return True if a record is a motion along the readings of an encoder; poses and other motions are
+    not.
+    """
     return record.kind == "motion" and encoder in record.drive
 
 
 def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Record:
-    """A record whose encoder reads (1)."""
+    """Return a record whose encoder reads (1)."""
     from scipy.interpolate import PPoly
 
     signal = record.signals[effect.at]

@@ -28,7 +28,9 @@ STEPS = 3
 
 
 def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
-    """The best fit, polished, with derivatives taken anew about those that come close or foretell best."""
+    """Return the best fit, polished, with derivatives taken anew about those that come close or foretell
+    best.
+    """
     problem = criteria.problem
     first, *others = _ranked(fits, old, criteria)
     if criteria.leaves_gap(first):
@@ -45,7 +47,7 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
 
 
 def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
-    """The best first, of those worth a name if there are any."""
+    """Return the best first, of those worth a name if there are any."""
     problem, reach = criteria.problem, criteria.policy.reach
     fits = [f for f in fits if criteria.reduces(f, old) or not criteria.leaves_gap(f)] or fits
     value = variance_inflation(min(fits, key=lambda f: f.cost).projected, problem)
@@ -74,7 +76,7 @@ def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fi
 
 
 def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """A fit about itself, and about what that finds while it leaves clearly less."""
+    """Return a fit about itself, and about what that finds while it leaves clearly less."""
     for _ in range(STEPS):
         before, (fit, estimator) = fit, about_itself(fit, estimator)
         if fit.cost > BETTER * before.cost:
@@ -83,6 +85,6 @@ def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 
 
 def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
-    """Whether a fit may be as good as the first with derivatives of its own."""
+    """Return True if a fit may be as good as the first with derivatives of its own."""
     value = variance_inflation(min((fit, first), key=lambda f: f.cost).projected, criteria.problem)
     return log_bayes_factor(first, fit, criteria.problem, value) < criteria.policy.close

@@ -37,7 +37,7 @@ NULL_ROUNDS = 2
 
 
 def without_effects(start: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """The nominal model about its own optimum, as fits with effects are, and where it was found.
+    """Return the nominal model about its own optimum, as fits with effects are, and where it was found.
 
     Otherwise any effect seems better.
 
@@ -53,7 +53,7 @@ def without_effects(start: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 
 
 def about_itself(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """A fit once more with derivatives of its own, and where; as it is if they cannot be taken."""
+    """Return a fit once more with derivatives of its own, and where; as it is if they cannot be taken."""
     try:
         about = estimator.about(fit)
         return about.fit(fit.members, nearby=fit), about
@@ -62,7 +62,7 @@ def about_itself(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 
 
 def about_or_here(fit: Fit, estimator: Estimator) -> Estimator:
-    """The fitter about a fit, or as it is if no derivatives can be taken there."""
+    """Return the fitter about a fit, or as it is if no derivatives can be taken there."""
     try:
         return estimator.about(fit)
     except FIT_ERRORS:
@@ -70,7 +70,7 @@ def about_or_here(fit: Fit, estimator: Estimator) -> Estimator:
 
 
 def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
-    """A fit taken further until it leaves no less, and where it was found."""
+    """Return a fit taken further until it leaves no less, and where it was found."""
     best, there, idle = fit, about, 0
     with suppress(*FIT_ERRORS):
         while idle < IDLE and not _quiet(best, about):
@@ -84,13 +84,13 @@ def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
 
 
 def _quiet(fit: Fit, about: Estimator) -> bool:
-    """Whether nothing is left that would be looked at, and no unknown is strained."""
+    """Return True if nothing is left that would be looked at, and no unknown is strained."""
     left, policy = above_noise(fit.projected, about.problem, fit.non_smooth), about.problem.policy
     return max(left.values()) < QUIET and conflict(fit, policy) < policy.conflict
 
 
 def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
-    """A fit taken further until it rests: its values are those of the least C.
+    """Return a fit taken further until it rests: its values are those of the least C.
 
     What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
     they act alike, and rivals that are compared before they have come to rest seem apart that are not. All
@@ -115,7 +115,8 @@ def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
 
 
 def further(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit, Estimator]:
-    """A step of Newton from a fit, or a part of it; where all lead up, as over ripples, what a search finds.
+    """Return a step of Newton from a fit, or a part of it; where all lead up, as over ripples, what a
+    search finds.
 
     Never one of which the objective is higher than that of the fit, all derivatives taken about it. Those by
     unknowns are taken `anew` after the step, or where they did not foretell it.

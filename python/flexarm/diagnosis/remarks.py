@@ -1,4 +1,4 @@
-"""What is said of records that begin in motion: with how much the arm swung when they began.
+"""Remarks on initial transients, stated noise, unused signals and payload masses.
 
 What is said of signals and loads that a fit takes otherwise than a reader may think, or does not see.
 """
@@ -21,7 +21,9 @@ TOLD = 1.0
 
 
 def swings(fit: Fit, problem: Problem) -> Iterator[str]:
-    """A sentence for each record that begins with the arm swinging, which the gaps of a report still hold."""
+    """Return a sentence for each record that begins with the arm swinging, which the gaps of a report still
+    hold.
+    """
     x = fit.projection.solve(fit.residual)
     for name in problem.records:
         mine = [fit.nuisance.keys.index(s.key) for s in problem.initial_conditions if s.record == name]
@@ -41,7 +43,9 @@ _SILENT = "no noise is stated, and its values are too few or too even to show it
 
 
 def unweighed(problem: Problem) -> Iterator[str]:
-    """A sentence for each signal without a stated noise: what stands for it, what is not aligned by it."""
+    """Return a sentence for each signal without a stated noise: what stands for it, what is not aligned by
+    it.
+    """
     shown: dict[str, float] = {}
     for rows in problem.rows:
         if not has_noise(_signal(problem, rows.record, rows.signal).noise_std):
@@ -61,7 +65,7 @@ def unweighed(problem: Problem) -> Iterator[str]:
 
 
 def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """A sentence for each signal that a simulation predicts and of which no value is fitted.
+    """Return a sentence for each signal that a simulation predicts and of which no value is fitted.
 
     Parameters
     ----------
@@ -80,7 +84,7 @@ def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterato
 
 
 def weighed_loads(problem: Problem) -> Iterator[str]:
-    """A sentence for each payload of which the records state the mass and the model an uncertainty."""
+    """Return a sentence for each payload of which the records state the mass and the model an uncertainty."""
     for load in known_loads(problem.arm, problem.records):
         yield (
             f"the mass of {load} is what the records state, and its uncertainty in the model has no part: "

@@ -29,7 +29,7 @@ Rounding = Callable[[float, float], float]
 
 
 def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
-    """The nominal model with refined values and the effects of a fit."""
+    """Return the nominal model with refined values and the effects of a fit."""
     for refined in filter(moved, sizes.refined):
         arm = _written(partial(_refined, arm, refined))
     found = dict(zip(fit.places, sizes.effects, strict=True))
@@ -39,7 +39,9 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
 
 
 def _written(change: Callable[[Rounding], Arm]) -> Arm:
-    """A model with its new values rounded, or as they are where one is so near a limit of what is allowed."""
+    """Return a model with its new values rounded, or as they are where one is so near a limit of what is
+    allowed.
+    """
     try:
         return change(_rounded)
     except InvalidParameter:
@@ -56,17 +58,19 @@ def _added(arm: Arm, member: Candidate, values: Sequence[Estimate], rounding: Ro
 
 
 def moved(refined: Refined) -> bool:
-    """Whether the data say anything of a nominal value: not of one across the plane of a planar arm."""
+    """Return True if the data say anything of a nominal value: not of one across the plane of a planar
+    arm.
+    """
     return abs(refined.value - refined.nominal) > 1e-3 * refined.std
 
 
 def _rounded(value: float, std: float) -> float:
-    """A value to a thousandth of its standard deviation, so that files do not feign more."""
+    """Return a value to a thousandth of its standard deviation, so that files do not feign more."""
     return value if not std > 0 else round(value, 3 - int(np.floor(log10(std))))
 
 
 def worth_keeping(choice: Choice, problem: Problem) -> bool:
-    """Whether a fit that does not explain all is better than none: it closes half, or it predicts."""
+    """Return True if a fit that does not explain all is better than none: it closes half, or it predicts."""
     if not choice.best.members:
         return False
     best, null = choice.best, choice.null
@@ -79,5 +83,7 @@ def worth_keeping(choice: Choice, problem: Problem) -> bool:
 
 
 def _closes(best: Fit, null: Fit, problem: Problem) -> bool:
-    """Whether a fit closes enough of the gap, also where it was not fitted, to be kept with one left."""
+    """Return True if a fit closes enough of the gap, also where it was not fitted, to be kept with one
+    left.
+    """
     return press_rms(best, problem) < (1 - problem.policy.most_of_gap) * press_rms(null, problem)

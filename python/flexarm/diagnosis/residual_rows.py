@@ -167,7 +167,7 @@ def shown_noise(residual: Floats) -> float:
 
 
 def put_over_noise(found: Floats, rows: Iterable[Rows], values: Callable[[str], Floats]) -> None:
-    """Writes eq. (1) into some rows of a residual, or derivatives of it, from the values of each signal."""
+    """Write eq. (1) into some rows of a residual, or derivatives of it, from the values of each signal."""
     by_signal: dict[str, Floats] = {}
     for each in rows:
         if each.signal not in by_signal:

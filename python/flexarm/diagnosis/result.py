@@ -56,12 +56,12 @@ class Refinement:
 
     @property
     def determined(self) -> bool:
-        """Whether the data say more than was known."""
+        """Return True if the data say more than was known."""
         return self.sigma is None or self.refined.std < KEPT * self.sigma
 
     @property
     def changed(self) -> bool:
-        """Whether the repaired model has another value; those that are left open mostly have not."""
+        """Return True if the repaired model has another value; those that are left open mostly have not."""
         return abs(self.moved) > STILL * self.refined.std
 
     @property
@@ -98,7 +98,7 @@ Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(SavedAsDirectory):
-    """What `diagnose` found.
+    """The result of `diagnose`.
 
     Attributes
     ----------
@@ -171,13 +171,13 @@ class Diagnosis(SavedAsDirectory):
         return self.unit_of(self.main_signal)
 
     def unit_of(self, signal: str) -> str:
-        """Unit of the gap of a signal; empty if it could not be compared."""
+        """Return the unit of the gap of a signal; empty if it could not be compared."""
         found = (comparison.signals.get(signal) for comparison in self.before.values())
         return next((gap.unit for gap in found if gap is not None), "")
 
     @property
     def has_gap(self) -> bool:
-        """Whether there is a gap to be shown: not where the data could not be compared at all."""
+        """Return True if there is a gap to be shown: not where the data could not be compared at all."""
         return bool(self.unit)
 
     def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
@@ -210,7 +210,7 @@ class Diagnosis(SavedAsDirectory):
     # ------------------------------------------------------------------- output
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The object of `report.json`, checked against its format."""
+        """Return the object of `report.json`, checked against its format."""
         from flexarm.report.report_file import report_dict
 
         return report_dict(self)
@@ -222,7 +222,7 @@ class Diagnosis(SavedAsDirectory):
         return summary(self)
 
     def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
-        """The main signal's gap before and after along a record, and the noise (2 sigma) as a band.
+        """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
 
         Parameters
         ----------
@@ -243,7 +243,7 @@ class Diagnosis(SavedAsDirectory):
     @classmethod
     @takes(path=PATH)
     def load(cls, path: str | Path) -> Self:
-        """What `save` or `flexarm diagnose` wrote.
+        """Return what `save` or `flexarm diagnose` wrote.
 
         It prints, draws and saves the same, but for the gap against states of the joints (`located`), which
         is not kept.
@@ -267,7 +267,7 @@ class Diagnosis(SavedAsDirectory):
         return cls(**stored(path))
 
     def write(self, directory: Path) -> None:
-        """Writes report.json, report.html, updated.toml, gaps.nc and the figures into a directory.
+        """Write report.json, report.html, updated.toml, gaps.nc and the figures into a directory.
 
         The directory is there.
         """

@@ -51,7 +51,7 @@ class Probed:
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """What a set of candidates explains.
+    """The share of the residual that a set of candidates explains.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Share:
 
 
 def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
-    """Simulates the probes of all candidates; those that cannot be simulated are left out."""
+    """Simulate the probes of all candidates; those that cannot be simulated are left out."""
     problem, arm = estimator.problem.with_step(LONGER * estimator.problem.step), estimator.arm
     probed = []
     with reported(progress, "probing effects") as report:
@@ -96,7 +96,8 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
 
 
 def in_proportion(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -> Floats | None:
-    """Moves of a clock, frame or reflector, from the derivatives by it as it is no effect; None of all else.
+    """Return the moves of a clock, frame or reflector, from the derivatives by it as it is no effect; None
+    of all else.
 
     A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
     explain less as an effect. A reflector is a point elsewhere, and needs no simulation.
@@ -162,7 +163,7 @@ def together(
     size: int,
     seen: Callable[[Floats], Floats] | None = None,
 ) -> list[Share]:
-    """Sets of two or three candidates that explain most together, of what is `seen`, the best first.
+    """Return sets of two or three candidates that explain most together, of what is `seen`, the best first.
 
     All pairs are looked at; of triples those among the `among` places of the policy that explain most alone,
     and half as many that do so in a pair: what explains nothing by itself may be needed beside another.
@@ -250,7 +251,7 @@ class Linear:
                 yield found
 
     def companions(self, pairs: Mapping[str, str]) -> Iterator[tuple[int, ...]]:
-        """The same variant of a law at both axes of a place."""
+        """Return the same variant of a law at both axes of a place."""
         for i in self.free:
             one = self.probed[i].candidate
             for j in self.free:
@@ -273,7 +274,7 @@ class Linear:
         return all(member.stands_on in there for member in members)
 
     def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
-        """The first of them at the sizes of eq. (2)."""
+        """Return the first of them at the sizes of eq. (2)."""
         found = []
         for share, chosen in ranked[:most]:
             _, alphas = self._solved(chosen)

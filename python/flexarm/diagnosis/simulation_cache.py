@@ -53,14 +53,14 @@ class SimulationCache:
         self._drives: dict[Any, Drive] = {}
 
     def with_step(self, step: float) -> SimulationCache:
-        """The same with other steps; drives stay as they are."""
+        """Return the same with other steps; drives stay as they are."""
         found = copy(self)
         found.step, found._runs = step, OrderedDict()
         found._kept = max(len(self.records), min(self._kept, int(self._kept * step / self.step)))
         return found
 
     def beside(self, name: str, arm: Arm) -> SimulatedRecord:
-        """A run of the model, beside the record that it repeats."""
+        """Return a run of the model, beside the record that it repeats."""
         record = self.records[name]
         carried = record.applied_to(arm)
         key = (name, *_mechanics(record, carried))
@@ -73,7 +73,7 @@ class SimulationCache:
         return replace(run, arm=carried)
 
     def _made(self, name: str, arm: Arm) -> SimulatedRecord:
-        """A run."""
+        """Return a run."""
         record = self.records[name]
         if record.kind == "static":
             inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
@@ -81,7 +81,7 @@ class SimulationCache:
         return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
 
     def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
-        """A run beside its record that a jerk of a drive comes before."""
+        """Return a run beside its record that a jerk of a drive comes before."""
         record = self.records[start.record]
         carried = record.applied_to(arm)
         drive = self.drive(start.record, carried)
@@ -91,7 +91,7 @@ class SimulationCache:
         return pair_record(run, record, arm=carried)
 
     def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
-        """The simulation along a drive."""
+        """Return the simulation along a drive."""
         from flexarm.simulation import simulate
 
         record = self.records[name]
@@ -107,7 +107,7 @@ class SimulationCache:
         )
 
     def drive(self, name: str, arm: Arm) -> Drive:
-        """What a model with its record's payloads is driven by."""
+        """Return what a model with its record's payloads is driven by."""
         record = self.records[name]
         key = (name, _driving(record, arm))
         if key not in self._drives:
@@ -116,7 +116,7 @@ class SimulationCache:
 
 
 def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
-    """What a run depends on: everything but effects on sensors that do not drive."""
+    """Return what a run depends on: everything but effects on sensors that do not drive."""
     moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
     loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
     parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points)

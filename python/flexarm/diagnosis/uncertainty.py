@@ -60,7 +60,7 @@ LEAST_LEFT = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """What was fitted, with its uncertainty.
+    """Fitted values with their uncertainty.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ def _of_effect(fit: Fit, i: int, moved: Floats) -> tuple[Estimate, ...]:
 
 
 def whole_turns(phase: float) -> float:
-    """What a phase is beyond half a turn either way [rad], in whole turns."""
+    """Return what a phase is beyond half a turn either way [rad], in whole turns."""
     return 2 * pi * round(phase / (2 * pi))
 
 

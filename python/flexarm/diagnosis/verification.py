@@ -32,13 +32,15 @@ Gaps = Mapping[str, Comparison]
 def gaps(
     compared: Callable[[Arm, Record], Comparison], model: Arm, records: Mapping[str, Record], jobs: int = 1
 ) -> Gaps:
-    """A model beside records, `jobs` at once."""
+    """Return a model beside records, `jobs` at once."""
     found = at_once(partial(compared, model), records.values(), jobs)
     return dict(zip(records, found, strict=True))
 
 
 def main_signal(records: Mapping[str, Record], before: Gaps) -> str:
-    """The signal of the report's gap: of positions the one that moves most, else the one that misses most."""
+    """Return the signal of the report's gap: of positions the one that moves most, else the one that misses
+    most.
+    """
     travel: dict[str, float] = {}
     misses: dict[str, float] = {}
     for name, record in records.items():
@@ -120,15 +122,15 @@ class Bench:
     jobs: int
 
     def in_training(self, model: Arm) -> Gaps:
-        """The gap of a model by record that was fitted."""
+        """Return the gap of a model by record that was fitted."""
         return self._gaps(model, self.training)
 
     def in_all(self, model: Arm) -> Gaps:
-        """The same by any record."""
+        """Return the same by any record."""
         return self._gaps(model, {**self.training, **self.held_out})
 
     def beside(self, model: Arm) -> dict[str, AlignedRecord]:
-        """A model beside each record that was fitted, sample by sample."""
+        """Return a model beside each record that was fitted, sample by sample."""
         return {
             name: simulate_record(model, record, step=self.step, alpha=self.alpha)
             for name, record in self.training.items()
@@ -176,7 +178,7 @@ def verified(
     members: Sequence[Candidate],
     open_gap: bool,
 ) -> Verified:
-    """The nominal and the repaired model beside all records.
+    """Return the nominal and the repaired model beside all records.
 
     Parameters
     ----------
@@ -216,7 +218,7 @@ def _located(pairs: Mapping[str, AlignedRecord]) -> Localisation | None:
 
 
 def _remainder(before: Mapping[str, AlignedRecord], after: Localisation | None) -> str:
-    """What is seen of a gap that stays open, in what is left and in how the machine rings down."""
+    """Return what is seen of a gap that stays open, in what is left and in how the machine rings down."""
     left = unexplained_residual(after) if after else None
     swings = describe_free_decays(free_decays(before))
     return " ".join(said for said in (str(left or ""), swings) if said)

@@ -199,7 +199,7 @@ def diagnose(
 
 @dataclass(frozen=True)
 class _Conclusion:
-    """What is said of a choice: verdict, names with their sizes, and the repaired model."""
+    """The conclusion of a choice: verdict, names with their sizes, and the updated model."""
 
     verdict: Verdict
     effects: tuple[NamedEffect, ...]
@@ -241,7 +241,7 @@ def _unusable(
     remarks: tuple[str, ...],
     provenance: dict[str, Any],
 ) -> Diagnosis:
-    """The end of a diagnosis of records with faults."""
+    """Return the end of a diagnosis of records with faults."""
     faults = tuple(
         NamedEffect(f.name, f.at, f.probability, f.parameters, f.alternatives, f.evidence)
         for f in checked.faults
@@ -262,7 +262,7 @@ class _Parted:
     remarks: tuple[str, ...]
 
     def without_strays(self, model: Arm, like: Problem) -> _Parted:
-        """What is held out loses its outliers too, beside the model that explains the rest."""
+        """Return what is held out loses its outliers too, beside the model that explains the rest."""
         motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
         if not motions:
             return self
@@ -273,7 +273,9 @@ class _Parted:
 
 
 def _held_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) -> dict[str, Record]:
-    """A record of its own to check the repair with, by name, if there is one; it must fit the model."""
+    """Return a record of its own to check the repair with, by name, if there is one; it must fit the
+    model.
+    """
     if hold_out is None:
         return {}
     [record] = named_records({"hold_out": hold_out}).values()
@@ -288,7 +290,7 @@ def _held_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) ->
 
 
 def _same_values(one: Record, other: Record) -> bool:
-    """Whether two records show the same, under whatever names and places they are kept."""
+    """Return True if two records show the same, under whatever names and places they are kept."""
     return set(one.signals) == set(other.signals) and all(
         np.array_equal(signal.values, other.signals[name].values, equal_nan=True)
         for name, signal in one.signals.items()

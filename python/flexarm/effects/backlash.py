@@ -42,7 +42,7 @@ class Backlash(Effect):
     gap: Number = value_in("rad", "full width of the gap at the output", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
-        """Opens a gap in the reducer's spring, eq. (1)."""
+        """Open a gap in the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].gap = self.gap  # eq. (1)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:

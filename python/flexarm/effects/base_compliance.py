@@ -47,7 +47,7 @@ class BaseCompliance(SpringEffect):
             yield "at", "the base turns about the axis of the first revolute joint, and the model has none"
 
     def patch(self, machine: Machine) -> None:
-        """A spring and a damper, eq. (1)."""
+        """Add a spring and a damper, eq. (1)."""
         machine.base.stiffness, machine.base.damping = self.stiffness, self.damping  # eq. (1)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:

@@ -39,7 +39,7 @@ class CableTorque(Effect):
     rest_angle: Number = value_in("rad", "angle of the joint where they pull at nothing", 0.0)
 
     def patch(self, machine: Machine) -> None:
-        """The cables' spring at the output bearing, eq. (1)."""
+        """Add the cables' spring at the output bearing, eq. (1)."""
         from flexarm import _core
 
         machine.drive_trains[self.at].bearing.append(

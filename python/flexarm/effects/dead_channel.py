@@ -45,6 +45,6 @@ class DeadChannel(ChannelEffect):
         return np.where(self.acts_on(channels), np.nan, reading)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
-        """An open input shows zero, its supply or its last value."""
+        """Return priors: an open input shows zero, its supply or its last value."""
         source = "engineering judgement: an open input shows zero, the end of its range or its last value"
         return {"value": Prior(-10.0, 10.0, 0.0, "linear", "SI", source)}

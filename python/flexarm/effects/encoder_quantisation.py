@@ -55,5 +55,5 @@ class EncoderQuantisation(SignalEffect):
         return {"step": Prior(5e-9, 5e-4, 3e-6, "log", "rad", source)}
 
     def derivative(self, parameter: str) -> Derivative:
-        """A staircase has none."""
+        """Return "none": a staircase has no derivative."""
         return "none"

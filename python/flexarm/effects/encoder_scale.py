@@ -41,6 +41,6 @@ class EncoderScale(SignalEffect):
         return reading / self.scale
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
-        """Counts are exact; measuring wheels and tapes are not."""
+        """Return priors: counts are exact, measuring wheels and tapes are not."""
         source = "engineering judgement: a disc counts exactly, measuring wheels and tapes err by some 1e-3"
         return {"scale": Prior(0.995, 1.005, 1.0, "linear", "-", source)}

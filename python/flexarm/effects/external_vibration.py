@@ -45,7 +45,7 @@ class ExternalVibration(WaveEffect):
     phase: Number = value_in("rad", "its phase at t = 0", 0.0)
 
     def patch(self, machine: Machine) -> None:
-        """A moment, eq. (1)."""
+        """Add a moment, eq. (1)."""
         machine.base.vibration = (self.amplitude, self.frequency, self.phase)  # eq. (1)
 
     def trials(

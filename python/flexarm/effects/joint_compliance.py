@@ -38,7 +38,7 @@ class JointCompliance(SpringEffect):
     damping: Number = value_in("N m s/rad", "damping of the joint", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
-        """Gives the reducer its spring and damper, eq. (1); damping cannot act in a rigid joint."""
+        """Give the reducer its spring and damper, eq. (1); damping cannot act in a rigid joint."""
         train = machine.drive_trains[self.at]
         train.stiffness, train.damping = self.stiffness, self.damping  # eq. (1)
 

@@ -47,7 +47,7 @@ class JointHysteresis(Effect):
     width: Number = value_in("rad", "deflection over which it builds up", 3e-4, gt=0)
 
     def patch(self, machine: Machine) -> None:
-        """Puts Dahl's law beside the reducer's spring, eq. (1)."""
+        """Put Dahl's law beside the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].hysteresis.append((self.torque, self.width))  # eq. (1)
 
     def trials(

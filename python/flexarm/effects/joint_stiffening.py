@@ -38,11 +38,11 @@ class JointStiffening(Effect):
     cubic_stiffness: Number = value_in("N m/rad3", "cubic stiffness, added to the linear spring", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
-        """Adds the cubic part to the reducer's spring, eq. (1)."""
+        """Add the cubic part to the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].cubic_stiffness = self.cubic_stiffness  # eq. (1)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
-        """The tangent stiffness grows by 3 k_3 e^2, compared with k at the deflection of full load."""
+        """Return priors: the tangent stiffness grows by 3 k_3 e^2; k is that at full load."""
         k = spring_at(arm, self.at)
         source = (
             "catalogues of strain-wave reducers: stiffness K1 < K2 < K3 rises by a fifth to double "

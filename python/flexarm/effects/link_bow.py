@@ -52,7 +52,7 @@ class LinkBow(Effect):
             yield "at", f"{self.at!r} is a {kind} link; only a beam has a bow: turn the joint that it carries"
 
     def patch(self, machine: Machine) -> None:
-        """A rest curvature, eq. (1), (2)."""
+        """Set a rest curvature, eq. (1), (2)."""
         member = machine.links[self.at]
         member.bow, member.bow_time = self.tip_offset, self.time_constant  # eq. (1)
 

@@ -40,7 +40,7 @@ class LinkDamping(Effect):
     damping_ratio: Number = value_in("-", "damping ratio of the link's first clamped mode", 0.0, ge=0, lt=1)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """A rigid link does not deform, one without mass does not vibrate."""
+        """Return problems: a rigid link does not deform, one without mass does not vibrate."""
         link = arm.link(self.at)
         if isinstance(link, Beam) and link.material.density == 0 and self.damping_ratio > 0:
             yield "damping_ratio", WEIGHTLESS.format(ratio=self.damping_ratio)

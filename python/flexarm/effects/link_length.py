@@ -63,7 +63,7 @@ class LinkLength(Effect):
         member.table = beam.replace(end=scaled(1 + self.error / beam.length, beam.end))  # eq. (1)
 
     def _followed(self, beam: Beam, position: Vector) -> Vector:
-        """A place at the same fraction of the stretched beam."""
+        """Return a place at the same fraction of the stretched beam."""
         fraction = min(max(dot(position, beam.end) / beam.length**2, 0.0), 1.0)
         return added(position, scaled(fraction * self.error / beam.length, beam.end))
 

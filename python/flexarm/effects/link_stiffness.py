@@ -36,7 +36,7 @@ class LinkStiffness(Effect):
     scale: Number = value_in("-", "factor on the bending stiffness EI", 1.0, gt=0)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """A rigid link does not bend."""
+        """Return problems: a rigid link does not bend."""
         if arm.link(self.at).type == "rigid":
             yield (
                 "at",

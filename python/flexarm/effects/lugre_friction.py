@@ -73,7 +73,7 @@ class LugreFriction(Effect):
         return self
 
     def patch(self, machine: Machine) -> None:
-        """The LuGre law at the output bearing, eqs. (1), (2)."""
+        """Add the LuGre law at the output bearing, eqs. (1), (2)."""
         from flexarm import _core
 
         machine.drive_trains[self.at].bearing.append(

@@ -38,6 +38,6 @@ class PayloadOffset(Effect):
         machine.payloads[self.at].offset = self.offset  # eq. (1)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
-        """Some centimetres either way."""
+        """Return priors: some centimetres either way."""
         source = "engineering judgement: centres of tools and stacked weights are known to a few centimetres"
         return {f"offset.{axis}": Prior(-0.06, 0.06, 0.0, "linear", "m", source) for axis in "xyz"}

@@ -45,7 +45,7 @@ class Saturation(ChannelEffect):
         return np.where(self.acts_on(channels), np.clip(reading, -self.limit, self.limit), reading)
 
     def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
-        """The reading; at the end of the range nothing is known."""
+        """Return the reading; at the end of the range nothing is known."""
         lost = self.acts_on(channels) & (np.abs(reading) >= self.limit * (1 - 1e-9))
         return np.where(lost, np.nan, reading)
 
@@ -55,5 +55,5 @@ class Saturation(ChannelEffect):
         return {"limit": Prior(1e-3, 1e4, 1.0, "log", "SI", source)}
 
     def derivative(self, parameter: str) -> Derivative:
-        """A reading at the limit moves with it on one side only."""
+        """Return "one-sided": a reading at the limit moves with it on one side only."""
         return "one-sided"

@@ -52,7 +52,7 @@ class TransmissionError(WaveEffect):
         teeth.amplitude, teeth.multiple, teeth.phase = self.amplitude, self.multiple, self.phase  # eq. (1)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
-        """The output must not turn back while the motor goes on: A m n < 1."""
+        """Refuse an output that turns back while the motor goes on: A m n < 1."""
         ratio = next(joint.gear_ratio for joint in arm.joints if joint.name == self.at)
         ratio *= next((gear.ratio for gear in arm.gears if gear.output == self.at), 1.0)
         slope = abs(self.amplitude * self.multiple * ratio)
@@ -70,7 +70,7 @@ class TransmissionError(WaveEffect):
         yield from (Trial(fixed={"multiple": float(multiple)}) for multiple in range(1, 5))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
-        """An arc minute peak to peak, mostly twice a turn."""
+        """Return priors: an arc minute peak to peak, mostly twice a turn."""
         return {
             "amplitude": Prior(
                 1e-5,

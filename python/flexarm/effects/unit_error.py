@@ -47,7 +47,7 @@ class UnitError(ChannelEffect):
         return reading / self._factors(channels)
 
     def noise(self, std: Floats, channels: Channels) -> Floats:
-        """The noise is in the wrong unit too."""
+        """Return the noise, which is in the wrong unit too."""
         return std * self._factors(channels)
 
     def _factors(self, channels: Channels) -> Floats:

@@ -39,7 +39,7 @@ class ViscousFriction(Effect):
     coefficient: Number = value_in("N m s/rad", "viscous friction of the output bearing", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
-        """A damper at the output bearing, eq. (1)."""
+        """Add a damper at the output bearing, eq. (1)."""
         from flexarm import _core
 
         machine.drive_trains[self.at].bearing.append(_core.ViscousFriction(self.coefficient))  # eq. (1)

@@ -30,7 +30,7 @@ MODULUS = 1.006
 STEP = 5e-4
 """Of the machine's simulation [s]."""
 LIGHT = 5.0
-"""What the arm carries in the record `fast` [kg]."""
+"""Payload mass in the record `fast` [kg]."""
 STOPS = {
     "slow": (3.0, (-0.5, 0.6, 0.1, -0.2, 0.3, -0.1, 0.1)),
     "fast": (2.4, (-0.3, 0.4, -0.1, 0.2, -0.4, 0.2, 0.0)),

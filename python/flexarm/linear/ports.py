@@ -10,7 +10,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.errors import InvalidParameter
 
 KINDS = ("angle", "acceleration", "torque", "free", "locked", "force")
-"""What an input may be; "force" belongs to a point, the others to a joint."""
+"""Kinds of inputs; "force" belongs to a point, the others to a joint."""
 Asked = Mapping[str, str] | Iterable[tuple[str, str]]
 
 

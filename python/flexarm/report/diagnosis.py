@@ -32,7 +32,7 @@ PAGE = "report.html"
 
 
 def write(diagnosis: Diagnosis, directory: Path) -> None:
-    """Writes report.json, report.html, updated.toml, gaps.nc and the figures into a directory that is there.
+    """Write report.json, report.html, updated.toml, gaps.nc and the figures into a directory that is there.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
 
 
 def _of_states(d: Diagnosis) -> str:
-    """What stands below the gap against the states of the joints."""
+    """Return what stands below the gap against the states of the joints."""
     shown = shown_joints(d)
     joints, states = [each.joint for each in shown], listed(states_drawn(shown))
     if not joints:

@@ -37,7 +37,7 @@ MOST_REJECTED = 12
 
 
 def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -> str:
-    """The page as HTML.
+    """Return the page as HTML.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
 
 
 def _role(d: Diagnosis, record: str) -> str:
-    """What a record is, where its name does not say so."""
+    """Return what a record is, where its name does not say so."""
     return ("" if "held" in record else "held out") if record in d.held_out else "training"
 
 
@@ -148,7 +148,7 @@ def _alternative(other: Alternative) -> Row:
 
 
 def effect_law(name: str) -> str:
-    """What an effect is, in the first sentence of its documentation."""
+    """Return what an effect is, in the first sentence of its documentation."""
     return (effect_class(name).__doc__ or "").strip().split("\n")[0]
 
 
@@ -183,7 +183,7 @@ def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
 
 
 def _rejected_rows(d: Diagnosis) -> list[Row]:
-    """The nearest of the candidates that were not taken."""
+    """Return the nearest of the candidates that were not taken."""
     best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:MOST_REJECTED]
     return [
         {

@@ -29,7 +29,7 @@ TITLED = BOTTOM + TOP
 
 
 def candidates(d: Diagnosis) -> Figure | None:
-    """What evidence every candidate lacks against what was chosen; None if none was tried."""
+    """Return what evidence every candidate lacks against what was chosen; None if none was tried."""
     rows = _candidate_rows(d)
     if len(rows) < 2:
         return None
@@ -108,7 +108,7 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
 
 
 def _estimate(d: Diagnosis, entry: Any) -> Any:
-    """What all records together gave for a parameter, or None."""
+    """Return what all records together gave for a parameter, or None."""
     for effect in d.effects:
         if (effect.name, effect.at) == (entry["effect"], entry["at"]):
             return next((each for each in effect.parameters if each.name == entry["parameter"]), None)
@@ -116,7 +116,9 @@ def _estimate(d: Diagnosis, entry: Any) -> Any:
 
 
 def of_effect(d: Diagnosis, effect: NamedEffect) -> Figure:
-    """The gap that an effect repairs, and whether its parameters stay the same from record to record."""
+    """Return the gap that an effect repairs, and whether its parameters stay the same from record to
+    record.
+    """
     entries = [e for e in d.constancy if (e["effect"], e["at"]) == (effect.name, effect.at)]
     heights = [1.7, *(0.2 * (1 + len(entry["values"])) for entry in entries)]
     left = max(LEFT, margin_for([name for entry in entries for name in entry["values"]]))
@@ -134,7 +136,7 @@ def of_effect(d: Diagnosis, effect: NamedEffect) -> Figure:
 
 
 def _draw_in_time(ax: Axes, d: Diagnosis) -> None:
-    """The gap along the record that has the largest, in its largest direction."""
+    """Return the gap along the record that has the largest, in its largest direction."""
     known = {name: gaps["nominal model"] for name in d.before if (gaps := sides(d, name))}
     record = max(known, key=lambda name: known[name].rms["total"] or 0.0)
     gap, name = known[record], worst(known[record])

@@ -32,7 +32,7 @@ MANY = 400
 
 
 def plot(diagnosis: Diagnosis, ax: Axes | None, record: str | None) -> Axes:
-    """What `Diagnosis.plot` draws: the direction with the largest gap."""
+    """Return what `Diagnosis.plot` draws: the direction with the largest gap."""
     import matplotlib.pyplot as plt
 
     name = _record(diagnosis, record)
@@ -60,7 +60,7 @@ def _record(diagnosis: Diagnosis, wanted: str | None) -> str:
 
 
 def sides(diagnosis: Diagnosis, record: str) -> dict[str, SignalGap]:
-    """The main signal's gap on a record, by model: nominal, and updated if it is another one."""
+    """Return the main signal's gap on a record, by model: nominal, and updated if it is another one."""
     pairs = [("nominal model", diagnosis.before)]
     if diagnosis.updated != diagnosis.arm:
         pairs.append(("updated model", diagnosis.after))
@@ -73,12 +73,12 @@ def sides(diagnosis: Diagnosis, record: str) -> dict[str, SignalGap]:
 
 
 def worst(gap: SignalGap) -> str:
-    """The direction with the largest gap."""
+    """Return the direction with the largest gap."""
     return max(directions(gap), key=lambda name: gap.rms[name] or 0.0)
 
 
 def directions(gap: SignalGap) -> list[str]:
-    """The measured directions of a gap; "total" of a scalar."""
+    """Return the measured directions of a gap; "total" of a scalar."""
     return [name for name, part in gap.parts.items() if part is not None]
 
 
@@ -88,7 +88,7 @@ def label(gap: SignalGap, direction: str) -> str:
 
 
 def along(gap: SignalGap) -> str:
-    """The axis that a gap is drawn along; records of poses have no bands of frequency."""
+    """Return the axis that a gap is drawn along; records of poses have no bands of frequency."""
     if not gap.bands:
         return "pose"
     return f"time after {zero:.0f} s [s]" if (zero := zero_of(gap.time)) else "time [s]"

@@ -34,7 +34,7 @@ def gap_figure(
     direction: str | None = None,
     joint: str | None = None,
 ) -> Figure:
-    """The gap of a signal along one direction against the states of a joint and time.
+    """Return the gap of a signal along one direction against the states of a joint and time.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def gap_figure(
 
 @dataclass(frozen=True, eq=False)
 class _Sheet:
-    """What is drawn: the gap that sets scale and noise, and every gap with its colour and label."""
+    """The gap that sets scale and noise, and every gap with its colour and label."""
 
     rows: SignalResidual
     direction: str
@@ -128,14 +128,14 @@ class _Sheet:
 
 
 def _largest(located: Localisation) -> str:
-    """The signal that holds most of the squared gap, over the noise."""
+    """Return the signal that holds most of the squared gap, over the noise."""
     if not located.gaps:
         raise InvalidParameter("holds no gap to draw", where="located")
     return max(located.gaps, key=lambda name: float(np.sum(located.gaps[name].whitened ** 2)))
 
 
 def _turned_most(located: Localisation, states: Mapping[str, object]) -> str:
-    """The joint whose equivalent rotation holds most of the gap."""
+    """Return the joint whose equivalent rotation holds most of the gap."""
     ranked = [each.joint for each in located.rotations.joints] if located.rotations else []
     return next((joint for joint in ranked if joint in states), next(iter(states)))
 

@@ -54,7 +54,7 @@ def _first(gaps: Mapping[str, SignalGap]) -> SignalGap:
 
 
 def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
-    """The gap in each band of frequencies before and after, beside the noise; None without bands."""
+    """Return the gap in each band of frequencies before and after, beside the noise; None without bands."""
     shown = {name: gaps for name in records if (gaps := sides(d, name)) and _first(gaps).bands}
     if not shown:
         return None
@@ -90,7 +90,9 @@ def _share_heights(ax: Axes, gaps: Sequence[SignalGap], factor: float) -> None:
 
 
 def waterfall(d: Diagnosis) -> Figure | None:
-    """The gap from the nominal model to the repaired one, effect by effect; None if nothing was added."""
+    """Return the gap from the nominal model to the repaired one, effect by effect; None if nothing was
+    added.
+    """
     groups = [("training", d.training, TRAINING), ("held out", d.held_out, HELD_OUT)]
     rows = [(name, heights, colour) for name, of, colour in groups if (heights := _stages(d, of))]
     if len(d.stages) < 2 or not rows:
@@ -121,7 +123,7 @@ def waterfall(d: Diagnosis) -> Figure | None:
 
 
 def _stages(d: Diagnosis, records: Sequence[str]) -> list[float]:
-    """The gap of each stage pooled over records; empty if one is not known."""
+    """Return the gap of each stage pooled over records; empty if one is not known."""
     known = [name for name in records if sides(d, name) and all(name in stage.rms for stage in d.stages)]
     gaps = [_first(sides(d, name)) for name in known]
     heights = [pooled([stage.rms[name] for name in known], gaps) for stage in d.stages]

@@ -60,7 +60,7 @@ def changed_signals(diagnosis: Diagnosis) -> list[str]:
 
 
 def changes(gap: PooledGap) -> bool:
-    """Whether a gap changes by more than `CHANGED`, and (1)."""
+    """Return True if a gap changes by more than `CHANGED`, and (1)."""
     if gap.before_rms is None or gap.after_rms is None:
         return False
     change = abs(gap.before_rms - gap.after_rms) > CHANGED * max(gap.before_rms, gap.after_rms)

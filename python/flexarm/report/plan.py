@@ -38,7 +38,7 @@ ROW = 0.19
 
 
 def write(plan: Plan, directory: Path) -> None:
-    """Writes plan.json, plan.html and the figures into a directory that is there."""
+    """Write plan.json, plan.html and the figures into a directory that is there."""
     figures = drawings(plan)
     write_files(directory, figures, (PAGE, page(plan, figures)), (FILE, plan.to_json_dict()))
 
@@ -49,7 +49,7 @@ def drawings(plan: Plan) -> list[Drawing]:
 
 
 def page(plan: Plan, figures: list[Drawing]) -> str:
-    """The page as HTML."""
+    """Return the page as HTML."""
     headline = plan.headline()
     return filled(
         "plan.html.j2",
@@ -186,7 +186,7 @@ def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
 
 
 def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
-    """The smallest detectable size of every effect over its plausible one, smallest first."""
+    """Return the smallest detectable size of every effect over its plausible one, smallest first."""
     ax = ax if ax is not None else _axes()
     shown = sorted((e for e in plan.effects if e.log_bayes_factor > 0), key=lambda each: each.times)
     labels = [place_words(*each.place) for each in shown]
@@ -222,7 +222,7 @@ FORMAT = "flexarm-plan/1"
 
 
 def plan_dict(plan: Plan) -> dict[str, Any]:
-    """The object of the file; what is infinite becomes null."""
+    """Return the object of the file; what is infinite becomes null."""
     return {
         "format": FORMAT,
         "model": plan.arm.name,
@@ -278,7 +278,7 @@ MOST_TIES = 12
 
 
 def headline(plan: Plan) -> str:
-    """The plan in a sentence."""
+    """Return the plan in a sentence."""
     seen = [e for e in plan.effects if e.seen]
     text = (
         f"of {len(plan.effects)} effects the experiment would show {len(seen)} at a plausible size and "

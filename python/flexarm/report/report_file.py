@@ -47,7 +47,7 @@ class ParameterEntry(_Entry):
 
 
 class AlternativeEntry(_Entry):
-    """What the data cannot tell from the named effect."""
+    """An alternative that the data cannot exclude."""
 
     name: str
     at: str
@@ -142,7 +142,7 @@ class StageEntry(_Entry):
 
 
 class DetailsEntry(_Entry):
-    """What the page tells beside the agreed keys."""
+    """Details of the page beside the agreed keys."""
 
     training: list[str]
     held_out: list[str]
@@ -171,7 +171,7 @@ class ReportFile(BaseModel):
 
 
 def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The object of `report.json`, checked against the format."""
+    """Return the object of `report.json`, checked against the format."""
     d = diagnosis
     content = {
         "format": FORMAT,
@@ -197,7 +197,9 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
-    """What is known of where it comes from; version and commit of this installation where nothing is said."""
+    """Return what is known of where it comes from; version and commit of this installation where nothing is
+    said.
+    """
     from flexarm.configuration import config
 
     versions = config()
@@ -225,7 +227,7 @@ def _details(d: Diagnosis) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON can hold: dictionaries, lists, plain numbers, null for those that are not finite."""
+    """Return what JSON can hold: dictionaries, lists, plain numbers, null for those that are not finite."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):  # arrays and scalars of NumPy

@@ -1,4 +1,4 @@
-"""What a diagnosis says, in sentences: the verdict, the gap, what the data cannot tell."""
+"""Sentences of a diagnosis: the verdict, the gap, the alternatives that the data cannot exclude."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ ALIKE = 20.0
 
 
 def headline(diagnosis: Diagnosis) -> str:
-    """The verdict as a headline; several effects in the plural, those that the model has already as such."""
+    """Return the verdict as a headline; several effects in the plural, those that the model has already as
+    such.
+    """
     if diagnosis.verdict != "effects":
         return HEADLINES[diagnosis.verdict]
     count, resized = len(diagnosis.effects), sum(in_model(diagnosis, each) for each in diagnosis.effects)
@@ -41,7 +43,7 @@ def headline(diagnosis: Diagnosis) -> str:
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """What was found, in one or two sentences."""
+    """Return what was found, in one or two sentences."""
     told = {
         "effects": _effects,
         "adequate": _adequate,
@@ -52,14 +54,14 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 
 
 def named(effect: NamedEffect) -> str:
-    """An effect with place, probability, and what the data cannot tell it from."""
+    """Return an effect with place, probability, and what the data cannot tell it from."""
     text = f"{place_words(effect.name, effect.at)} (probability {probability(effect.probability)})"
     rivals = rivals_sentence(effect)
     return f"{text}, {rivals}" if rivals else text
 
 
 def rivals_sentence(effect: NamedEffect) -> str:
-    """What could stand in the place of an effect; empty if nothing could."""
+    """Return what could stand in the place of an effect; empty if nothing could."""
     near, far = ([place_words(other.name, other.at) for other in each] for each in rivals(effect))
     found = [f"which the data cannot tell from {listed(near, 'or')}"] if near else []
     found += [f"where {listed(far, 'or')} {FITS_TOO}"] if far else []
@@ -76,12 +78,12 @@ def rivals(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
 
 
 def in_model(diagnosis: Diagnosis, effect: NamedEffect) -> bool:
-    """Whether the nominal model has an effect of that name at that place."""
+    """Return True if the nominal model has an effect of that name at that place."""
     return diagnosis.arm.effect(effect.name, effect.at) is not None
 
 
 def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
-    """What the nominal model says of a named effect; empty if it has none."""
+    """Return what the nominal model says of a named effect; empty if it has none."""
     old = diagnosis.arm.effect(effect.name, effect.at)
     if old is None:
         return ""
@@ -112,13 +114,13 @@ def gap_sentence(diagnosis: Diagnosis) -> str:
 
 
 def _stays(gap: PooledGap) -> bool:
-    """Whether a gap changes by less than a per cent, which is no change."""
+    """Return True if a gap changes by less than a per cent, which is no change."""
     before, after = gap.before_rms or 0.0, gap.after_rms or 0.0
     return abs(after - before) <= 0.01 * before
 
 
 def _change(gap: PooledGap, unit: str) -> str:
-    """What happens to a gap, and the noise."""
+    """Return what happens to a gap, and the noise."""
     before, after, noise = _with_units(gap, unit)
     shrinks = "shrinks" if (gap.after_rms or 0.0) < (gap.before_rms or 0.0) else "grows"
     size = f"is {after} rms" if _stays(gap) else f"{shrinks} from {before} to {after} rms"
@@ -126,7 +128,7 @@ def _change(gap: PooledGap, unit: str) -> str:
 
 
 def hold_out_sentence(diagnosis: Diagnosis) -> str:
-    """What the held-out data are to the training; empty where nothing was fitted."""
+    """Return what the held-out data are to the training; empty where nothing was fitted."""
     if not diagnosis.has_gap:
         return ""
     fitted = listed([f"{name!r}" for name in diagnosis.training])

@@ -27,7 +27,9 @@ MOST_JOINTS = 3
 
 
 def against_states(d: Diagnosis) -> Figure | None:
-    """The main signal's gap against angle, rate and torque of the joints, a row each, before and after."""
+    """Return the main signal's gap against angle, rate and torque of the joints, a row each, before and
+    after.
+    """
     shown = shown_joints(d)
     if d.located is None or not shown:
         return None
@@ -64,13 +66,13 @@ def states_drawn(joints: Sequence[JointStates]) -> Sequence[str]:
 
 
 def main_direction(d: Diagnosis) -> str:
-    """The direction in which the main signal's gap is greatest; it is what `against_states` draws."""
+    """Return the direction in which the main signal's gap is greatest; it is what `against_states` draws."""
     assert d.located is not None
     return _largest(d.located.gaps[d.main_signal])
 
 
 def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str, kind: str) -> None:
-    """The gap of a signal as dots against a state of a joint or time, before and after."""
+    """Return the gap of a signal as dots against a state of a joint or time, before and after."""
     sides = located_sides(d, signal)
     rows = sides["nominal model"]
     factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
@@ -86,7 +88,7 @@ def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str
 
 
 def located_sides(d: Diagnosis, signal: str) -> dict[str, SignalResidual]:
-    """The gap of a signal over all records of training, by model."""
+    """Return the gap of a signal over all records of training, by model."""
     pairs = [("nominal model", d.located)]
     if d.updated != d.arm:
         pairs.append(("updated model", d.located_after))
@@ -94,7 +96,7 @@ def located_sides(d: Diagnosis, signal: str) -> dict[str, SignalResidual]:
 
 
 def most_repaired(d: Diagnosis) -> str:
-    """The signal whose squared gap, over its noise, the updated model makes smaller by most."""
+    """Return the signal whose squared gap, over its noise, the updated model makes smaller by most."""
 
     def gain(signal: str) -> float:
         squares = [float(np.sum(side.whitened**2)) for side in located_sides(d, signal).values()]
@@ -106,7 +108,7 @@ def most_repaired(d: Diagnosis) -> str:
 
 
 def rotations(d: Diagnosis) -> Figure | None:
-    """The nominal model's gap as rotations of the joints, each against its angle, rate and torque.
+    """Return the nominal model's gap as rotations of the joints, each against its angle, rate and torque.
 
     None for a single joint, whose rotation is the tangential gap, and where no position was measured.
     """
@@ -153,7 +155,7 @@ def _largest(rows: SignalResidual) -> str:
 
 
 def draw_of_effect(ax: Axes, d: Diagnosis, effect: str, at: str) -> None:
-    """The gap that an effect explains, against the state of its joint that its law speaks of."""
+    """Return the gap that an effect explains, against the state of its joint that its law speaks of."""
     assert d.located is not None
     signal = most_repaired(d)
     rows = d.located.gaps[signal]

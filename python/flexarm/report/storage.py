@@ -50,7 +50,7 @@ Entry = Mapping[str, Any]
 
 
 def gap_contents(diagnosis: Diagnosis) -> Contents:
-    """What `gaps.nc` holds."""
+    """Return what `gaps.nc` holds."""
     variables: dict[str, Variable] = {}
     labels: dict[str, list[str]] = {}
     told: list[dict[str, Any]] = []
@@ -75,7 +75,7 @@ def gap_contents(diagnosis: Diagnosis) -> Contents:
 
 
 def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """What a comparison knows beside its gaps; clocks and frames as they were aligned."""
+    """Return what a comparison knows beside its gaps; clocks and frames as they were aligned."""
     aligned = comparison.aligned
     return {
         "arm": comparison.arm,
@@ -107,7 +107,7 @@ def _gap_facts(gap: SignalGap) -> dict[str, Any]:
 
 
 def stored(path: str | Path) -> dict[str, Any]:
-    """The attributes of the diagnosis in a directory, which may be given by its report.json.
+    """Return the attributes of the diagnosis in a directory, which may be given by its report.json.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def stored(path: str | Path) -> dict[str, Any]:
 
 
 def _report(path: Path) -> dict[str, Any]:
-    """The object of report.json, checked against its format."""
+    """Return the object of report.json, checked against its format."""
     text = read_text(path)
     try:
         return ReportFile.model_validate(json.loads(text)).model_dump()
@@ -155,7 +155,7 @@ def _report(path: Path) -> dict[str, Any]:
 
 
 def _known(value: float | None) -> float:
-    """A number; NaN for one that nobody knows."""
+    """Return a number; NaN for one that nobody knows."""
     return math.nan if value is None else value
 
 

@@ -100,7 +100,7 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
 
 
 def _gaps(diagnosis: Diagnosis) -> list[str]:
-    """A table by record for each signal, and what the records are to one another."""
+    """Return a table by record for each signal, and what the records are to one another."""
     tables = gap_tables(diagnosis)
     columns = ("rms before", "rms after", "noise", "max before", "max after")
     lines = []
@@ -115,7 +115,7 @@ def _gaps(diagnosis: Diagnosis) -> list[str]:
 
 
 def _labelled(diagnosis: Diagnosis, name: str) -> str:
-    """A record, and that it was held out where its name does not say so."""
+    """Return a record, and that it was held out where its name does not say so."""
     says = "held" in name
     return f"  {name} (held out)" if name in diagnosis.held_out and not says else f"  {name}"
 

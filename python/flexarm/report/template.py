@@ -7,7 +7,7 @@ from typing import Any
 
 
 def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
-    """A template with its values, which are escaped; a value that is missing is an error.
+    """Return a template with its values, which are escaped; a value that is missing is an error.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ NORMAL90 = 1.645
 
 
 def write_updated(diagnosis: Diagnosis, path: Path) -> None:
-    """Writes the file."""
+    """Write the file."""
     lines = [part for line in _head(diagnosis) for part in wrap(line, WIDTH, subsequent_indent="    ")]
     head = "".join(f"# {line}\n" for line in lines)
     write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent)}")
@@ -71,7 +71,7 @@ def _records(names: Sequence[str]) -> str:
 
 
 def _in(d: Diagnosis, effect: NamedEffect) -> bool:
-    """Whether a named effect was added to the model; faults of sensors and open questions are not."""
+    """Return True if a named effect was added to the model; faults of sensors and open questions are not."""
     added = d.updated.effect(effect.name, effect.at)
     return added is not None and added != d.arm.effect(effect.name, effect.at)
 

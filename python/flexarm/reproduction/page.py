@@ -29,7 +29,7 @@ CAPTIONS = {
     "10": "Tangential error: virtual measurement, model driven by the encoder signal, model driven by the "
     "pure sine. The pure sine starts and stops with a jump of speed: it rings there and nowhere else.",
 }
-"""What each figure shows."""
+"""Captions of the figures."""
 
 
 def page(study: Study, summary: dict[str, Any], seconds: dict[str, float]) -> str:

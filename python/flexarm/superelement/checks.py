@@ -29,7 +29,7 @@ TOLERANCE = 1e-5
 
 
 STATED_ORDER = "stated"
-"""What a foreign part's provenance says of the order of its freedoms if the file did not hold it."""
+"""Words of a provenance whose file did not hold the order of the freedoms."""
 
 
 def violations(element: SuperElement, mass: float | None, tolerance: float) -> list[Problem]:

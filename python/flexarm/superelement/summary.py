@@ -27,7 +27,7 @@ _TOLD = (
     "flexarm_version",
     "created",
 )
-"""What is told of the origin."""
+"""Facts of the origin."""
 
 
 def summary(element: SuperElement) -> str:

@@ -1,4 +1,5 @@
-"""What can be added to an experiment: a reflector, the motor's torque, another payload, speed or pose.
+"""Candidate measurements that can be added to an experiment: a reflector, the motor's torque, another
+payload, speed or pose.
 
 Costs are minutes of somebody's time, roughly: a sensor is mounted once, a run is made again. They only order
 what parts two effects equally well.
@@ -69,7 +70,7 @@ def menu(arm: Arm, runs: Sequence[Experiment], first: Simulation) -> list[Additi
 
 
 def with_points(arm: Arm, additions: Sequence[Addition]) -> Arm:
-    """The model with the reflectors of additions, which stand where they should to `GLUED`."""
+    """Return the model with the reflectors of additions, which stand where they should to `GLUED`."""
     points = [point for addition in additions for point in addition.points]
     uncertain = {f"points.{point.name}.position_m": GLUED for point in points}
     return arm.replace(points=(*arm.points, *points), uncertainty={**arm.uncertainty, **uncertain})
@@ -141,7 +142,7 @@ def _reflectors(arm: Arm, runs: Sequence[Experiment]) -> Iterator[Addition]:
 
 
 def _motions(arm: Arm, run: Experiment) -> Iterator[Addition]:
-    """The first run again, with another payload, speed or pose."""
+    """Return the first run again, with another payload, speed or pose."""
     for load in arm.payloads:
         carried = run.payloads.get(load.name)
         mass = carried.mass if carried is not None and carried.mass is not None else load.mass
@@ -181,7 +182,7 @@ def _rate(run: Experiment) -> float:
 
 
 def _free(name: str, run: Experiment, more: Sequence[str] = ()) -> str:
-    """A name that nothing has yet."""
+    """Return a name that nothing has yet."""
     taken = {*more, *(s.name for s in run.sensors), *run.drivers.values()}
     while name in taken:
         name += "_2"

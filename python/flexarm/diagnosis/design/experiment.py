@@ -68,7 +68,7 @@ class Experiment:
     assumed: tuple[str, ...] = ()
 
     def run(self, arm: Arm, step: float, alpha: float) -> Simulation:
-        """The motion of a model."""
+        """Return the motion of a model."""
         tables = Record(signals={}, payloads=self.payloads, links=self.links)
         forces = any(sensor.quantity == "strain" for sensor in self.sensors)
         return simulate(
@@ -76,7 +76,9 @@ class Experiment:
         )
 
     def record(self, arm: Arm, step: float, alpha: float) -> Record:
-        """What the sensors would write of a model; with their noise, which no difference of models sees."""
+        """Return what the sensors would write of a model; with their noise, which no difference of models
+        sees.
+        """
         run = self.run(arm, step, alpha)
         seen = measure(
             run,
@@ -95,7 +97,7 @@ class Experiment:
         return seen.replace(signals=signals, drive=drivers, initial=initial, description=self.name)
 
     def _shown(self, joint: str, name: str, arm: Arm) -> Signal:
-        """The signal of a drive, exact."""
+        """Return the signal of a drive, exact."""
         moved = self.drive.joints[joint]
         count = max(round((self.drive.end - self.drive.start) * DRIVE_HZ), 8)
         time = np.linspace(self.drive.start, self.drive.end, count + 1)
@@ -115,7 +117,7 @@ class Experiment:
     # ------------------------------------------------------------------ variants
 
     def faster(self, times: float) -> Experiment:
-        """The same path in another time."""
+        """Return the same path in another time."""
         drive = self.drive
         joints = {
             name: replace(
@@ -129,7 +131,7 @@ class Experiment:
         return replace(self, drive=replace(drive, joints=joints, end=end, lead=drive.lead / times))
 
     def turned(self, joint: str, angle: float) -> Experiment:
-        """The same motion with a joint elsewhere [rad, m]."""
+        """Return the same motion with a joint elsewhere [rad, m]."""
         drive = self.drive
         if joint not in drive.joints:
             rest = {**drive.rest, joint: drive.rest.get(joint, 0.0) + angle}
@@ -170,7 +172,7 @@ def from_drive(
     clocks: Mapping[str, Clock] | None = None,
     frames: Mapping[str, Frame] | None = None,
 ) -> Experiment:
-    """A motion beside the model's sensors, or, where it has none, a tracker at its last point."""
+    """Return a motion beside the model's sensors, or, where it has none, a tracker at its last point."""
     encoders = {
         joint: next((s.name for s in arm.sensors if _shows(s, joint)), joint) for joint in drive.joints
     }
@@ -207,7 +209,7 @@ def from_drive(
 
 
 def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] | None = None) -> Experiment:
-    """A record made once more: its motion, signals, rates, clocks, frames and payloads.
+    """Return a record made once more: its motion, signals, rates, clocks, frames and payloads.
 
     Parameters
     ----------
@@ -247,23 +249,23 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
 
 
 def _ended(drive: Drive) -> Drive:
-    """The same until the motion ends: held after it, its rate would jump, as that of no motor does."""
+    """Return the same until the motion ends: held after it, its rate would jump, as that of no motor does."""
     last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
     return replace(drive, end=min(drive.end, last))
 
 
 def _shows(sensor: Sensor, joint: str) -> bool:
-    """Whether a sensor of the model shows a motor's angle."""
+    """Return True if a sensor of the model shows a motor's angle."""
     return sensor.quantity == "joint_angle" and sensor.joint == joint and sensor.side != "output"
 
 
 def _measured(signal: Signal) -> bool:
-    """Whether a simulation predicts a signal."""
+    """Return True if a simulation predicts a signal."""
     return signal.quantity in NOISE and len(signal.time) > 1
 
 
 def _tracker(arm: Arm, drive: Drive) -> Sensor:
-    """What is assumed where a model has no sensors."""
+    """Return what is assumed where a model has no sensors."""
     if not arm.points:
         raise InvalidParameter(
             "has neither sensors nor points, so there is nothing to look at; add [[points]] or [[sensors]]",
@@ -276,7 +278,7 @@ def _tracker(arm: Arm, drive: Drive) -> Sensor:
 
 
 def _placed(sensor: Sensor, said: list[str]) -> Sensor:
-    """A sensor with noise, and, of a tracker that names neither clock nor frame, these."""
+    """Return a sensor with noise, and, of a tracker that names neither clock nor frame, these."""
     changes: dict[str, Any] = {}
     if not sensor.noise_std and not sensor.step:
         changes["noise_std"] = NOISE.get(sensor.quantity, 1.0) / sensor.si[1]
@@ -291,13 +293,13 @@ def _noise_told(kind: str, name: str, sigma: float, unit: str) -> str:
 
 
 def _size(value: float, unit: str) -> str:
-    """A round value with its unit."""
+    """Return a round value with its unit."""
     factor, shown = scale([value], unit)
     return f"{factor * value:g} {shown}".rstrip()
 
 
 def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
-    """A sensor that would give a signal again."""
+    """Return a sensor that would give a signal again."""
     span = float(signal.time[-1] - signal.time[0])
     sigma = signal.noise_std or noise.get(signal.name)
     if not sigma:

@@ -1,4 +1,4 @@
-r"""What an addition to a record would gain: how far it parts a named effect from an alternative.
+r"""Expected information gain of an additional measurement, between a named effect and an alternative.
 
 The named model and each alternative have been fitted to the data at hand. Their predictions d of another run
 differ; an alternative may be refitted to both, data at hand (rows 0) and to come (rows 1), its parameters z
@@ -127,7 +127,7 @@ def _unknowns(choice: Choice, arm: Arm, problem: Problem) -> tuple[NuisanceParam
 
 
 def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
-    """A fitted model with the points and unknowns of `arm`."""
+    """Return a fitted model with the points and unknowns of `arm`."""
     found = choice.estimator.with_effects(fit.members if members is None else members)
     return found.replace(points=arm.points, uncertainty=arm.uncertainty)
 

@@ -1,4 +1,4 @@
-"""What to measure next: the addition whose simulated data part the named effects from their rivals best.
+"""The next experiment: the additional measurement that separates the named effects from their alternatives.
 
 How far one parts them says `design.information_gain`. Where no known effect explains the gap, it is the
 repetition that would show of which kind the remainder is.
@@ -29,7 +29,7 @@ MOST = 3
 
 @dataclass(frozen=True)
 class NextExperiment:
-    """What to measure next.
+    """A proposed next experiment.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class NextExperiment:
 
 
 def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False) -> NextExperiment:
-    """The addition to the records at hand that parts the named effects from their alternatives best.
+    """Return the addition to the records at hand that parts the named effects from their alternatives best.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _promising(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addi
 def _sentence(
     choice: Choice, name: str, addition: Addition, gain: float, pairs: Sequence[tuple[int, Rival]]
 ) -> str:
-    """What to do and what it would bring."""
+    """Return what to do and what it would bring."""
     parted = _words(choice, pairs)
     if gain < SelectionPolicy.reach:
         return (
@@ -116,7 +116,7 @@ def _words(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> str:
 
 
 def _to_describe(problem: Problem, motions: dict[str, Record]) -> str:
-    """What would show of which kind a remainder is, as far as the records have not varied it yet."""
+    """Return what would show of which kind a remainder is, as far as the records have not varied it yet."""
     if not motions:
         return "Repeat the poses on another day: what returns is a law, what does not is a disturbance."
     name, record = next(iter(motions.items()))

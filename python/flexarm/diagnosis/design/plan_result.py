@@ -1,4 +1,4 @@
-"""What a planned experiment could tell apart: the result of `flexarm.plan`, which prints and plots itself."""
+"""The result of `flexarm.plan`: which effects a planned experiment could separate."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class PlannedEffect:
 
     @property
     def seen(self) -> bool:
-        """Whether the experiment would show it at the plausible size."""
+        """Return True if the experiment would show it at the plausible size."""
         return self.log_bayes_factor >= SelectionPolicy.strong_evidence
 
     @property
@@ -82,7 +82,7 @@ class PlannedEffect:
 
 @dataclass(frozen=True)
 class Parting:
-    """What an addition does for a tied pair.
+    """The effect of an additional measurement on an indistinguishable pair.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Parting:
 
     @property
     def parts(self) -> bool:
-        """Whether the pair is tied no more."""
+        """Return True if the pair is tied no more."""
         return self.log_bayes_factor >= SelectionPolicy.reach
 
 
@@ -131,7 +131,7 @@ class Tie:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan(SavedAsDirectory):
-    """What an experiment could tell apart.
+    """The effects that an experiment could separate.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ class Plan(SavedAsDirectory):
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     def effect(self, name: str, at: str) -> PlannedEffect:
-        """An effect by name and place.
+        """Return an effect by name and place.
 
         Raises
         ------
@@ -176,7 +176,7 @@ class Plan(SavedAsDirectory):
         raise KeyError(f"{name} at {at} was not planned for")
 
     def tie(self, one: Place, other: Place) -> Tie | None:
-        """The tie of two effects; None if the experiment parts them."""
+        """Return the tie of two effects; None if the experiment parts them."""
         return next((t for t in self.ties if {t.one, t.other} == {one, other}), None)
 
     def alone(self) -> tuple[PlannedEffect, ...]:
@@ -185,7 +185,9 @@ class Plan(SavedAsDirectory):
         return tuple(e for i, e in enumerate(self.effects) if e.seen and i not in tied)
 
     def additions(self) -> list[tuple[str, float, int]]:
-        """What may be added, its cost in minutes, and how many of the tied pairs it parts; the best first."""
+        """Return what may be added, its cost in minutes, and how many of the tied pairs it parts; the best
+        first.
+        """
         found: dict[str, tuple[float, int]] = {}
         for tie in self.ties:
             for each in tie.partings:
@@ -207,7 +209,7 @@ class Plan(SavedAsDirectory):
     # ------------------------------------------------------------------- output
 
     def headline(self) -> str:
-        """The plan in a sentence."""
+        """Return the plan in a sentence."""
         from flexarm.report.plan import headline
 
         return headline(self)
@@ -222,13 +224,13 @@ class Plan(SavedAsDirectory):
         return self.summary()
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The object of `plan.json`; what is infinite becomes null."""
+        """Return the object of `plan.json`; what is infinite becomes null."""
         from flexarm.report.plan import plan_dict
 
         return plan_dict(self)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """The matrix of expected log Bayes factors.
+        """Return the matrix of expected log Bayes factors.
 
         Parameters
         ----------
@@ -240,7 +242,7 @@ class Plan(SavedAsDirectory):
         return draw_matrix(self, ax)
 
     def write(self, directory: Path) -> None:
-        """Writes plan.json, plan.html and the figures into a directory that is there."""
+        """Write plan.json, plan.html and the figures into a directory that is there."""
         from flexarm.report.plan import write  # draws this; so it is imported when it is asked for
 
         write(self, directory)

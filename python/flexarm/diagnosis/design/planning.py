@@ -46,7 +46,7 @@ NOTHING = 1e-3
 def planned_effect(
     candidate: Candidate, shown: Shown, seen: float, arm: Arm, signals: Mapping[str, str]
 ) -> PlannedEffect:
-    """An effect as it is shown, and the smallest one that is seen.
+    """Return an effect as it is shown, and the smallest one that is seen.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def hidden(arm: Arm, effect: Effect, seen: float) -> str:
 
 
 def _parameter(candidate: Candidate, size: Effect) -> str:
-    """The parameter that says how large an effect is: the one that differs most from none."""
+    """Return the parameter that says how large an effect is: the one that differs most from none."""
     moved = {
         name: abs(value_of(size, name) - candidate.null.get(name, 0.0))
         for name in candidate.free

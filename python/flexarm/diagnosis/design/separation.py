@@ -35,7 +35,7 @@ from flexarm.diagnosis.screening import RIDGE, Probed
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """What unknowns and effects do to the rows of experiments, everything over the noise.
+    """Responses of rows of experiments to nuisance parameters and effects, over the noise.
 
     Attributes
     ----------

@@ -42,13 +42,13 @@ def ties(factors: Floats, seen: Floats) -> NDArray[np.bool_]:
 
 
 def lesser_factor(factors: Floats, seen: Floats, i: int, j: int) -> float:
-    """The lesser one of E ln B_ij and E ln B_ji, of those whose effect is seen at all."""
+    """Return the lesser one of E ln B_ij and E ln B_ji, of those whose effect is seen at all."""
     both = [factors[a, b] for a, b in ((i, j), (j, i)) if seen[a] >= SelectionPolicy.strong_evidence]
     return float(min(both, default=inf))
 
 
 def pairs(tied: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """The pairs that are tied, each once."""
+    """Return the pairs that are tied, each once."""
     return [(int(i), int(j)) for i, j in np.argwhere(np.triu(tied, 1))]
 
 
@@ -69,7 +69,7 @@ class Laboratory:
         return Problem(self.arm, records, step=self.step, alpha=self.alpha, jobs=self.jobs)
 
     def base(self, runs: Sequence[Experiment], note: Callable[[float], object]) -> tuple[Bench, Rows]:
-        """The planned runs, with all sensors of the menu; which rows are whose."""
+        """Return the planned runs, with all sensors of the menu; which rows are whose."""
         more = [sensor for addition in self.additions for sensor in addition.sensors]
         sensors = {sensor.name for run in runs for sensor in run.sensors}
         full = {run.name: replace(run, sensors=(*run.sensors, *more)) for run in runs}
@@ -95,7 +95,7 @@ class Laboratory:
         seen: Floats,
         note: Callable[[float], object],
     ) -> dict[tuple[int, int], list[Parting]]:
-        """What every addition would do for every tied pair, the cheapest that parts it first."""
+        """Return what every addition would do for every tied pair, the cheapest that parts it first."""
         places = [each[0].candidate.place for each in bench.effects]
         index = np.flatnonzero(tied.any(axis=1))
         wanted = [places[i] for i in index]
@@ -118,7 +118,7 @@ class Laboratory:
     def _added(
         self, bench: Bench, rows: Rows, addition: Addition, wanted: Sequence[tuple[str, str]]
     ) -> Bench:
-        """The bench with an addition, for some effects."""
+        """Return the bench with an addition, for some effects."""
         kept = bench.of(wanted)
         if addition.sensors:
             return kept.only(rows.all(sensor.name for sensor in addition.sensors))

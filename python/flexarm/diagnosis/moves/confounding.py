@@ -45,7 +45,7 @@ SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
 """Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
 
 Strained = dict[str, tuple[Floats, float]]
-"""What unknowns move, and where they are, by their keys."""
+"""Responses to nuisance parameters and their estimates, by key."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class Takeover:
     values: Mapping[str, float]
 
     def member(self, times: float = 1.0) -> Candidate:
-        """The effect of that size, or of so many times that size."""
+        """Return the effect of that size, or of so many times that size."""
         sized = self.candidate.sized((times * self.alphas).tolist())
         return replace(self.candidate, effect=sized)
 
@@ -95,7 +95,7 @@ def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> lis
 
 
 def takeovers(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
-    """What is most alike of several strained unknowns together and of each, then what is so next.
+    """Return what is most alike of several strained unknowns together and of each, then what is so next.
 
     The most strained ones come first.
     """
@@ -115,7 +115,8 @@ def takeovers(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list
 
 
 def _stand_in(best: Fit, pull: float) -> bool:
-    """Whether strained unknowns explain a good part of what would be left with them where they are stated.
+    """Return True if strained unknowns explain a good part of what would be left with them where they are
+    stated.
 
     Beside a larger gap they are strained by what else is missing, and that comes first.
     """
@@ -148,7 +149,8 @@ def _moves(
 
 
 def _unlike(candidate: Candidate, others: Sequence[Candidate]) -> bool:
-    """Whether an effect moves nothing as an unknown does, or as it does in small steps of another variant.
+    """Return True if an effect moves nothing as an unknown does, or as it does in small steps of another
+    variant.
 
     Waves have frequencies of their own, and a spring that another law needs moves the arm by itself.
     """
@@ -184,12 +186,12 @@ def _together(
 
 
 def _moved(strained: Strained, keys: Sequence[str]) -> Floats:
-    """What some unknowns move together."""
+    """Return what some unknowns move together."""
     return np.asarray(np.sum([strained[key][0] for key in keys], axis=0))
 
 
 def _matched(estimator: Estimator, takeover: Takeover, best: Fit) -> Candidate:
-    """The effect of the size that moves residuals most as the unknowns do where they are.
+    """Return the effect of the size that moves residuals most as the unknowns do where they are.
 
     A spring, say, adds to what gives way, of which a modulus a sixth too small has a fifth too much. It is
     where a fit starts; longer steps are enough.
@@ -206,7 +208,7 @@ def _matched(estimator: Estimator, takeover: Takeover, best: Fit) -> Candidate:
 
 
 def _strained(estimator: Estimator, best: Fit) -> Strained:
-    """What each unknown beyond `SelectionPolicy.pull` moves, and where it is, the most strained first.
+    """Return what each unknown beyond `SelectionPolicy.pull` moves, and where it is, the most strained first.
 
     That is where it is simulated, or else where it would have to be.
     """

@@ -1,4 +1,4 @@
-"""What is slow in residuals: moving averages, in which what rings hardly shows.
+"""Proposals of larger models, also by moving averages of residuals, in which vibrations hardly show.
 
 A mass or a stiffness that is far off shifts the frequency at which an arm rings, and within some periods the
 model is out of step: to first order nothing explains that any more, least of all the right size of the right
@@ -128,7 +128,7 @@ def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -
 
 
 def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
-    """Whether a model with these effects more than the best has been fitted."""
+    """Return True if a model with these effects more than the best has been fitted."""
     return {*best.places, *share.places} in (set(f.places) for f in found)
 
 
@@ -140,7 +140,8 @@ def _fitted(
     most: int | None = None,
     found: Sequence[Fit] = (),
 ) -> list[Fit]:
-    """The first that can be simulated; what promises far less is left out once one explains everything.
+    """Return the first that can be simulated; what promises far less is left out once one explains
+    everything.
 
     One that does not come halfway to the best so far, those `found` before among them, is not finished.
     """
@@ -161,7 +162,7 @@ def _fitted(
 
 
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
-    """The best variant of each, the best of those."""
+    """Return the best variant of each, the best of those."""
     found: dict[tuple[tuple[str, str], ...], Share] = {}
     for share in shares:
         found.setdefault(tuple(sorted(m.place for m in share.members)), share)
@@ -205,12 +206,12 @@ def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[
 
 
 def _sharpest(shares: Sequence[Share]) -> list[Share]:
-    """The best of each place, the best first."""
+    """Return the best of each place, the best first."""
     return one_variant(sorted(shares, key=lambda share: -share.share), len(shares))
 
 
 def _leads(shares: Sequence[Share], beside: Fit, alike: float) -> bool:
-    """Whether the best set goes where adding to a smaller one does not lead."""
+    """Return True if the best set goes where adding to a smaller one does not lead."""
     reached = max(
         (s.share for s in shares if set(beside.places) <= {m.place for m in s.members}), default=0.0
     )
@@ -218,7 +219,7 @@ def _leads(shares: Sequence[Share], beside: Fit, alike: float) -> bool:
 
 
 def _relaxed(member: Candidate) -> Candidate:
-    """A spring with a typical damping: what it had may have stood in for the effect that is added."""
+    """Return a spring with a typical damping: what it had may have stood in for the effect that is added."""
     if not isinstance(member.effect, SpringEffect) or "damping" not in member.free:
         return member
     damping = member.effect.typical_damping * value_of(member.effect, "stiffness")

@@ -36,7 +36,7 @@ def new_springs(fit: Fit) -> frozenset[str]:
 
 
 def awakened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
-    """The same probes, those of laws through the new springs of a fit about its model."""
+    """Return the same probes, those of laws through the new springs of a fit about its model."""
     joints = new_springs(fit)
     sleeping = [p for p in probed if p.candidate.effect.acts_through_spring() and p.candidate.at in joints]
     if not sleeping:
@@ -47,7 +47,7 @@ def awakened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[P
 
 
 def probed_beside(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
-    """A candidate about a model; as it was where that cannot be simulated."""
+    """Return a candidate about a model; as it was where that cannot be simulated."""
     problem = estimator.problem
     with suppress(*FIT_ERRORS):
         arm = estimator.with_effects(fit.members)
@@ -69,7 +69,8 @@ SMALL = 1e-3
 
 
 def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
-    """The same candidates, probed about the model of a fit; as they were where that cannot be simulated.
+    """Return the same candidates, probed about the model of a fit; as they were where that cannot be
+    simulated.
 
     A law on a spring that the fit has not comes with that spring, and stays as it was. Small steps of a
     spring are of one variant; softer ones, which move modes by themselves, are no small steps.
@@ -99,7 +100,8 @@ def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Pro
 
 
 def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
-    """Derivatives by the sizes of probes about a fit, in simulations of longer steps; None without any.
+    """Return derivatives by the sizes of probes about a fit, in simulations of longer steps; None without
+    any.
 
     Each effect is the same from the model's own values.
 
@@ -122,7 +124,7 @@ def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit)
 
 
 def same_in_small_steps(candidate: Candidate, others: Sequence[Candidate]) -> bool:
-    """Whether a candidate moves in small steps what another variant of it does."""
+    """Return True if a candidate moves in small steps what another variant of it does."""
     return candidate.effect.is_spring and candidate.place in {other.place for other in others}
 
 
@@ -137,7 +139,8 @@ def _nudged(estimator: Estimator, candidate: Candidate, fit: Fit) -> list[Arm]:
 
 
 def _from(candidate: Candidate, there: Arm) -> Candidate:
-    """The same from a model's own values, where an effect states what a fit has elsewhere than it is stated.
+    """Return the same from a model's own values, where an effect states what a fit has elsewhere than it is
+    stated.
 
     A small step of a load's mass would else begin with all that the fit has moved it.
     """
