@@ -20,7 +20,7 @@ class EffectTraits(Table):
     """False if the search leaves it out: the checks before the search find faults of sensors."""
     requires: ClassVar[str | None] = None
     """Name of the effect at the same place without which it cannot act, such as the spring of a backlash."""
-    torque_at: ClassVar[Literal["output", "motor"] | None] = None
+    torque_at: ClassVar[Literal["motor", "output"] | None] = None
     """Side of a joint's spring where the law is a torque.
 
     At the output of a rigid joint the drive takes it, and no place moves. At the motor it moves the arm where
