@@ -185,6 +185,7 @@ DRIVE = Kind("a Drive, such as Drive.from_samples gives, or a Record", _one_of("
 DRIVES = Kind("a list or dictionary of Drives and Records", _each(DRIVE.accepts))
 RECORD = Kind("a Record, such as Record.load gives", _one_of("flexarm.record", "Record"))
 RECORDS = Kind("a Record, or a list or dictionary of them", _either(RECORD.accepts, _each(_any)))
+POLICY = Kind("a SelectionPolicy", _one_of("flexarm", "SelectionPolicy"))
 MOTION = Kind("a Simulation", lambda value: hasattr(value, "arm") and hasattr(value, "time"))
 SENSORS = Kind("a list of Sensors", _each(_one_of("flexarm.arm.sensor", "Sensor")))
 SIGNALS = Kind("a list or dictionary of Signals", _each(_one_of("flexarm.record", "Signal")))

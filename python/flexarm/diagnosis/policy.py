@@ -6,8 +6,8 @@ shows for each one which answers hang on it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import log
+from dataclasses import dataclass, fields
+from math import inf, log
 
 from flexarm.errors import InvalidParameter
 
@@ -119,6 +119,12 @@ class SelectionPolicy:
     """Distance of a masked outlier from its neighbours' median [sigma]: one row of noise in 1e7."""
 
     def __post_init__(self) -> None:
+        for field in fields(self):
+            value, whole = getattr(self, field.name), isinstance(field.default, int)
+            kind = int if whole else int | float
+            if field.name != "moves" and not (isinstance(value, kind) and 0 < value < inf):
+                allowed = "a positive whole number" if whole else "a positive, finite number"
+                raise InvalidParameter(f"must be {allowed}, got {value!r}", where=field.name)
         for move in self.moves:
             if move not in MOVES:
                 raise InvalidParameter(f"must be of {', '.join(MOVES)}, got {move!r}", where="moves")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, RECORD, RECORDS, takes
+from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.configuration import version
@@ -61,7 +61,9 @@ COARSE = 2.0
 """Steps of fits over those of the diagnosis; what they miss is corrected about the model at hand."""
 
 
-@takes(arm=ARM, records=RECORDS, hold_out=RECORD, jobs=JOBS, seed=COUNT, step=NUMBER, alpha=NUMBER)
+@takes(
+    arm=ARM, records=RECORDS, hold_out=RECORD, jobs=JOBS, seed=COUNT, step=NUMBER, alpha=NUMBER, policy=POLICY
+)
 def diagnose(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],
@@ -74,7 +76,7 @@ def diagnose(
     policy: SelectionPolicy | None = None,
     progress: Progress = None,
 ) -> Diagnosis:
-    """Names the physical effect that a model lacks, where it sits, and how sure that is.
+    """Name the physical effect that a model lacks, where it sits, and how sure that is.
 
     Parameters
     ----------
