@@ -1,7 +1,4 @@
-"""Threads for runs side by side, beside which a process may be forked.
-
-Several things at once, in threads: simulations let go of the interpreter.
-"""
+"""Parallel runs in threads, since simulations release the interpreter; forks wait for imports of threads."""
 
 from __future__ import annotations
 

@@ -141,7 +141,7 @@ class Effect(EffectTraits):
         return {}
 
     def derivative(self, parameter: str) -> Derivative:
-        """Return True if what the model predicts has a derivative by a parameter.
+        """Return which derivative predictions have with respect to a parameter.
 
         Returns
         -------

@@ -1,35 +1,29 @@
-r"""How well a model foretells what it was not fitted to.
+r"""Cross-validation: prediction of data that a model was not fitted to.
 
-Where something is left that no model explains, a larger model fits better whatever it says. What counts then
-is what it says of data that it has not seen. If the rows of a group g are left out of a fit of parameters x,
-with derivatives J of the residuals r at its optimum, priors' weights Lambda, and H = J^T J + Lambda, then x
-moves by (H - J_g^T J_g)^{-1} J_g^T r_g, and what it misses there is, to first order [Allen1974],
+If the rows of a group g are left out of a fit of parameters x, with Jacobian J of the residuals r at its
+optimum, weights Lambda of the priors and H = J^T J + Lambda, the prediction residuals are, to first order
+(PRESS, [Allen1974]),
 
 .. math:: e_g = r_g + J_g \, (H - J_g^T J_g)^{-1} J_g^T r_g                                           (1)
 
-Groups do not share their errors. If those of G of them are alike in size, whatever that is, the odds of one
-model over another that foretells them are
+Errors of different groups are independent. If those of G groups are alike in size, the odds of one model over
+another that predicts them are
 
 .. math:: \ln B = G \ln (|e'|/|e|)                                                                    (2)
 
-No group is fitted again. A group is what shares its errors: a static record, as poses of one day, one length
-or one payload do; where there is but one, and in a motion, a block of it.
+A group shares its errors: a static record, or a block of one record or of a motion.
 
-Whether a repair that does not explain all still predicts what it was not fitted to.
+A model that leaves a gap is also tested on parts of the training: records, or fifths of a single one. For
+each part the fit is repeated without it, to first order about the fit of all,
 
-The training is cut into parts: its records if there are several, else fifths of each record, one stretch of
-time or poses each. For every part the fit is repeated without it, to first order about the fit of all,
+    p_- = p - (J_-^T J_- + Lambda)^-1 (J_-^T r_- + Lambda (p - c))                                    (3)
 
-    p_- = p - (J_-^T J_- + Lambda)^-1 (J_-^T r_- + Lambda (p - c))                                    (1)
+(J_-, r_-: rows of the other parts). The model at p_- predicts the part, with clocks and frames aligned there
+as `compare` does. With a the rms that this leaves, and b that of the nominal model aligned in the same way,
 
-(J_-, r_-: rows of the other parts), and its model predicts the part, with clocks and frames aligned anew
-there, as `compare` does. With a the rms that this leaves in units of noise, b what the nominal model leaves
-with its own clocks and frames aligned,
+    skill = 1 - a/b.                                                                                  (4)
 
-    carried = 1 - a/b.                                                                              (2)
-
-A mixture of effects that imitates an unknown one in the data it saw fails where these data end: so each part
-must be predicted better than by the nominal model. Source: cross-validation in blocks [Burman1994].
+Each part must be predicted better than by the nominal model. Source: block cross-validation [Burman1994].
 """
 
 from __future__ import annotations
@@ -108,7 +102,7 @@ PARTS = 5
 
 
 def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem) -> float:
-    """Eq. (2) over all parts; 0 or less where one part is predicted worse than by the model as stated.
+    """Eq. (4) over all parts; 0 or less where one part is predicted worse than by the model as stated.
 
     Parameters
     ----------
@@ -126,14 +120,14 @@ def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem)
     for rows in parts(problem):
         other = np.setdiff1d(np.arange(len(problem)), rows)
         gradient = jacobian[other].T @ residual[other] + held * centred
-        moved = best - NormalEquations.of(jacobian[other], held).solved(gradient)  # eq. (1)
+        moved = best - NormalEquations.of(jacobian[other], held).solved(gradient)  # eq. (3)
         model = ~_placed(fit)
         there = fit.residual[rows] + jacobian[np.ix_(rows, np.flatnonzero(model))] @ moved[model]
         after.append(_aligned(there, fit, rows))
         before.append(_aligned(stated[rows], null, rows))
     if any(a >= b for a, b in zip(after, before, strict=True)):
         return min(0.0, 1.0 - float(np.sqrt(sum(after) / sum(before))))
-    return 1.0 - float(np.sqrt(sum(after) / sum(before)))  # eq. (2)
+    return 1.0 - float(np.sqrt(sum(after) / sum(before)))  # eq. (4)
 
 
 def parts(problem: Problem) -> list[NDArray[np.int_]]:

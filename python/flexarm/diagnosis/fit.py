@@ -1,20 +1,14 @@
-r"""Least squares in which linear unknowns with priors are eliminated.
+"""A fitted model, and the projection that eliminates its nuisance parameters.
 
     C(r) = min over x of |r + J x|^2 + |x/sigma|^2                                                    (1)
 
-r are residuals over their noise, J their derivatives by unknowns x that are counted from the centres of their
-priors. With A = [J sigma; 1] = Q R and b = [r; 0],
+r are residuals over their noise, J their Jacobian with respect to nuisance parameters x, counted from the
+centres of their priors. With A = [J sigma; 1] = Q R and b = [r; 0],
 
     C(r) = |b - Q Q^T b|^2,     x = -sigma R^-1 Q^T b                                                 (2)
 
-so that one factorisation serves every r. `rest` of two candidates are compared, fitted and projected as plain
-vectors then. Source: variable projection, [Golub2003].
-
-A model with effects that were fitted, and what was eliminated along.
-
-    residual = r(z),    rest = what clocks, frames and nominal values leave of it,    C = |rest|^2     (1)
-
-`diagnosis.estimator` makes fits, `projection` says what is left.
+so that one factorisation serves every r. A `Fit` keeps the residual r(z) of its effects' parameters z and the
+projected residual b - Q Q^T b. `diagnosis.estimator` makes fits. Source: variable projection [Golub2003].
 """
 
 from __future__ import annotations

@@ -1,23 +1,20 @@
-r"""Normal equations of a fit, in which effects, clocks, frames and nominal values move together.
+r"""Generalised least squares: normal equations of a fit, and the fit with its rows weighed, to first order.
 
     H = J^T W J + Lambda,     x = -H^-1 g                                                            (1)
 
-J are derivatives of residuals, W the rows' weights, Lambda those of priors. Parameters differ by powers of
-ten, so that H is kept with a diagonal of ones, S H S, and what is unknown is told from what is small by its
-eigenvalues there: directions of which neither data nor priors say anything have no inverse.
+J is the Jacobian of the residuals, W the weights of the rows, Lambda those of the priors. Parameters differ
+by powers of ten, so H is kept scaled to a unit diagonal, S H S. Its eigenvalues there tell directions that
+neither data nor priors determine; these have no inverse.
 
-A fit with the rows weighed by what they are worth, to first order.
-
-Fits weigh rows by their stated noise. Where a gap stays, that is far more than they are worth, and nominal
-values and effects run many sigmas from their priors after a remainder that is none of theirs. The evidence,
-which weighs rows by W, is greatest elsewhere: where
+Fits weigh rows by their stated noise. Where a gap stays, that is far too much, and values run many sigmas
+from their priors. The evidence, which weighs rows by W, is greatest elsewhere: where
 
 .. math:: (r + J_z \Delta z + J_x x)^T W (r + J_z \Delta z + J_x x) + |x/\sigma|^2
-          + |\rho + \rho' \Delta z|^2                                                                (1)
+          + |\rho + \rho' \Delta z|^2                                                                (2)
 
-is least; x are clocks, frames and nominal values from the centres of their priors, z the effects' parameters,
-rho the rows of their priors (`diagnosis.parameters`). The step taken is that of (1) less the one of (1) with
-W = 1, so that a fit that leaves only noise stays where it is.
+is least. x are nuisance parameters from the centres of their priors, z the effects' parameters, rho the rows
+of their priors (`diagnosis.parameters`). The step taken is that of (2) less that of (2) with W = 1, so that
+a fit that leaves only noise stays where it is.
 """
 
 from __future__ import annotations
@@ -117,7 +114,7 @@ def gls_nuisance(fit: Fit) -> Floats:
 
 
 def _least(fit: Fit, jacobian: Floats, weight: Floats) -> Floats:
-    """Where (1) is least: dz and x."""
+    """Return dz and x where (2) is least."""
     rows, bends = prior_rows(fit.parameters, fit.z)
     held = np.concatenate([bends**2, 1.0 / fit.projection.sigma**2])
     pull = np.concatenate([bends * rows, np.zeros_like(fit.projection.sigma)])

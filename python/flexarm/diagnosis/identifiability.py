@@ -1,25 +1,20 @@
-"""Nominal values that moved: by how much, in their own unit and in the sigmas that the model states.
+"""Identifiability of fitted values: refined values, unidentifiable ones, estimates at bounds.
+
+**Refined values.** Nominal values move by
 
     moved = value - nominal,    pull = moved/sigma                                                   (1)
 
-A value is determined by the data if they leave less than `KEPT` of its stated sigma.
+with the model's stated sigma. A value is determined by the data if they leave less than `KEPT` of its sigma.
 
-Nominal values that the data leave open go back to where the model had them.
+**Practically unidentifiable values** move along with others. They go back to their nominal values, all
+together, unless the gap on the training grows by it: of five lengths of which only the sum shows, each is
+unidentifiable.
 
-A fit within stated uncertainties moves everything a little: what the data do not determine moves along with
-what they do. The repaired model shall not claim that. So such values are put back, all together, unless the
-gap on the training would grow by it: five lengths of which only the sum shows are each left open, and yet
-must not all go back.
+**Estimates at bounds.** A fit lets a parameter go far beyond what is plausible (`diagnosis.parameters`). An
+estimate that rests at the end of that range is no size: the limit of the law fits best. Only a payload may
+vanish.
 
-Effects of a size that nothing has, above all where it rests where fits end and the data ask for more.
-
-A fit lets a parameter go far beyond what machines have (`diagnosis.parameters`), so that a mass that was
-written down wrong is found. What is still at the end of that is no size: the limit of the law, a rigid link
-or none at all, fits best, and it stands in for something that no name covers. Only a load may be none at all:
-a gripper that let go of it carries nothing, which is told as a thirtieth of the mass that was written down.
-
-A size beyond `FAR` sigmas that is not at an end is believed where it explains nearly all, as the true one
-does. The larger part of a gap that others may leave is for nominal values that are a little off
+**Implausible sizes**, beyond `FAR` sigmas of a prior, are believed where they explain nearly all
 (`diagnosis.acceptance`).
 """
 

@@ -1,29 +1,18 @@
-"""Steps of Gauss and Newton in which effects, clocks, frames and nominal values move together.
+"""Minimisers beside `least_squares`: joint Gauss-Newton steps, a search without derivatives, multi-start.
 
-A fit moves z through the full simulation, and the unknowns x to first order about where they were. Where
-both act alike, such as the stiffness of a link and its modulus, what x does there is known too badly for z to
-follow it along the valley of the least C, and fits repeated about themselves creep. With r, J_z = dr/dz, and
-J_x = dr/dx of one and the same model,
+**Joint steps.** A fit moves z through the full simulation and the nuisance parameters x to first order about
+an earlier model. Where both act alike, as the stiffness of a link and its modulus do, such fits creep. With
+r, J_z = dr/dz and J_x = dr/dx of one and the same model,
 
     min over dz of  C(r + J_z dz) + sum_i ln(1 + (z_i + dz_i)^2/9),                                    (1)
 
-where C eliminates x with J_x. About the model at z + dz and x + dx, with J_x of that one, z is then fitted:
-what bends beside the straight step is mended where it costs least.
+where C eliminates x with J_x. z is then fitted about the model at z + dz and x + dx, with J_x of that one.
 
-A search along parameters of laws with corners, without derivatives.
+**Hooke-Jeeves.** For non-smooth laws C of `diagnosis.fit` has ripples. Steps of some percent of a gap, a
+torque or a width, along one parameter at a time and smaller where none descends, pass over them [Hooke1961].
 
-Where an arm falls through a gap or sticks, C of `diagnosis.fit` has ripples: what hits a stop a little
-earlier swings on out of step. Differences finer than the ripples say where the next one goes, not where the
-least C lies. Steps of some percent of a gap, a torque or a width, along one of them at a time, smaller ones
-where none leads down [Hooke1961], go over the ripples.
-
-Starts for a law that bounces: gaps over a range, since between them least squares stop at ripples.
-
-An arm that falls through a gap hits its ends a little earlier for a gap a little smaller and swings on out of
-step, so that C of `diagnosis.fit` has ripples along the gap; steps of Newton and of three tenths
-(`diagnosis.minimisers`) end in one of them where the probe was far off. Across them C falls to where the gap
-is right: gaps of a geometric series about the one that a fit found are tried, with all else as it is, and the
-best one starts another fit.
+**Multi-start.** Along the gap of a backlash each ripple is a minimum. Gaps of a geometric series about the
+fitted one are tried, all else as it is, and the best one starts another fit.
 """
 
 from __future__ import annotations

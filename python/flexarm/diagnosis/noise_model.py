@@ -1,33 +1,24 @@
-"""The noise of a held-out record that states none, where the training knows it of the same signal.
+"""Noise beyond what records state: noise of other records, input noise and discretisation error.
 
-Without a noise a signal aligns no clock and no frame, and its gap stands beside nothing: a tracker that is a
-millisecond late then looks as if the model foretold nothing. Who measured both records with one sensor stated
-its noise once. Where records of the training state several, the greatest counts.
+**Imputed noise.** A held-out record that states no noise of a signal takes the largest that the training
+states of it. Without noise a signal aligns no clock and no frame.
 
-What the noise of encoders that drive does to everything else.
-
-The angle that drives a simulation is smoothed (`flexarm.measurement.smoothing`), and yet a part of its
-noise is left, which moves all that the drive moves; modes with little damping answer it most. With f the
-smoothed drive,
+**Input noise.** The angle that drives a simulation is smoothed (`flexarm.measurement.smoothing`). A part of
+its noise remains and moves all that the drive moves, lightly damped modes most. With f the smoothed drive,
 
     y'_i = f(t_i) + n_i,    n_i white, as large as the record states,                                  (1)
 
-smoothed anew, is as far from f as f is from the truth. Angles of poses are taken as they were read: n is as
-far from them as they are from the truth. The difference of the simulations along both is an
-error of each channel. Its mean square over `DRAWS` of n, for the models that a search comes by, is no gap
-(`diagnosis.evidence.above_noise`): a machine whose encoder shakes a model by more than a tracker sees would
-else seem to lack something.
+smoothed anew, is as far from f as f is from the truth. Angles of poses are not smoothed, so n is added to
+them. The difference of the simulations along both is an error of each channel.
 
-What finer time steps still move where laws have corners.
+**Discretisation error.** Richardson extrapolation (`Problem.correction`) assumes second order. Motions with
+impacts have no order: after some of them the motions of two time steps diverge. With r(h) the residual and
 
-What steps of length h miss is extrapolated (`Problem.correction`): the method is of order two. Teeth that
-bounce do not follow any order. After some hits the motions of two steps part as those of two machines
-would, and no step is fine enough. With r(h) the residual and
+    E(h) = r(h/2) + (r(h/2) - r(h))/3,                                                                (2)
 
-    E(h) = r(h/2) + (r(h/2) - r(h))/3                                                                 (1)
+E(h/2) - E(h) is an error of each channel.
 
-E(h/2) - E(h) is an error of each channel. Its mean square, for the models that a search comes by, is no gap
-(`diagnosis.evidence`): the right gap between the teeth would else seem to lack something.
+The mean squares of both errors count as noise in the evidence (`diagnosis.evidence`), not as a gap.
 """
 
 from __future__ import annotations
@@ -187,12 +178,12 @@ STEP_ERROR_COUNTS = 0.3
 
 
 def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
-    """Count (1) in each of `rows` beside a model with corners, where it is more than was known."""
+    """Count the error of (2) in each of `rows` for a non-smooth model, where it is more than was known."""
     if not is_non_smooth(arm):
         return
     with suppress(*FIT_ERRORS):
         coarse, half, quarter = (problem.with_step(problem.step / times).residual(arm) for times in (1, 2, 4))
-        error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (1)
+        error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (2)
         square = [float(np.mean(error[each.where] ** 2)) for each in problem.rows]
         if max(square) < STEP_ERROR_COUNTS**2:
             return

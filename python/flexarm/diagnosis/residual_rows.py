@@ -1,18 +1,16 @@
-"""Laws with corners: beside them predictions have ripples, and small steps say little of large ones.
-
-Rows of a residual: which values of a record are evidence, and over what noise.
+"""Rows of a residual: the values of a record that are evidence, over their noise.
 
     r_i = (y_i - f_i)/sigma                                                                            (1)
 
-A channel of a signal gives a row for every value y that is finite while all drives are known: what is
-measured later says nothing about the model. sigma is the stated noise or, where none is stated, of a motion
-what second differences show of it, robustly, which a smooth motion hardly has: the variance of
-r_(i-1) - 2 r_i + r_(i+1) is six times that of white r,
+A channel of a signal gives a row for every finite value y while all drives are known. sigma is the stated
+noise or, where a motion states none, a robust estimate from second differences, which a smooth motion hardly
+has: the variance of r_(i-1) - 2 r_i + r_(i+1) is six times that of white r,
 
     sigma = median |r_(i-1) - 2 r_i + r_(i+1)| / (0.6745 sqrt 6).                                      (2)
 
-Poses have no order in which they were smooth: their noise is the scatter of rows of one pose (`noise`), and
-without such rows it has to be stated.
+The noise of poses is the scatter of rows of one pose (`noise`); without such rows it has to be stated.
+
+Predictions of non-smooth laws have ripples, so that small steps tell little of large ones.
 """
 
 from __future__ import annotations

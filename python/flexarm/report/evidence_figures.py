@@ -136,7 +136,7 @@ def of_effect(d: Diagnosis, effect: NamedEffect) -> Figure:
 
 
 def _draw_in_time(ax: Axes, d: Diagnosis) -> None:
-    """Return the gap along the record that has the largest, in its largest direction."""
+    """Draw the gap along the record that has the largest, in its largest direction."""
     known = {name: gaps["nominal model"] for name in d.before if (gaps := sides(d, name))}
     record = max(known, key=lambda name: known[name].rms["total"] or 0.0)
     gap, name = known[record], worst(known[record])

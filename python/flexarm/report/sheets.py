@@ -85,19 +85,19 @@ def margin_for(labels: Sequence[str], size: float = 9.0) -> float:
 
 
 def legend_below(figure: Figure, ax: Axes) -> None:
-    """Return the legend of one of the axes below all, where it hides nothing."""
+    """Draw the legend of one of the axes below all, where it hides nothing."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=4, frameon=False, borderaxespad=0.1)
 
 
 def write_beside(ax: Axes, bars: Any, texts: Sequence[str]) -> None:
-    """Return a text at the end of each bar, legible on lines too."""
+    """Write a text at the end of each bar, legible on lines too."""
     behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
     ax.bar_label(bars, texts, padding=3, fontsize=8, bbox=behind)
 
 
 def log_if_wide(ax: Axes, which: str, values: Sequence[float]) -> None:
-    """Return a logarithmic axis, with plain numbers, where a linear one would hide the small values."""
+    """Set a logarithmic axis, with plain numbers, where a linear one would hide the small values."""
     positive = [value for value in values if value > 0]
     if not positive or max(positive) < WIDE * min(positive):
         return

@@ -72,7 +72,7 @@ def main_direction(d: Diagnosis) -> str:
 
 
 def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str, kind: str) -> None:
-    """Return the gap of a signal as dots against a state of a joint or time, before and after."""
+    """Draw the gap of a signal as dots against a state of a joint or time, before and after."""
     sides = located_sides(d, signal)
     rows = sides["nominal model"]
     factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
@@ -155,7 +155,7 @@ def _largest(rows: SignalResidual) -> str:
 
 
 def draw_of_effect(ax: Axes, d: Diagnosis, effect: str, at: str) -> None:
-    """Return the gap that an effect explains, against the state of its joint that its law speaks of."""
+    """Draw the gap that an effect explains, against the state of its joint that its law speaks of."""
     assert d.located is not None
     signal = most_repaired(d)
     rows = d.located.gaps[signal]

@@ -95,7 +95,7 @@ def _section(keyword: str, entries: dict[str, list[float]], ignored: list[str]) 
 
 
 def _components(path: Path, number: int, line: str, changes: dict[int, list[int]]) -> None:
-    """Return the components of the first point, or from the point at a position on."""
+    """Note the components of the first point, or from the point at a position on."""
     found = _integers(line)
     position = 1 if not changes else (found or [0])[0]
     components = (found or [])[0 if not changes else 1 :]
