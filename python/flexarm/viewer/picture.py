@@ -23,6 +23,8 @@ GHOSTS = ("rigid arm", "equilibrium")
 NAMED = ("joints", "payloads", "points")
 COLUMNS = 3
 """Of a figure of several modes."""
+WIDEST = 48
+"""Line of a title, in letters."""
 
 
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
@@ -80,40 +82,33 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     shown = scene.clips[clip]
     moved = np.linalg.norm(shown.poses.x - shown.poses.x[:1], axis=-1).max(axis=1)
     frame = int(np.argmax(moved))
-    first, second = _plane(shown.poses.x[frame], shown.poses.x[0])
+    # An arm at rest is drawn in the plane in which its joints move it.
+    moves = scene.clips if len(shown.time) == 1 else (shown,)
+    first, second = _plane(np.concatenate([clip.poses.x for clip in moves]))
     for skin in scene.skins:
         corners = placed(skin, shown.poses, frame)[:, [first, second]]
         if skin.layer in GHOSTS:
             _fill(axes, skin, corners, 0.35, zorder=1)
-        elif skin.layer in (*OF_LINKS, "joints", "points", "base") and skin.faces.shape[1] == 3:
+        elif skin.layer in (*OF_LINKS, "joints", "points", "base", "gravity") and skin.faces.shape[1] == 3:
             _fill(axes, skin, corners, 1.0, zorder=3 if skin.layer in ("joints", "points") else 2)
-        elif skin.layer == "gravity":
-            start, end = corners.mean(axis=0), corners[-1]
-            axes.annotate(
-                "",
-                xy=tuple(2 * end - start),
-                xytext=tuple(start),
-                arrowprops={"arrowstyle": "-|>", "color": STYLE.gravity},
-            )
     if names:
         _names(axes, scene, shown.poses.R[frame], shown.poses.x[frame], (first, second))
     ghost = next((layer for layer in scene.layers if layer.name in GHOSTS), None)
     if ghost is not None:
         axes.plot([], [], color=STYLE.ghost, alpha=0.5, lw=4, label=ghost.text)
         axes.legend(loc="best", fontsize="small", frameon=False)
-    lines = shown.text.split("; ")[:1] if len(scene.clips) > 1 else scene.notes[:1]
-    axes.set_title(
-        _wrapped("\n".join([shown.name if len(scene.clips) > 1 else scene.title, *lines])), fontsize=9
-    )
+    several = len(scene.clips) > 1
+    said = f"{shown.name.partition(':')[0]}: {shown.text.partition(';')[0]}" if several else scene.title
+    axes.set_title(_wrapped("\n".join([said, *(() if several else scene.notes[:1])])), fontsize=9)
     axes.set(xlabel=f"{'xyz'[first]} [m]", ylabel=f"{'xyz'[second]} [m]")
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
     return axes
 
 
-def _plane(x: Floats, start: Floats) -> tuple[int, int]:
-    """Return the axes that are drawn: the one with the least extent and motion is looked along."""
-    extent = np.ptp(x, axis=0) + 10 * np.abs(x - start).max(axis=0)
+def _plane(x: Floats) -> tuple[int, int]:
+    """Return the axes that are drawn: poses (m, bone, 3) are looked at along the least extent and motion."""
+    extent = np.ptp(x[0], axis=0) + 10 * np.abs(x - x[0]).max(axis=(0, 1))
     extent += 1e-9 * extent.max() * np.array([1, 0, 2])  # among equals x and z are shown
     least = int(np.argmin(extent))
     first, second = (k for k in range(3) if k != least)
@@ -151,6 +146,7 @@ def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int
             textcoords="offset points",
             fontsize=8,
             color=colour,
+            bbox={"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.5},
             zorder=5,
         )
 
@@ -158,4 +154,4 @@ def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int
 def _wrapped(text: str) -> str:
     from textwrap import fill
 
-    return "\n".join(fill(line, 62) for line in text.splitlines())
+    return "\n".join(fill(line, WIDEST) for line in text.splitlines())

@@ -38,10 +38,13 @@
   const away = [0.45, -1, 0.32], length = Math.hypot(...away);
 
   // As near as all corners of the box stay within this part of the window.
-  const FILLED = 0.78;
+  const FILLED = 0.88;
   function look() {
-    camera.aspect = window.innerWidth / window.innerHeight;
-    camera.updateProjectionMatrix();
+    // The scene stands right of the panels and above the slider.
+    const w = window.innerWidth, h = window.innerHeight;
+    const side = w > 900 ? byId("legend").offsetWidth + 12 : 0, foot = 60;
+    camera.aspect = w / h;
+    camera.setViewOffset(w, h, -side / 2, foot / 2, w, h);
     viewer.controls.target.set(middle[0], middle[2], -middle[1]);
     const at = new THREE.Vector3();
     const seen = (distance) => {
@@ -52,7 +55,7 @@
       let most = 0;
       for (let i = 0; i < 8; i++) {
         at.set(scene.box[i & 1][0], scene.box[i >> 2][2], -scene.box[(i >> 1) & 1][1]).project(camera);
-        most = Math.max(most, Math.abs(at.x), Math.abs(at.y));
+        most = Math.max(most, Math.abs(at.x - side / w) / (1 - side / w), Math.abs(at.y - foot / h) / (1 - foot / h));
       }
       return most;
     };

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arrays import Floats
+from flexarm.arrays import Floats, Ints
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.modal import Modes, modes
@@ -124,7 +124,9 @@ def of_simulation(
     skeleton = Skeleton(run.arm)
     again = _again(skeleton, run)
     frames = _frames(run.time)
-    poses = from_quaternions(again.position, again.orientation)[frames, skeleton.chosen]  # type: ignore[arg-type]
+    assert again.orientation is not None  # asked for
+    x, turn = again.position[frames, skeleton.chosen], again.orientation[frames, skeleton.chosen]
+    poses = from_quaternions(x, turn)
     rigid = skeleton.rigid(run.drive_angle[frames])
     poses, time = poses.scaled(rigid, _checked(scale)), run.time[frames]
     size = _size(poses.x)
@@ -135,18 +137,18 @@ def of_simulation(
         notes.append(
             f"the run was made again along its motor angles: points differ by up to {with_unit(apart, 'm')}"
         )
-    skins, labels, layers, x = [], [], [], [poses.x]
+    skins, labels, layers, tracks = [], [], [], [poses.x]
     count = len(skeleton.bones)
     for name, place, track, kind in _tracks(measured, skeleton, poses, time, size, notes):
-        bone = count + len(x) - 1
-        x.append(track[:, None])
+        bone = count + len(tracks) - 1
+        tracks.append(track[:, None])
         skins.append(ball(1.4 * STYLE.point * size).on(bone, kind, name, STYLE.measured))
         tie = np.array([[place], [bone]])
         skins.append(Skin(kind, f"{name} gap", tie, np.zeros((2, 1, 3)), np.array([[0, 1]]), STYLE.measured))
         labels.append(Label(kind, f"{name} measured", bone))
     if skins:
         layers.append(Layer("measured", STYLE.measured, "measured points, tied to the predicted ones"))
-    all_x = np.concatenate(x, axis=1)
+    all_x = np.concatenate(tracks, axis=1)
     extra = np.broadcast_to(np.eye(3), (*all_x.shape[:2], 3, 3)).copy()
     extra[:, :count] = poses.R
     paths = [_path(name, poses.x[:, bone]) for name, bone in skeleton.points.items()]
@@ -298,10 +300,10 @@ def _geared(arm: Arm, angles: Floats) -> Floats:
     return np.array(rows)
 
 
-def _frames(time: Floats) -> slice:
-    """Return the instants that are drawn: evenly, at most as many as `STYLE` says."""
-    wanted = min((time[-1] - time[0]) * STYLE.frames_per_second, STYLE.most_frames)
-    return slice(None, None, max(1, round(len(time) / max(wanted, 2))))
+def _frames(time: Floats) -> Ints:
+    """Return the instants that are drawn, first and last among them: at most as many as `STYLE` says."""
+    wanted = min((time[-1] - time[0]) * STYLE.frames_per_second, STYLE.most_frames, len(time) - 1)
+    return np.unique(np.linspace(0, len(time) - 1, max(2, round(wanted) + 1)).round().astype(int))
 
 
 def _size(x: Floats) -> float:
