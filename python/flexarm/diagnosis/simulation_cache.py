@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.comparison.aligned_record import end_of_simulation
-from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
+from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.lead_in import jerked
@@ -27,10 +27,6 @@ KEPT_RUNS = 8
 
 In shorter steps a run is so much longer, and fewer are: as much as that, or one of every record.
 """
-
-
-FORCES = {"motor_torque", "motor_voltage", "force", "strain"}
-"""Quantities that see torques and forces."""
 
 
 class SimulationCache:
