@@ -245,7 +245,7 @@ class Problem:
     ) -> Floats:
         """Return derivatives of (1) by parameters of the model, initial conditions and tilts of the base.
 
-        The shape is (len(self), len(keys)); `steps` are those of differences by some parameters, if not small.
+        The shape is (len(self), len(keys)); `steps` are those of differences by some parameters.
         """
         initial_conditions = [start for start in self.initial_conditions if start.key in keys]
         found = np.zeros((len(self), len(keys)))
