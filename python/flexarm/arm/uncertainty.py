@@ -89,12 +89,12 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
         allowed = _units(arm, owner, field)
         value = getattr(owner, field)
         if not unit and sigma > 0 and allowed and _is_zero(value, owner):
-            options = [f"{field}_{s}" for s, u in _SUFFIXES.items() if u in allowed]
-            more = ", ..." if len(options) > 2 else ""
+            keys = [f"{field}_{s}" for s, u in _SUFFIXES.items() if u in allowed]
+            more = ", ..." if len(keys) > 2 else ""
             yield (
                 ("uncertainty", key),
                 f"{field} is 0, and 1 sigma relative to it is nothing; add the unit for an absolute one: "
-                f"write {' or '.join(options[:2])}{more}",
+                f"write {' or '.join(keys[:2])}{more}",
             )
             continue
         measure = unit_of(type(owner).model_fields[field])
