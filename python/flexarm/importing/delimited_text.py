@@ -59,6 +59,8 @@ class Layout:
         Names of the columns; empty where the file has none.
     units : tuple of str
         Their units, where a line gives them.
+    whole : tuple of (bool or None)
+        True for columns of whole numbers in the sample, False for others of numbers, None for the rest.
     """
 
     encoding: str
@@ -68,6 +70,7 @@ class Layout:
     first: int
     names: tuple[str, ...]
     units: tuple[str, ...] = ()
+    whole: tuple[bool | None, ...] = ()
 
 
 def layout(path: Path, dialect: Dialect) -> Layout:
@@ -80,14 +83,14 @@ def layout(path: Path, dialect: Dialect) -> Layout:
     """
     with path.open("rb") as file:
         raw = file.read(SAMPLE)
-        whole = not file.read(1)
+        complete = not file.read(1)
     encoding = dialect.encoding or _encoding(raw)
     try:
-        text = codecs.getincrementaldecoder(encoding)().decode(raw, whole)
+        text = codecs.getincrementaldecoder(encoding)().decode(raw, complete)
     except (LookupError, UnicodeDecodeError) as error:
         raise InvalidFile(path, "csv.encoding", f"cannot be read as {encoding!r}: {error}") from None
-    lines = text.lstrip("\ufeff").splitlines()
-    lines = lines if whole or len(lines) < 2 else lines[:-1]
+    lines = text.lstrip("\ufeff").replace("\r\n", "\n").split("\n")
+    lines = lines if complete or len(lines) < 2 else lines[:-1]
     comment = dialect.comment or _COMMENT
     start = dialect.header_rows or 0
     body = [line for line in lines[start:] if line.strip() and not line.lstrip().startswith(comment)]
@@ -97,9 +100,10 @@ def layout(path: Path, dialect: Dialect) -> Layout:
     separator, decimal = _marks(path, last, dialect)
     table = [cells_of(line, separator) for line in last]
     count = max(map(len, table), key=[len(row) for row in table].count)
+    whole_rows = [row for row in table if len(row) == count]
+    tail = whole_rows[len(whole_rows) // 2 :]
     numeric = [
-        2 * sum(_is_value(row[i], decimal) and bool(row[i].strip()) for row in table if i < len(row))
-        > len(table)
+        2 * sum(_is_value(row[i], decimal) and bool(row[i].strip()) for row in tail) > len(tail)
         for i in range(count)
     ]
     first = dialect.header_rows
@@ -121,7 +125,8 @@ def layout(path: Path, dialect: Dialect) -> Layout:
             raise InvalidFile(path, "csv.columns", what)
         names = list(dialect.columns)
     names = [*names[:count], *[""] * (count - len(names))]
-    return Layout(encoding, separator, decimal, comment, first, tuple(names), tuple(units))
+    whole = tuple(_whole([row[i].strip() for row in table if i < len(row)], decimal) for i in range(count))
+    return Layout(encoding, separator, decimal, comment, first, tuple(names), tuple(units), whole)
 
 
 def _encoding(raw: bytes) -> str:
@@ -135,8 +140,9 @@ def _encoding(raw: bytes) -> str:
 
 
 def _marks(path: Path, lines: Sequence[str], dialect: Dialect) -> tuple[str, str]:
-    """Return separator and decimal mark: those that make most cells values, and then most cells."""
-    best, found = (0.0, 0), None
+    """Return separator and decimal mark: those that make rows of one length, of cells that are values."""
+    best: tuple[float, int] = (0.0, 0)
+    found = None
     for separator in [dialect.separator] if dialect.separator else SEPARATORS:
         rows = [cells_of(line, separator) for line in lines]
         cells = [cell for row in rows for cell in row]
@@ -144,8 +150,10 @@ def _marks(path: Path, lines: Sequence[str], dialect: Dialect) -> tuple[str, str
             if decimal == separator:
                 continue
             share = sum(_is_value(cell, decimal) and bool(cell.strip()) for cell in cells) / len(cells)
-            even = min(map(len, rows)) == max(map(len, rows))
-            score = (round(share * (1.0 if even else 0.5), 2), len(cells))
+            counts = [len(row) for row in rows]
+            most = max(counts, key=counts.count)
+            even = counts.count(most) / len(counts)
+            score = (round(share * even * (0.5 if most == 1 else 1.0), 2), len(cells))
             if share > 0 and score > best:
                 best, found = score, (separator, decimal)
     if found is None:
@@ -164,6 +172,15 @@ def _is_value(cell: str, decimal: str) -> bool:
     cell = cell.strip()
     pattern = _NUMBER if decimal == "." else _DECIMAL_COMMA
     return not cell or bool(pattern.fullmatch(cell) or _INSTANT.fullmatch(cell))
+
+
+def _whole(cells: Sequence[str], decimal: str) -> bool | None:
+    """Return True for whole numbers, False for other numbers, None for anything else."""
+    values = [cell for cell in cells if cell]
+    pattern = _NUMBER if decimal == "." else _DECIMAL_COMMA
+    if not values or not all(pattern.fullmatch(cell) for cell in values):
+        return None
+    return len(values) == len(cells) and all(re.fullmatch(r"[+-]?\d{1,18}", cell) for cell in values)
 
 
 def _fits(cells: Sequence[str], numeric: Sequence[bool], decimal: str) -> bool:
@@ -233,6 +250,15 @@ class DelimitedText(Source):
                     if column is not None:
                         yield self.find(None, column, "columns")[0]
 
+    def _stamp_columns(self) -> dict[int, bool]:
+        """Return the columns of stamps, and True for those that are read as text."""
+        found = {}
+        for request in self.requests:
+            with suppress(Unreadable):
+                if request.time is not None:
+                    found[self.find(None, request.time, "time")[0]] = request.stamps_are_text
+        return found
+
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield line numbers and cells."""
         at = self.layout
@@ -242,48 +268,57 @@ class DelimitedText(Source):
                     yield number, cells_of(line.rstrip("\r\n"), at.separator)
 
     def _read(self, indices: Sequence[int]) -> dict[int, Array]:
-        """Return columns as Arrow reads them."""
-        pa, arrow = needed("pyarrow", self.path), needed("pyarrow.csv", self.path)
-        at = self.layout
-        names = [str(index) for index in range(len(at.names))]
-        stamps = [r.time for r in self.requests if r.stamps_are_text and r.time is not None]
-        texts = {str(self.find(None, column, "time")[0]): pa.string() for column in stamps}
+        """Return columns as Arrow reads them: as the sample shows them, else as whole columns show."""
+        pa = needed("pyarrow", self.path)
+        names = list(dict.fromkeys(map(str, indices)))
+        texts = {str(index): pa.string() for index, as_text in self._stamp_columns().items() if as_text}
+        whole = self.layout.whole
+        counted = {str(index) for index in self._stamp_columns() if whole[index]}
+        kinds = {name: pa.float64() for name in names if whole[int(name)] is not None}
+        kinds |= dict.fromkeys(counted & set(names), pa.int64())
         try:
-            table = arrow.read_csv(
-                self._bytes(pa),
-                arrow.ReadOptions(
-                    column_names=names, skip_rows=at.first, encoding=at.encoding, block_size=BLOCK
-                ),
-                arrow.ParseOptions(delimiter=at.separator),
-                arrow.ConvertOptions(
-                    include_columns=list(dict.fromkeys(map(str, indices))),
-                    column_types=texts,
-                    decimal_point=at.decimal,
-                    strings_can_be_null=True,
-                    null_values=DROP_OUTS,
-                ),
-            )
+            try:
+                table = self._table(pa, names, {**kinds, **texts})
+            except pa.ArrowInvalid:
+                table = self._table(pa, names, texts)
         except pa.ArrowInvalid as error:
             raise self._uneven(str(error)) from None
         return {int(name): plain_array(table[name]) for name in table.column_names}
 
+    def _table(self, pa: Any, names: list[str], kinds: dict[str, Any]) -> Any:
+        arrow, at = needed("pyarrow.csv", self.path), self.layout
+        columns = [str(index) for index in range(len(at.names))]
+        return arrow.read_csv(
+            self._bytes(pa),
+            arrow.ReadOptions(column_names=columns, skip_rows=at.first, block_size=BLOCK),
+            arrow.ParseOptions(delimiter=at.separator),
+            arrow.ConvertOptions(
+                include_columns=names,
+                column_types=kinds,
+                decimal_point=at.decimal,
+                strings_can_be_null=True,
+                null_values=DROP_OUTS,
+            ),
+        )
+
     def _bytes(self, pa: Any) -> Any:
-        """Return what Arrow reads: the file, or its text without comments and with single blanks."""
+        """Return what Arrow reads: the file, or its text in UTF-8, without comments, with single blanks."""
         at = self.layout
+        comment = at.comment.encode()
+        plain = codecs.lookup(at.encoding).name == "utf-8"
         with self.path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as raw:
-            comments = raw.find(b"\n" + at.comment.encode(at.encoding)) >= 0
-            if at.separator != " " and not comments:
+            commented = not plain or raw.find(b"\n" + comment) >= 0
+            if plain and at.separator != " " and not commented:
                 return str(self.path)
             content = raw[:]
-        head = b"\n".join(content.split(b"\n", at.first)[: at.first]) if at.first else b""
-        body = content[len(head) :]
-        if comments:
-            body = re.sub(
-                rb"(?m)^[ \t]*" + re.escape(at.comment.encode(at.encoding)) + rb"[^\n]*\n?", b"", body
-            )
+        if not plain:
+            content = content.decode(at.encoding, errors="replace").encode()
+        body = content.split(b"\n", at.first)[-1]
+        if commented:
+            body = re.sub(rb"(?m)^[ \t]*" + re.escape(comment) + rb"[^\n]*\n?", b"", body)
         if at.separator == " ":
             body = re.sub(rb"(?m)^ +| +(?=\r?$)", b"", re.sub(rb"[ \t]+", b" ", body))
-        return pa.BufferReader(head + body)
+        return pa.BufferReader(b"\n" * at.first + body)
 
     def _uneven(self, told: str) -> InvalidFile:
         """Return the error of the first row that has another number of cells than the others."""

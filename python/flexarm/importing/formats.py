@@ -40,7 +40,8 @@ def reader_of(path: Path) -> type[Source]:
     if kind is None:
         if path.is_dir():
             raise InvalidFile(path, "file", "is a directory, and no ROS 2 bag: it has no metadata.yaml")
-        start = regular_file(path).open("rb").read(64)
+        with regular_file(path).open("rb") as file:
+            start = file.read(64)
         name = "optitrack.OptiTrack" if b"Format Version" in start else "delimited_text.DelimitedText"
     else:
         words = kind.replace(",", "").split()

@@ -259,7 +259,7 @@ def as_numbers(array: Array, place: Callable[[int], str], what: str, key: str = 
     found = np.empty(len(array))
     for row, value in enumerate(array.tolist()):
         try:
-            found[row] = np.nan if value is None or value == "" else float(value)
+            found[row] = np.nan if value is None or str(value).strip() == "" else float(value)
         except (TypeError, ValueError):
             got = repr(value)[:40]
             raise Unreadable(key, f"{place(row)}, {what}: must be a number, got {got}") from None
