@@ -120,6 +120,7 @@ class _Importer:
             links=t.links,
             clocks=clocks,
             frames=t.frames,
+            base=t.base,
             notes=tuple(notes),
         )
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.arm.sensor import Measurement
-from flexarm.record.table import CarriedPayload, Clock, DrawnLink, Frame
+from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table
 
 
@@ -99,6 +99,7 @@ class RunTable(Table):
     links: Annotated[dict[Name, DrawnLink], AfterValidator(FrozenDict)] = FrozenDict()
     clocks: Clocks = FrozenDict()
     frames: Frames = FrozenDict()
+    base: BaseStand | None = None
 
 
 class RecordTable(RunTable):

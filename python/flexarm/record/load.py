@@ -51,6 +51,7 @@ def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
         controllers=table.controllers,
         clocks=clocks,
         frames=table.frames,
+        base=table.base,
         path=toml.parent,
         notes=tuple(reader.notes),
     )
