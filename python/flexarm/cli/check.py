@@ -196,7 +196,13 @@ def _record(path: Path) -> Told:
         "base": None if record.base is None else record.base.model_dump(),
         "signals": signals,
     }
-    return told, [*_head(record), *map(_signal_line, signals.items())], record.check(), unknown_motion(record)
+    return told, record_lines(record), record.check(), unknown_motion(record)
+
+
+def record_lines(record: Record) -> list[str]:
+    """Return a record in lines for a person: its drive, clocks and frames, and each signal."""
+    signals = {name: _signal(record, name) for name in record.signals}
+    return [*_head(record), *map(_signal_line, signals.items())]
 
 
 def _signal(record: Record, name: str) -> dict[str, Any]:

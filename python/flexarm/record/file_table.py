@@ -86,10 +86,9 @@ class SignalTable(Measurement):
         return self
 
 
-class RecordTable(Table):
-    """The whole of `record.toml`."""
+class RunTable(Table):
+    """What a record says of its run beside the signals."""
 
-    format: Literal["flexarm-record/1"] = "flexarm-record/1"
     description: str = ""
     kind: Literal["motion", "static"] = "motion"
     initial: Literal["equilibrium", "moving"] = "equilibrium"
@@ -101,6 +100,12 @@ class RecordTable(Table):
     clocks: Clocks = FrozenDict()
     frames: Frames = FrozenDict()
     base: BaseStand | None = None
+
+
+class RecordTable(RunTable):
+    """The whole of `record.toml`."""
+
+    format: Literal["flexarm-record/1"] = "flexarm-record/1"
     signals: tuple[SignalTable, ...] = ()
 
     @model_validator(mode="after")
