@@ -27,6 +27,7 @@ class Style:
     frames_per_second: float = 30.0
     most_frames: int = 900
     mode_frames: int = 32
+    meshed: float = 0.65
     beam: str = "#3d7ab8"
     body: str = "#9aa3ad"
     part: str = "#5a9e8f"
