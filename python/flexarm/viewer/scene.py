@@ -22,7 +22,7 @@ class Style:
     arrow: float = 0.14
     shown_deformation: float = 0.06
     shown_mode: float = 0.12
-    shown_gap: float = 0.04
+    shown_gap: float = 0.1
     payload_density: float = 7850.0
     frames_per_second: float = 30.0
     most_frames: int = 900
