@@ -19,7 +19,7 @@ other parameter. Its spread is estimated along with the members after that.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -146,8 +146,8 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
-    """The result of an estimation.
+class Posterior:
+    """Estimates and their covariance, a normal posterior about the most probable values.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
 
 def estimate(
     estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None, settled: float | None = None
-) -> Estimate:
+) -> Posterior:
     """Return where (1) is least, from u on.
 
     Parameters
@@ -241,7 +241,7 @@ def estimate(
         covariance = A @ normal.inverse() @ A.T
         move, there = _descent(estimation, point, weight, P, centre, A)
         sigmas = move / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-        found = Estimate(estimation, point, weight, covariance, sigmas, count)
+        found = Posterior(estimation, point, weight, covariance, sigmas, count)
         largest = float(np.abs(sigmas).max(initial=0.0))
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
@@ -293,9 +293,9 @@ def _descent(
     return np.zeros_like(point.u), point.residual
 
 
-def shared_first(estimation: Estimation, u: Floats, tell: Tell) -> Sequence[Estimate]:
+def shared_first(estimation: Estimation, u: Floats, tell: Tell) -> list[Posterior]:
     """Return the estimate with one shared size a family, if there are families, and that of all members."""
-    found: list[Estimate] = []
+    found: list[Posterior] = []
     if any(family.shared for family in estimation.families):
         u = start_sizes(estimation, u, tell)
         tied, rest = estimation.tied(), estimation.policy.settled_first

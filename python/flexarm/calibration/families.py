@@ -87,7 +87,7 @@ class Family:
         """Return the inverse of the prior covariance of the members, shape (n, n)."""
         n = len(self.members)
         covariance = self.hyperprior[1] ** 2 * np.ones((n, n)) + self.spread**2 * np.eye(n)
-        return np.linalg.inv(covariance)
+        return np.asarray(np.linalg.inv(covariance))
 
     def shared_value(self, u: Floats) -> float:
         """Return the posterior mean of mu given the members' u; 0 of (2)."""
