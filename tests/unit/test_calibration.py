@@ -99,7 +99,7 @@ def test_held_out_poses_are_left_with_noise(found):
 
 def test_the_frame_of_the_tracker_is_found(found):
     [frame] = found.frames
-    assert frame.origin == approx([1.0, 2.0, 0.5], abs=5e-3)
+    assert frame.xyz == approx([1.0, 2.0, 0.5], abs=5e-3)
     assert frame.rpy == approx([0.0, 0.0, pi / 2], abs=5e-3)
 
 

@@ -67,7 +67,7 @@ class Estimation:
         """Return the arm with these values."""
         arm = self.arm
         for parameter, x in zip(self.parameters, u, strict=True):
-            if parameter.kind != "start":
+            if not parameter.of_record:
                 arm = with_value(arm, parameter.key, parameter.value(float(x)))
         return arm
 
@@ -111,11 +111,11 @@ class Estimation:
         return Point(u, self.residual(u, jacobian), jacobian)
 
     def residual(self, u: Floats, jacobian: Floats) -> Floats:
-        """Return r of (1), with what time steps miss, and vibrations at the start in proportion."""
+        """Return r of (1), with what time steps miss, and what belongs to records in proportion."""
         arm = self.model(u)
-        starts = [k for k, parameter in enumerate(self.parameters) if parameter.kind == "start"]
+        own = [k for k, parameter in enumerate(self.parameters) if parameter.of_record]
         found: Floats = self.problem.residual(arm) + self.problem.correction(arm)
-        return found + jacobian[:, starts] @ u[starts]
+        return found + jacobian[:, own] @ (u - self.centre)[own]
 
     def with_spreads(self, u: Floats, variance: Floats) -> Estimation:
         """Return the same with spreads of families about estimates with these variances."""

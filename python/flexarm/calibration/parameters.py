@@ -15,7 +15,7 @@ from typing import Literal
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.nuisance import NuisanceParameter
 
-Kind = Literal["clock", "frame", "nominal", "start", "family"]
+Kind = Literal["clock", "frame", "nominal", "start", "base", "family"]
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class FreeParameter:
         Parameter of the model.
     unit : str
         Of its value.
-    kind : {"clock", "frame", "nominal", "start", "family"}
-        What it is; a "start" is what the arm swings with where a record begins.
+    kind : {"clock", "frame", "nominal", "start", "base", "family"}
+        What it is; a "start" is what the arm swings with where a record begins, "base" how its base stood.
     scale : {"log", "linear"}
         Of (1).
     centre, sigma : float
@@ -60,6 +60,11 @@ class FreeParameter:
         logarithmic = prior.scale == "log"
         centre = log(prior.typical) if logarithmic else 0.0
         return cls(key, prior.unit, "family", "log" if logarithmic else "linear", centre, sigma, step)
+
+    @property
+    def of_record(self) -> bool:
+        """Return True if it belongs to one record and no model, and acts in proportion."""
+        return self.kind in ("start", "base")
 
     def value(self, u: float) -> float:
         """Return p of (1)."""

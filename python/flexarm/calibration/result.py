@@ -39,7 +39,7 @@ class CalibratedParameter:
     ----------
     name : str
         Key of the model's parameter.
-    kind : {"clock", "frame", "nominal", "family"}
+    kind : {"family", "nominal", "clock", "frame", "base"}
         What it is.
     value, std, low90, high90 : float
         Posterior mode, 1 sigma and 90 % interval [unit].
@@ -96,11 +96,11 @@ class CalibratedFamily:
 
 @dataclass(frozen=True)
 class CalibratedFrame:
-    """Pose of a frame of measurement in the base, as it was found: origin [m], and roll, pitch, yaw [rad]."""
+    """Pose of a frame of measurement in the base, as it was found: xyz [m], and roll, pitch, yaw [rad]."""
 
     name: str
-    origin: tuple[float, float, float]
-    rpy: tuple[float, float, float]
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,7 @@ def stored(path: str | Path) -> dict[str, Any]:
         "correlations": matrix(told["correlations"]["matrix"]),
         "families": tuple(_family(each) for each in told["families"]),
         "frames": tuple(
-            CalibratedFrame(each["name"], tuple(each["origin"]), tuple(each["rpy"]))
-            for each in told["frames"]
+            CalibratedFrame(each["name"], tuple(each["xyz"]), tuple(each["rpy"])) for each in told["frames"]
         ),
         "chi_square": ChiSquare(**{k: v for k, v in told["chi_square"].items() if k != "reduced"}),
         **comparisons,

@@ -25,6 +25,7 @@ from flexarm.calibration.result import (
     ChiSquare,
     Range,
 )
+from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
 from flexarm.diagnosis.noise_model import allow_for_input_noise, impute_noise, weighted_by_input_noise
 from flexarm.diagnosis.nuisance import nuisance_model
@@ -140,7 +141,7 @@ def _estimation(problem: Problem, families: Sequence[str], policy: CalibrationPo
     arm, found = with_families(problem, nuisance.arm, families, policy)
     members = {member.key for family in found for member in family.members}
     free = [FreeParameter.of_nuisance(each) for each in nuisance.parameters if each.key not in members]
-    if not found and all(each.kind in ("clock", "frame", "start") for each in free):
+    if not found and not any(each.kind == "nominal" for each in free):
         raise InvalidParameter(
             "there is nothing to calibrate: give values an [uncertainty] in the model, or name a family "
             'such as "joint_compliance"',
@@ -161,7 +162,7 @@ def _without_registrations(model: Arm, nominal: Arm, posterior: Posterior) -> Ar
 
 def _order(posterior: Posterior) -> list[int]:
     """Return the places of the parameters in the result: families, nominal values, clocks and frames."""
-    kinds = ("family", "nominal", "clock", "frame")
+    kinds = ("family", "nominal", "clock", "frame", "base")
     parameters = posterior.estimation.parameters
     return [k for kind in kinds for k, parameter in enumerate(parameters) if parameter.kind == kind]
 
@@ -211,22 +212,15 @@ def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
 
 def _frames(posterior: Posterior) -> tuple[CalibratedFrame, ...]:
     """Return the poses of the frames: those of the records, corrected by the registration that was found."""
-    from scipy.spatial.transform import Rotation
-
     problem, model = posterior.estimation.problem, posterior.estimation.model(posterior.point.u)
     found: dict[str, CalibratedFrame] = {}
     for each in problem.rows:
         record = problem.records[each.record]
         signal = record.signals[each.signal]
-        if signal.frame not in record.frames or signal.quantity not in ("position", "orientation"):
-            continue
-        frame = effects_of(model, signal).registration(problem.placement[each.record].frame(signal))
-        back = frame.error_rotation.T
-        origin = back @ (np.asarray(frame.origin) - np.asarray(frame.translation))
-        rpy = Rotation.from_matrix(back @ frame.frame_axes).as_euler("xyz")
-        found.setdefault(
-            signal.frame, CalibratedFrame(signal.frame, tuple(origin.tolist()), tuple(rpy.tolist()))
-        )
+        if signal.frame in record.frames and signal.quantity in SEEN_IN_FRAMES:
+            frame = effects_of(model, signal).registration(problem.placement[each.record].frame(signal))
+            xyz, rpy = frame.pose
+            found.setdefault(signal.frame, CalibratedFrame(signal.frame, tuple(xyz), tuple(rpy)))
     return tuple(found.values())
 
 

@@ -11,6 +11,7 @@ import typer
 
 COMMANDS = (
     "example",
+    "import",
     "check",
     "static",
     "modes",
@@ -21,9 +22,12 @@ COMMANDS = (
     "calibrate",
     "plan",
     "reduce",
+    "view",
     "reproduce",
 )
 """In the order of the help. Each is a function in a module of its name."""
+MODULES = {"import": "import_logs"}
+"""Commands whose names Python keeps for itself, and the names of their functions."""
 
 HELP = """
 Flexible robot arms by finite elements, beside what was measured on them.
@@ -33,6 +37,7 @@ radians, joints on the output side (motor angle over ratio).
 
     flexarm example tryout                          files to try all this on
     flexarm check arm.toml                          what is it, what does it weigh
+    flexarm import run7.map.toml --out measured     a record from anyone's logs
     flexarm check arm.toml measured                 could its sensors be right
     flexarm static arm.toml --joint hinge=0.5       how far does it sag
     flexarm modes arm.toml                          how does it vibrate
@@ -43,6 +48,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm calibrate arm.toml measured --out fit   estimate what is uncertain
     flexarm plan arm.toml --drive swing.csv         what could an experiment tell
     flexarm reduce hub.inp --interface ...          a solid part as a link
+    flexarm view run                                see it move, in the browser
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted
 (Ctrl-C), 143 terminated (SIGTERM): nothing is written then.
@@ -67,8 +73,9 @@ def _app(commands: Iterable[str]) -> typer.Typer:
     )
     app.callback(help=_help(HELP))(_common)
     for name in commands:
-        command = getattr(import_module(f"flexarm.cli.{name}"), name)
-        app.command(help=_help(command.__doc__ or ""))(command)
+        module = MODULES.get(name, name)
+        command = getattr(import_module(f"flexarm.cli.{module}"), module)
+        app.command(name, help=_help(command.__doc__ or ""))(command)
     return app
 
 

@@ -86,7 +86,8 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     if kind.place == "link":
         return [link.name for link in arm.links if isinstance(link, Beam)]
     if kind.place == "base":
-        return ["base"]
+        known = kind.stated_by_records and all(record.base is not None for record in records)
+        return [] if known else ["base"]
     if kind.place == "point":
         return list(dict.fromkeys(s.point for s in signals if s.point is not None))
     if kind.place == "frame":

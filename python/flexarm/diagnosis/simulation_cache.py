@@ -18,6 +18,7 @@ from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
 
 if TYPE_CHECKING:
+    from flexarm.diagnosis.base_tilts import UncertainTilt
     from flexarm.diagnosis.initial_conditions import InitialCondition
 
 
@@ -57,9 +58,20 @@ class SimulationCache:
 
     def beside(self, name: str, arm: Arm) -> SimulatedRecord:
         """Return a run of the model, beside the record that it repeats."""
-        record = self.records[name]
-        carried = record.applied_to(arm)
-        key = (name, *_mechanics(record, carried))
+        return self._beside(name, self.records[name].applied_to(arm))
+
+    def tilted(self, tilt: UncertainTilt, arm: Arm, turn: float) -> SimulatedRecord:
+        """Return a run on a base that is turned further than its record states, by `turn` [rad]."""
+        record = self.records[tilt.record]
+        assert record.base is not None
+        x, y = record.base.tilt
+        there = (x + turn, y) if tilt.axis == "x" else (x, y + turn)
+        stand = record.base.replace(tilt=there)
+        return self._beside(tilt.record, record.replace(base=stand).applied_to(arm))
+
+    def _beside(self, name: str, carried: Arm) -> SimulatedRecord:
+        """Return a run of what a record makes of a model."""
+        key = (name, *_mechanics(self.records[name], carried))
         run = self._runs.get(key)
         if run is None:
             self.made += 1

@@ -29,7 +29,7 @@ class ParameterEntry(Entry):
     """An estimate; `name` is the key of the model's parameter."""
 
     name: str
-    kind: Literal["family", "nominal", "clock", "frame"]
+    kind: Literal["family", "nominal", "clock", "frame", "base"]
     value: float
     std: Known
     low90: Known
@@ -55,7 +55,7 @@ class FrameEntry(Entry):
     """Pose of a frame of measurement in the base."""
 
     name: str
-    origin: list[float]
+    xyz: list[float]
     rpy: list[float]
 
 

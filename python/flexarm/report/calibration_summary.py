@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+from flexarm.comparison.comparison import frame_words
 from flexarm.named_effects import Estimate
 from flexarm.report.gap_tables import gap_tables
 from flexarm.wording import effect_words, interval, listed, number, with_unit
@@ -79,19 +80,11 @@ def summary(found: Calibration) -> str:
         + _table([row(each) for each in known]),
         _wrapped(f"left near what was known before: {listed(left)}", "", "  ") if left else [],
         ["correlated"] * bool(pairs) + [f"  {pair_sentence(pair)}" for pair in pairs],
-        [
-            f"frame {each.name} in the base: origin {_numbers(each.origin)} m, "
-            f"roll, pitch, yaw {_numbers(each.rpy)} rad"
-            for each in found.frames
-        ],
+        [frame_words(each.name, (list(each.xyz), list(each.rpy))) for each in found.frames],
         _gaps(found),
         [line for remark in found.remarks for line in _wrapped(f"note: {remark}", "", "  ")],
     ]
     return "\n\n".join("\n".join(part) for part in parts if part)
-
-
-def _numbers(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:.5f}" for value in values)
 
 
 def _table(rows: list[tuple[str, str, str, str, str]]) -> list[str]:
