@@ -16,12 +16,13 @@ where they differ from 1 by more than a missing effect explains. The motion of a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp, inf, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.budget import Budget
 from flexarm.effects import UnitError
 from flexarm.errors import InvalidParameter
 from flexarm.validation.drive_hypotheses import (
@@ -111,11 +112,14 @@ class _DriveTest:
     record: Record
     channels: Sequence[ChannelFinding] | None
     alpha: float
+    budget: Budget = field(default_factory=Budget)
 
     def simulate(self, hypothesis: Hypothesis, step: float) -> _TestedHypothesis | None:
         """Simulate one hypothesis; return None if the model cannot follow it."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
-        simulations, _, _ = simulate_records(repaired, {self.name: self.record}, step, self.alpha)
+        simulations, _, _ = simulate_records(
+            repaired, {self.name: self.record}, step, self.alpha, budget=self.budget
+        )
         rest = find_channel_faults(self.name, simulations[self.name]) if self.name in simulations else []
         if not rest:
             return None
@@ -133,7 +137,7 @@ class _DriveTest:
         Kinematic signals that a drive moves must cost the rigid arm less. A drive that moves none of them,
         while others are moved, is at fault only if it goes beyond the usual range of joints.
         """
-        as_recorded = self._rigid_cost(())
+        as_recorded = self.rigid_cost(())
         if as_recorded is None:
             return list(hypotheses)
         shown = kinematic_signals(self.record).values()
@@ -144,14 +148,14 @@ class _DriveTest:
                 if any(relative_range(drive, self.arm) > 1 for drive in drives):
                     costs.append((-inf, hypothesis))
                 continue
-            cost = self._rigid_cost(hypothesis)
+            cost = self.rigid_cost(hypothesis)
             if cost is not None and cost < as_recorded:
                 costs.append((cost, hypothesis))
         costs.sort(key=lambda each: each[0])
         best = min((cost for cost, _ in costs if cost > -inf), default=inf)
         return [each for cost, each in costs if cost <= best + POLICY.decisive_log_odds]
 
-    def _rigid_cost(self, hypothesis: Hypothesis) -> float | None:
+    def rigid_cost(self, hypothesis: Hypothesis) -> float | None:
         """Return the cost of the kinematic channels of the rigid arm, or None if there are none."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
         try:
@@ -181,8 +185,29 @@ class _DriveTest:
         return DriveFault(values, trial.hypothesis[0].name, self.log_bayes(trial), said, trial.channels)
 
 
+def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
+    """Return drives beyond the usual range of joints that the rigid arm does not follow, but a fault of them.
+
+    A simulation along them could take minutes, or not end.
+    """
+    wild = {drive for drive in record.drive if relative_range(record.signals[drive], arm) > 1}
+    test = _DriveTest(arm, name, record, None, 0.0)
+    as_recorded = test.rigid_cost(()) if wild else None
+    if as_recorded is None:
+        return set()
+    best = test.screened(drive_hypotheses(arm, record, None))[:1]
+    costs = [cost for each in best if (cost := test.rigid_cost(each)) is not None]
+    return wild if any(cost < as_recorded - POLICY.decisive_log_odds for cost in costs) else set()
+
+
 def find_drive_fault(
-    arm: Arm, name: str, record: Record, channels: Sequence[ChannelFinding] | None, step: float, alpha: float
+    arm: Arm,
+    name: str,
+    record: Record,
+    channels: Sequence[ChannelFinding] | None,
+    step: float,
+    alpha: float,
+    budget: Budget,
 ) -> DriveFault | None:
     """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
 
@@ -190,13 +215,17 @@ def find_drive_fault(
     ----------
     channels : sequence of ChannelFinding or None
         The channels along the drives as they are; None: the model cannot follow these.
+    budget : Budget
+        Hypotheses for which no time is left are not tried.
     """
-    test = _DriveTest(arm, name, record, channels, alpha)
+    test = _DriveTest(arm, name, record, channels, alpha, budget)
     best: _TestedHypothesis | None = None
     for hypothesis in test.screened(drive_hypotheses(arm, record, channels)):
         plain = best is not None and best.all_in_order and test.log_bayes(best) > POLICY.decisive_log_odds
         if plain and best is not None and not similar_factors(hypothesis, best.hypothesis):
             continue
+        if not budget.allows(f"all wrong units and signs of the drives of {name} were tried"):
+            break
         best = _choose(best, test.simulate(hypothesis, POLICY.coarse_step))
     for _ in range(POLICY.max_corrections):
         other = _corrected(arm, record, best)

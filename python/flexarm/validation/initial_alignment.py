@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.budget import Budget
 from flexarm.campaign import simulate_all
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
@@ -60,18 +61,28 @@ def simulate_records(
     step: float,
     alpha: float,
     progress: Progress = None,
+    budget: Budget | None = None,
 ) -> tuple[dict[str, SimulatedRecord], dict[str, str], dict[str, str]]:
     """Return simulated records by name, and reasons for those that fail and those with nothing to compare."""
+    budget = budget or Budget()
     try:
-        runs = _simulations(arm, records, step, alpha, progress)
+        runs = _simulations(arm, records, step, alpha, budget, progress)
     except (InvalidParameter, NotConverged):
         runs = {}  # one of them fails: each by itself
     found: dict[str, SimulatedRecord] = {}
     failed: dict[str, str] = {}
     empty: dict[str, str] = {}
     for name, record in records.items():
+        if name not in runs and not budget.allows(f"the simulation of {name}"):
+            failed[name] = f"not within {budget.seconds:g} s"
+            continue
         try:
-            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, None)[name]
+            mine = (
+                runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, budget)[name]
+            )
+        except KeyError:
+            failed[name] = f"not within {budget.seconds:g} s"
+            continue
         except (InvalidParameter, NotConverged) as error:
             failed[name] = str(error)
             continue
@@ -83,7 +94,12 @@ def simulate_records(
 
 
 def _simulations(
-    arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress
+    arm: Arm,
+    records: Mapping[str, Record],
+    step: float,
+    alpha: float,
+    budget: Budget,
+    progress: Progress = None,
 ) -> dict[str, Any]:
     """Simulate motions in parallel and poses one after the other."""
     moving = {name: record for name, record in records.items() if record.kind == "motion"}
@@ -91,6 +107,7 @@ def _simulations(
     runs = simulate_all(
         [(arm, record) for record in moving.values()],  # `simulate` applies the record
         progress=progress,
+        stop=lambda: budget.spent,
         step=step,
         alpha=alpha,
         rotations=bool(seen & set(NEEDS_ROTATIONS)),

@@ -82,12 +82,12 @@ def rigid_motion(arm: Arm, drive: Drive) -> Simulation:
         or [np.empty((len(time), 0))],
         axis=1,
     ).reshape(len(time), len(poses), 3)
-    rate, unknown = np.gradient(angle, time, axis=0), np.full(angle.shape, np.nan)
+    rate, unknown = np.asarray(np.gradient(angle, time, axis=0)), np.full(angle.shape, np.nan)
     return Simulation(
         arm,
         time,
         position,
-        np.gradient(position, time, axis=0),
+        np.asarray(np.gradient(position, time, axis=0)),
         angle,
         rate,
         angle,

@@ -17,13 +17,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from flexarm.budget import Budget
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
-from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault
+from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RemovedOutliers, ValidationResult
 from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_unstated_frames
@@ -53,6 +54,7 @@ def check(
     step: float = 2e-3,
     alpha: float = -0.05,
     progress: Progress = None,
+    budget: Budget | None = None,
 ) -> ValidationResult:
     """Check records for faulty sensors, outliers, clock steps and contradictions.
 
@@ -66,6 +68,8 @@ def check(
         Of the simulation [s], [-].
     progress : bool or callable, optional
         As in `simulate`.
+    budget : Budget, optional
+        Time that simulations may take; remarks say what was left out.
 
     Returns
     -------
@@ -81,6 +85,7 @@ def check(
     >>> print(check(arm, [flexarm.Record.load("measured")]))  # doctest: +SKIP
     """
     named = named_records(records)
+    budget = budget or Budget()
     outliers: list[RemovedOutliers] = []
     remarks: list[str] = []
     doubts: list[str] = []
@@ -88,10 +93,13 @@ def check(
         named[name], removed, notes = _prepare(arm, name, record, step)
         outliers += removed
         remarks += notes
-    implausible = {name: implausible_drives(arm, record) for name, record in named.items()}
+    implausible = {
+        name: implausible_drives(arm, record) or refuted_drives(arm, name, record)
+        for name, record in named.items()
+    }
     plausible = {name: record for name, record in named.items() if not implausible[name]}
     simulations, failed, empty = (
-        simulate_records(arm, plausible, step, alpha, progress) if plausible else ({}, {}, {})
+        simulate_records(arm, plausible, step, alpha, progress, budget) if plausible else ({}, {}, {})
     )
     failed |= {
         name: f"no joint turns as {', '.join(sorted(at))} say{'s' * (len(at) == 1)}"
@@ -115,7 +123,7 @@ def check(
             simulation = simulations[name].simulation
             pair = simulate_record(arm, named[name], align=False, simulation=simulation)
             simulations[name] = pair.simulated
-        findings = _judge(arm, name, named[name], simulations.get(name), step, alpha)
+        findings = _judge(arm, name, named[name], simulations.get(name), step, alpha, budget)
         all_findings.append(findings)
         named[name], notes = _without_frozen(named[name], findings)
         remarks += notes
@@ -136,7 +144,7 @@ def check(
         named,
         faults,
         tuple(outliers),
-        tuple(remarks),
+        (*remarks, *budget.remarks),
         {**compared, **dict.fromkeys(empty, ())},
         (*plausibility_doubts(arm, named, sure), *doubts),
     )
@@ -232,17 +240,23 @@ def _prepare(
 
 
 def _judge(
-    arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
+    arm: Arm,
+    name: str,
+    record: Record,
+    simulated: SimulatedRecord | None,
+    step: float,
+    alpha: float,
+    budget: Budget,
 ) -> RecordFindings:
     """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:
-        return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
+        return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha, budget))
     found = find_channel_faults(name, simulated)
     if (stuck := stuck_drive(arm, record, found)) is not None:
         return RecordFindings(name, (), stuck)
     if not any(each.name or each.unexplained for each in found):
         return RecordFindings(name, found)
-    drive = find_drive_fault(arm, name, record, found, step, alpha)
+    drive = find_drive_fault(arm, name, record, found, step, alpha, budget)
     if drive is None:
         constant = constant_drive(arm, record, found)
         return RecordFindings(name, found if constant is None else (), constant)
