@@ -164,6 +164,12 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property
+    def frames(self) -> dict[str, dict[str, tuple[list[float], list[float]]]]:
+        """Return found poses of unknown frames by record of training, xyz [m] and rpy [rad] in the base."""
+        compared = self.after or self.before
+        return {name: dict(compared[name].frames) for name in self.training if name in compared}
+
+    @property
     def refinements(self) -> tuple[Refinement, ...]:
         """Return the refined values, each with the sigma that the nominal model states."""
         return tuple(Refinement(each, stated_sigma(self.arm, each.parameter)) for each in self.refined)

@@ -76,6 +76,19 @@ class Registration:
         """R(rotation), shape (3, 3)."""
         return rotation_matrix(np.asarray(self.rotation, dtype=float))
 
+    @property
+    def pose(self) -> tuple[list[float], list[float]]:
+        """Return xyz [m] and rpy [rad] of the frame with its error, as a record states them.
+
+        Eq. (1) solved for p, a point of the frame in the base: p = R(rotation)^T (R_f y + x_f - translation).
+        """
+        from scipy.spatial.transform import Rotation
+
+        back = self.error_rotation.T
+        xyz = back @ (np.asarray(self.origin) - np.asarray(self.translation))
+        rpy = Rotation.from_matrix(back @ self.frame_axes).as_euler("xyz")
+        return xyz.tolist(), rpy.tolist()
+
     def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
         """Return positions as measured, eq. (1), from those in the base, shape (n, 3); `elapsed` [s] is s."""
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
