@@ -9,7 +9,7 @@ reads `trajectory_a.mat` and `trajectory_b.mat` of DATA_DIR and writes
 
 How the variables become signals (SI):
 
-    rec.act_pos_mot_deg     joint_angle of axes 1 to 6, side "motor", divided by the ratio in the file: the drives
+    rec.act_pos_mot_deg     joint_angle of axes 1 to 6, side "motor", in degrees of the output: the drives
     rec.act_pos_se_deg      joint_angle of axes 1 to 3, side "output": secondary encoders behind the gears
     rec.act_torque_abs_nm   motor_torque of axes 1 to 6, side "motor": at the motor's shaft
 
