@@ -36,6 +36,5 @@ class Budget:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return a sentence on what was left out; none if all was done."""
-        if not self.left_out:
-            return ()
-        return (f"the budget of {self.seconds:g} s ended before {', '.join(self.left_out)}",)
+        done = f"the budget of {self.seconds:g} s ended before {', '.join(self.left_out)}"
+        return (done,) if self.left_out else ()

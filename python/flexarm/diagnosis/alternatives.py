@@ -108,6 +108,8 @@ def rivals_of(
     peer = _peer(best, tried)
     found = []
     for candidate in wanted:
+        if not problem.budget.allows("all alternatives were fitted"):
+            break
         try:
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
             if (alike := candidate.acting_as(chosen)) is not None:

@@ -152,6 +152,8 @@ class LeastSquares:
         )
         if self._limit < inf:
             self._see_whether_near(self.objective_rows(z), found)
+        if not self.estimator.problem.budget.allows("all fits had come to rest"):
+            raise _FarOff
         return found
 
     def _see_whether_near(self, rows: Floats, jacobian: Floats) -> None:

@@ -73,7 +73,7 @@ def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """Return a fit taken further until it leaves no less, and where it was found."""
     best, there, idle = fit, about, 0
     with suppress(*FIT_ERRORS):
-        while idle < IDLE and not _quiet(best, about):
+        while idle < IDLE and not (_quiet(best, about) or about.problem.budget.spent):
             ahead, at = further(best, there, anew=False)
             fell = objective(best) - objective(ahead)
             if fell < STILL * sigma_squared(best):
@@ -103,6 +103,8 @@ def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     with suppress(*FIT_ERRORS):
         here, at = linearised(fit, about)
         for _ in range(ROUNDS if fit.members else 0):
+            if not about.problem.budget.allows("all fits had come to rest"):
+                break
             ahead, there = linearised(*further(here, at))
             fell = objective(here) - objective(ahead)
             if fell > 0:

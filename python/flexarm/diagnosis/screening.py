@@ -79,6 +79,8 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
     probed = []
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
+            if not problem.budget.allows("all effects were screened"):
+                break
             try:
                 moves = in_proportion(candidate, estimator.nuisance.keys, estimator.jacobian)
                 if moves is None:

@@ -12,13 +12,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, takes
+from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
+from flexarm.budget import Budget
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
-from flexarm.diagnosis.design.next_experiment import next_experiment
+from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.homogeneity import constancy
 from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
@@ -59,7 +60,15 @@ COARSE = 2.0
 
 
 @takes(
-    arm=ARM, records=RECORDS, hold_out=RECORD, jobs=JOBS, seed=COUNT, step=NUMBER, alpha=NUMBER, policy=POLICY
+    arm=ARM,
+    records=RECORDS,
+    hold_out=RECORD,
+    jobs=JOBS,
+    seed=COUNT,
+    step=NUMBER,
+    alpha=NUMBER,
+    policy=POLICY,
+    max_seconds=SECONDS,
 )
 def diagnose(
     arm: Arm,
@@ -71,6 +80,7 @@ def diagnose(
     step: float = 2e-3,
     alpha: float = -0.05,
     policy: SelectionPolicy | None = None,
+    max_seconds: float | None = None,
     progress: Progress = None,
 ) -> Diagnosis:
     """Name the physical effect that a model lacks, where it sits, and how sure that is.
@@ -92,6 +102,8 @@ def diagnose(
         Of all simulations [s], [-].
     policy : SelectionPolicy, optional
         Thresholds of the search; all have a default.
+    max_seconds : float, optional
+        Time for the search [s]: then it concludes from what was fitted, and remarks say what was left out.
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -111,12 +123,12 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
-    begun = time.monotonic()
+    begun, budget = time.monotonic(), Budget(max_seconds)
     tell = progress or (lambda done, what: None)
     given = named_records(records)
     held = named_hold_out(arm, hold_out, given)
     tell(0.0, "checking")
-    checked = check(arm, given, step=step, alpha=alpha)
+    checked = check(arm, given, step=step, alpha=alpha, budget=budget)
     doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
     remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
     if checked.faults:
@@ -131,6 +143,7 @@ def diagnose(
         alpha=alpha,
         jobs=jobs or os.cpu_count() or 1,
         policy=policy or SelectionPolicy(),
+        budget=budget,
     )
     allow_for_input_noise(problem, problem.arm)
     input_noise = input_noise_by_signal(problem)
@@ -145,7 +158,9 @@ def diagnose(
     tell(0.8, "intervals")
     found = _conclusion(choice, coarse, problem, seed)
     tell(0.83, "next experiment")
-    further = next_experiment(choice, problem, found.verdict == "unexplained")
+    further = NextExperiment()
+    if budget.allows("the next experiment was sought"):
+        further = next_experiment(choice, problem, found.verdict == "unexplained")
     tell(0.85, "verifying")
     if out.any():
         parted = parted.without_strays(found.repaired, problem)
@@ -186,6 +201,7 @@ def diagnose(
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
             *swings(choice.best, problem),
             *seen.remarks,
+            *budget.remarks,
         ),
         next_experiment=further.sentence,
         provenance=_provenance(seed, step, begun),

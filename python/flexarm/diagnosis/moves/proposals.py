@@ -147,7 +147,7 @@ def _fitted(
     """
     before, found = found, []
     for share in wanted:
-        if len(found) == most:
+        if len(found) == most or not estimator.problem.budget.allows("all proposals were fitted"):
             break
         done = any(criteria.explains(f) for f in found)
         if done and share.share < criteria.policy.faint * wanted[0].share:
