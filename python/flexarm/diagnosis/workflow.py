@@ -46,7 +46,8 @@ from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
-from flexarm.named_effects import NamedEffect
+from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
+from flexarm.named_effects import NamedEffect, Refined
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
 
@@ -136,13 +137,14 @@ def diagnose(
     held, borrowed = impute_noise(checked.records, held)
     parted = split(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
+    policy = policy or SelectionPolicy()
     problem = Problem(
-        arm,
+        with_zeros(arm, parted.training, policy),
         parted.training,
         step=COARSE * step,
         alpha=alpha,
         jobs=jobs or os.cpu_count() or 1,
-        policy=policy or SelectionPolicy(),
+        policy=policy,
         budget=budget,
     )
     allow_for_input_noise(problem, problem.arm)
@@ -156,7 +158,7 @@ def diagnose(
         problem = problem.without(out)
         choice = _chosen(problem, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
-    found = _conclusion(choice, coarse, problem, seed)
+    found = _conclusion(arm, choice, coarse, problem, seed)
     tell(0.83, "next experiment")
     further = NextExperiment()
     if budget.allows("the next experiment was sought"):
@@ -166,8 +168,9 @@ def diagnose(
         parted = parted.without_strays(found.repaired, problem)
     bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
     updated, refined = restore_unidentifiable(
-        arm, found.repaired, tuple(filter(moved, found.sizes.refined)), bench.in_training
+        problem.arm, found.repaired, tuple(filter(moved, found.refined)), bench.in_training
     )
+    updated = without_idle_zeros(updated, arm)
     seen = verified(
         bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
     )
@@ -177,7 +180,7 @@ def diagnose(
         updated,
         found.effects,
         found.sizes.nuisances,
-        () if updated is problem.arm else refined,
+        refined,
         rejected(choice, problem),
         where=seen.located.where if seen.located else (),
         before=seen.before,
@@ -219,13 +222,16 @@ class _Conclusion:
     verdict: Verdict
     effects: tuple[NamedEffect, ...]
     sizes: Estimates
+    refined: tuple[Refined, ...]
     drifts: tuple[Mapping[str, Any], ...]
     repaired: Arm
     open_gap: bool
     ends: str
 
 
-def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int) -> _Conclusion:
+def _conclusion(
+    arm: Arm, choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int
+) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
@@ -244,9 +250,12 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
         *named_effects(choice, sizes, drifts, unexplained, problem, coarse=bool(coarse)),
     )
     keep = not unexplained or worth_keeping(choice, problem)
-    model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
+    if keep:
+        model, refined = repaired(problem.arm, choice.best, sizes), tuple(sizes.refined)
+    else:
+        model, refined = set_zeros(problem.arm, sizes.refined, arm)
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
-    return _Conclusion(verdict, effects, sizes, drifts, model, open_gap, ends)
+    return _Conclusion(verdict, effects, sizes, refined, drifts, model, open_gap, ends)
 
 
 def _unusable(

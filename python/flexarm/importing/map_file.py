@@ -160,6 +160,8 @@ class SignalMap(Measurement):
     def si(self) -> tuple[str, float]:
         """SI unit of the record's values and the factor to it."""
         unit = self.unit
+        if self.torque_constant is not None:
+            return super().si
         if isinstance(unit, Counts):
             turns = {"rad": 2 * pi, "rad/s": 2 * pi}
             si = self.spec.units[0]

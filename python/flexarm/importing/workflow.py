@@ -138,7 +138,11 @@ class _Importer:
             key = where if where.startswith("csv") else "source"
             self.found += [((*place, key), f"{error.file}: {problem}") for problem in error.problems]
         except InvalidParameter as error:
-            self.found += [(place, str(problem)) for problem in error.problems]
+            start = f"signals.{self.table.signals[index].name}."
+            self.found += [
+                (place, f"{source}: {problem.where.removeprefix(start)}: {problem.what}")
+                for problem in error.problems
+            ]
 
     def _arm(self) -> Arm | None:
         """Return the model; names that it has not become problems."""
