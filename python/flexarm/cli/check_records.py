@@ -30,15 +30,14 @@ def check_records(
     arm = load_arm(model)
     files = record_names(paths)
     records = {name: load_record(path, arm) for name, path in files.items()}
-    from flexarm.budget import Budget
+    from flexarm.budget import limited
     from flexarm.validation.sensor_check import check
 
-    with blame_one_of(model, files, records, arm), progress() as tell:
+    with blame_one_of(model, files, records, arm), progress() as tell, limited(max_seconds):
         found = check(
             arm,
             records,
             progress=lambda done: tell(done, "simulating"),
-            budget=Budget(max_seconds),
         )
     next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
     ready = found.usable and found.judged

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.budget import Budget
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
@@ -67,8 +66,6 @@ class Problem:
         Number of simulations at once.
     policy : SelectionPolicy
         Thresholds of a search for effects.
-    budget : Budget
-        Time of a search: steps for which none is left are left out.
     placement : dict of str to Placement
         Clocks and frames by record.
     rows : tuple of Rows
@@ -89,7 +86,6 @@ class Problem:
     alpha: float = -0.05
     jobs: int = 1
     policy: SelectionPolicy = field(default_factory=SelectionPolicy)
-    budget: Budget = field(default_factory=Budget)
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)

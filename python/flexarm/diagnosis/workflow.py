@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
-from flexarm.budget import Budget
+from flexarm.budget import allows, current, limited
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
@@ -47,7 +47,7 @@ from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
 from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
-from flexarm.named_effects import NamedEffect, Refined
+from flexarm.named_effects import NamedEffect
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
 
@@ -124,14 +124,31 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
-    begun, budget = time.monotonic(), Budget(max_seconds)
+    with limited(max_seconds):
+        return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, progress)
+
+
+def _diagnosis(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    hold_out: Record | None,
+    jobs: int | None,
+    seed: int,
+    step: float,
+    alpha: float,
+    policy: SelectionPolicy | None,
+    progress: Progress,
+) -> Diagnosis:
+    """Return the diagnosis, within the budget of time."""
+    begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     given = named_records(records)
     held = named_hold_out(arm, hold_out, given)
     tell(0.0, "checking")
-    checked = check(arm, given, step=step, alpha=alpha, budget=budget)
+    checked = check(arm, given, step=step, alpha=alpha)
     doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
-    remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
+    said = (remark for remark in checked.remarks if remark not in current().remarks)  # told at the end
+    remarks = (*doubts, *map(str, checked.outliers), *said)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = impute_noise(checked.records, held)
@@ -145,7 +162,6 @@ def diagnose(
         alpha=alpha,
         jobs=jobs or os.cpu_count() or 1,
         policy=policy,
-        budget=budget,
     )
     allow_for_input_noise(problem, problem.arm)
     input_noise = input_noise_by_signal(problem)
@@ -158,18 +174,19 @@ def diagnose(
         problem = problem.without(out)
         choice = _chosen(problem, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
-    found = _conclusion(arm, choice, coarse, problem, seed)
+    found = _conclusion(choice, coarse, problem, seed)
     tell(0.83, "next experiment")
     further = NextExperiment()
-    if budget.allows("the next experiment was sought"):
+    if allows("the next experiment was sought"):
         further = next_experiment(choice, problem, found.verdict == "unexplained")
     tell(0.85, "verifying")
     if out.any():
         parted = parted.without_strays(found.repaired, problem)
     bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
-    updated, refined = restore_unidentifiable(
-        problem.arm, found.repaired, tuple(filter(moved, found.refined)), bench.in_training
-    )
+    updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
+    if not found.kept:
+        updated, refined = set_zeros(updated, refined, arm)
+    updated, refined = restore_unidentifiable(problem.arm, updated, refined, bench.in_training)
     updated = without_idle_zeros(updated, arm)
     seen = verified(
         bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
@@ -204,7 +221,7 @@ def diagnose(
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
             *swings(choice.best, problem),
             *seen.remarks,
-            *budget.remarks,
+            *current().remarks,
         ),
         next_experiment=further.sentence,
         provenance=_provenance(seed, step, begun),
@@ -222,16 +239,14 @@ class _Conclusion:
     verdict: Verdict
     effects: tuple[NamedEffect, ...]
     sizes: Estimates
-    refined: tuple[Refined, ...]
     drifts: tuple[Mapping[str, Any], ...]
     repaired: Arm
+    kept: bool
     open_gap: bool
     ends: str
 
 
-def _conclusion(
-    arm: Arm, choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int
-) -> _Conclusion:
+def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
@@ -250,12 +265,9 @@ def _conclusion(
         *named_effects(choice, sizes, drifts, unexplained, problem, coarse=bool(coarse)),
     )
     keep = not unexplained or worth_keeping(choice, problem)
-    if keep:
-        model, refined = repaired(problem.arm, choice.best, sizes), tuple(sizes.refined)
-    else:
-        model, refined = set_zeros(problem.arm, sizes.refined, arm)
+    model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
-    return _Conclusion(verdict, effects, sizes, refined, drifts, model, open_gap, ends)
+    return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
 
 
 def _unusable(

@@ -16,13 +16,13 @@ where they differ from 1 by more than a missing effect explains. The motion of a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import exp, inf, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.budget import Budget
+from flexarm.budget import allows
 from flexarm.effects import UnitError
 from flexarm.errors import InvalidParameter
 from flexarm.validation.drive_hypotheses import (
@@ -112,14 +112,11 @@ class _DriveTest:
     record: Record
     channels: Sequence[ChannelFinding] | None
     alpha: float
-    budget: Budget = field(default_factory=Budget)
 
     def simulate(self, hypothesis: Hypothesis, step: float) -> _TestedHypothesis | None:
         """Simulate one hypothesis; return None if the model cannot follow it."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
-        simulations, _, _ = simulate_records(
-            repaired, {self.name: self.record}, step, self.alpha, budget=self.budget
-        )
+        simulations, _, _ = simulate_records(repaired, {self.name: self.record}, step, self.alpha)
         rest = find_channel_faults(self.name, simulations[self.name]) if self.name in simulations else []
         if not rest:
             return None
@@ -207,7 +204,6 @@ def find_drive_fault(
     channels: Sequence[ChannelFinding] | None,
     step: float,
     alpha: float,
-    budget: Budget,
 ) -> DriveFault | None:
     """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
 
@@ -215,16 +211,14 @@ def find_drive_fault(
     ----------
     channels : sequence of ChannelFinding or None
         The channels along the drives as they are; None: the model cannot follow these.
-    budget : Budget
-        Hypotheses for which no time is left are not tried.
     """
-    test = _DriveTest(arm, name, record, channels, alpha, budget)
+    test = _DriveTest(arm, name, record, channels, alpha)
     best: _TestedHypothesis | None = None
     for hypothesis in test.screened(drive_hypotheses(arm, record, channels)):
         plain = best is not None and best.all_in_order and test.log_bayes(best) > POLICY.decisive_log_odds
         if plain and best is not None and not similar_factors(hypothesis, best.hypothesis):
             continue
-        if not budget.allows(f"all wrong units and signs of the drives of {name} were tried"):
+        if not allows(f"all wrong units and signs of the drives of {name} were tried"):
             break
         best = _choose(best, test.simulate(hypothesis, POLICY.coarse_step))
     for _ in range(POLICY.max_corrections):

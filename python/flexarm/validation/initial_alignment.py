@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.budget import Budget
+from flexarm.budget import allows, current
 from flexarm.campaign import simulate_all
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
@@ -61,27 +61,23 @@ def simulate_records(
     step: float,
     alpha: float,
     progress: Progress = None,
-    budget: Budget | None = None,
 ) -> tuple[dict[str, SimulatedRecord], dict[str, str], dict[str, str]]:
     """Return simulated records by name, and reasons for those that fail and those with nothing to compare."""
-    budget = budget or Budget()
     try:
-        runs = _simulations(arm, records, step, alpha, budget, progress)
+        runs = _simulations(arm, records, step, alpha, progress)
     except (InvalidParameter, NotConverged):
         runs = {}  # one of them fails: each by itself
     found: dict[str, SimulatedRecord] = {}
     failed: dict[str, str] = {}
     empty: dict[str, str] = {}
     for name, record in records.items():
-        if name not in runs and not budget.allows(f"the simulation of {name}"):
-            failed[name] = f"not within {budget.seconds:g} s"
+        if name not in runs and not allows(f"the simulation of {name}"):
+            failed[name] = f"not within {current().seconds:g} s"
             continue
         try:
-            mine = (
-                runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, budget)[name]
-            )
+            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha)[name]
         except KeyError:
-            failed[name] = f"not within {budget.seconds:g} s"
+            failed[name] = f"not within {current().seconds:g} s"
             continue
         except (InvalidParameter, NotConverged) as error:
             failed[name] = str(error)
@@ -98,12 +94,12 @@ def _simulations(
     records: Mapping[str, Record],
     step: float,
     alpha: float,
-    budget: Budget,
     progress: Progress = None,
 ) -> dict[str, Any]:
     """Simulate motions in parallel and poses one after the other."""
     moving = {name: record for name, record in records.items() if record.kind == "motion"}
     seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
+    budget = current()
     runs = simulate_all(
         [(arm, record) for record in moving.values()],  # `simulate` applies the record
         progress=progress,

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from flexarm.budget import Budget
+from flexarm.budget import current
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.record.plausibility import disjoint_clocks
@@ -54,7 +54,6 @@ def check(
     step: float = 2e-3,
     alpha: float = -0.05,
     progress: Progress = None,
-    budget: Budget | None = None,
 ) -> ValidationResult:
     """Check records for faulty sensors, outliers, clock steps and contradictions.
 
@@ -68,8 +67,6 @@ def check(
         Of the simulation [s], [-].
     progress : bool or callable, optional
         As in `simulate`.
-    budget : Budget, optional
-        Time that simulations may take; remarks say what was left out.
 
     Returns
     -------
@@ -85,7 +82,6 @@ def check(
     >>> print(check(arm, [flexarm.Record.load("measured")]))  # doctest: +SKIP
     """
     named = named_records(records)
-    budget = budget or Budget()
     outliers: list[RemovedOutliers] = []
     remarks: list[str] = []
     doubts: list[str] = []
@@ -99,7 +95,7 @@ def check(
     }
     plausible = {name: record for name, record in named.items() if not implausible[name]}
     simulations, failed, empty = (
-        simulate_records(arm, plausible, step, alpha, progress, budget) if plausible else ({}, {}, {})
+        simulate_records(arm, plausible, step, alpha, progress) if plausible else ({}, {}, {})
     )
     failed |= {
         name: f"no joint turns as {', '.join(sorted(at))} say{'s' * (len(at) == 1)}"
@@ -123,7 +119,7 @@ def check(
             simulation = simulations[name].simulation
             pair = simulate_record(arm, named[name], align=False, simulation=simulation)
             simulations[name] = pair.simulated
-        findings = _judge(arm, name, named[name], simulations.get(name), step, alpha, budget)
+        findings = _judge(arm, name, named[name], simulations.get(name), step, alpha)
         all_findings.append(findings)
         named[name], notes = _without_frozen(named[name], findings)
         remarks += notes
@@ -144,7 +140,7 @@ def check(
         named,
         faults,
         tuple(outliers),
-        (*remarks, *budget.remarks),
+        (*remarks, *current().remarks),
         {**compared, **dict.fromkeys(empty, ())},
         (*plausibility_doubts(arm, named, sure), *doubts),
     )
@@ -246,17 +242,16 @@ def _judge(
     simulated: SimulatedRecord | None,
     step: float,
     alpha: float,
-    budget: Budget,
 ) -> RecordFindings:
     """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:
-        return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha, budget))
+        return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
     found = find_channel_faults(name, simulated)
     if (stuck := stuck_drive(arm, record, found)) is not None:
         return RecordFindings(name, (), stuck)
     if not any(each.name or each.unexplained for each in found):
         return RecordFindings(name, found)
-    drive = find_drive_fault(arm, name, record, found, step, alpha, budget)
+    drive = find_drive_fault(arm, name, record, found, step, alpha)
     if drive is None:
         constant = constant_drive(arm, record, found)
         return RecordFindings(name, found if constant is None else (), constant)

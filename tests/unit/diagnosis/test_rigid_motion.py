@@ -7,7 +7,7 @@ import pytest
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.budget import Budget
+from flexarm.budget import limited
 from flexarm.drive import Drive
 from flexarm.record import Clock, Frame
 from flexarm.validation import initial_alignment
@@ -142,7 +142,8 @@ def test_a_drive_that_no_place_shows_is_not_blamed_for_a_torque():
 
 
 def test_without_time_the_check_says_what_it_left_out():
-    found = check(seven_joints(), {"run": record()}, step=5e-3, budget=Budget(1e-9))
+    with limited(1e-9):
+        found = check(seven_joints(), {"run": record()}, step=5e-3)
     assert not found.faults
     assert found.doubts == ("run: the model cannot be simulated: not within 1e-09 s",)
     assert found.remarks[-1].startswith("the budget of 1e-09 s ended before the simulation of run")
