@@ -12,6 +12,7 @@ the model are counted from them. Other quantities have a zero only where `zero_s
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import inf
 from typing import TYPE_CHECKING
 
 from flexarm.arm.parameter import with_value
@@ -32,17 +33,19 @@ ANGLES = ("joint_angle", "inclination")
 
 def with_zeros(arm: Arm, records: Mapping[str, Record], policy: SelectionPolicy) -> Arm:
     """Return the model with offsets of 0 that are uncertain by (1), of those sensors that have none yet."""
-    sigmas: dict[str, tuple[float, Signal]] = {}
+    sigmas: dict[str, float] = {}
+    units: dict[str, str] = {}
     for record in records.values():
         for signal in record.signals.values():
-            sigma = _sigma(record, signal, policy)
-            if sigma > 0 and sigma < sigmas.get(signal.name, (float("inf"), signal))[0]:
-                sigmas[signal.name] = sigma, signal
-    for name, (sigma, signal) in sigmas.items():
-        kind = EncoderOffset if signal.quantity == "joint_angle" else SensorOffset
+            if (sigma := _sigma(record, signal, policy)) > 0:
+                sigmas[signal.name] = min(sigma, sigmas.get(signal.name, inf))
+                units[signal.name] = signal.unit
+    drives = {name for record in records.values() for name in record.drive}
+    for name, sigma in sigmas.items():
+        kind = EncoderOffset if name in drives else SensorOffset
         if any(arm.effect(each.name, name) is not None for each in (EncoderOffset, SensorOffset)):
             continue
-        key = with_unit(f"effects.{kind.name}.{name}.offset", signal.unit)
+        key = with_unit(f"effects.{kind.name}.{name}.offset", units[name])
         arm = arm.with_effect(kind(at=name)).replace(uncertainty={**arm.uncertainty, key: sigma})
     return arm
 

@@ -44,7 +44,7 @@ class SensorOffset(ChannelEffect):
     """
 
     name: ClassVar[str] = "sensor_offset"
-    not_sought_in = ("position", "orientation", "joint_angle")  # of which others speak
+    not_sought_in = ("position", "orientation")
     offset: Annotated[float | Vector, BeforeValidator(_number_or_three)] = value_in(
         "SI", "offset of the channels", 0.0
     )

@@ -38,6 +38,7 @@ from flexarm.validation.record_remarks import (
     remarks_on_few_poses,
     remarks_on_skipped,
 )
+from flexarm.validation.shared_places import remarks_on_shared_clocks, remarks_on_shared_frames
 from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ def check(
     if not faults:
         remarks += [*remarks_on_clocks(simulations), *remarks_on_frames(simulations)]
         remarks += remarks_on_unstated_frames(simulations)
+        remarks += [*remarks_on_shared_frames(simulations), *remarks_on_shared_clocks(simulations)]
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
     }

@@ -48,7 +48,7 @@ def measured(*effects):
 
 @pytest.fixture(scope="module")
 def record():
-    return measured({"name": "encoder_offset", "at": "second", "offset": ZERO})
+    return measured({"name": "sensor_offset", "at": "second", "offset": ZERO})
 
 
 def stating(record, **sigmas):
@@ -65,7 +65,7 @@ def sigmas(arm, record):
 
 def test_angles_that_do_not_drive_have_a_zero_that_is_uncertain_by_the_policy(record):
     assert sigmas(model(), record) == {
-        "effects.encoder_offset.second.offset_rad": 5e-3,
+        "effects.sensor_offset.second.offset_rad": 5e-3,
         "effects.sensor_offset.lean.offset_rad": 5e-3,
     }
 
@@ -80,17 +80,17 @@ def test_a_record_states_the_zero_of_any_sensor(record):
 
 def test_a_model_that_has_an_offset_states_it(record):
     arm = model({"name": "encoder_offset", "at": "second", "offset": 1e-3})
-    assert "effects.encoder_offset.second.offset_rad" not in sigmas(arm, record)
+    assert "effects.sensor_offset.second.offset_rad" not in sigmas(arm, record)
 
 
 def test_of_the_zeros_those_that_moved_stay_in_the_model(record):
     arm = with_zeros(model(), {"run": record}, SelectionPolicy())
-    refined = [Refined("effects.encoder_offset.second.offset", ZERO, 1e-6, 0.0)]
+    refined = [Refined("effects.sensor_offset.second.offset", ZERO, 1e-6, 0.0)]
     moved, kept = set_zeros(arm, refined, model())
     assert kept == tuple(refined)
     left = without_idle_zeros(moved, model())
     assert [(effect.at, effect.offset) for effect in left.effects] == [("second", ZERO)]
-    assert list(left.uncertainty) == ["effects.encoder_offset.second.offset_rad"]
+    assert list(left.uncertainty) == ["effects.sensor_offset.second.offset_rad"]
     assert without_idle_zeros(arm, model()) == model()
 
 
@@ -111,13 +111,13 @@ def test_a_frame_has_the_zero_of_a_place(record):
 def test_a_zero_within_its_sigma_is_refined_and_no_effect(record):
     found = flexarm.diagnose(model(), record, jobs=1)
     assert found.verdict == "adequate", found
-    [zero] = [each for each in found.refined if each.parameter == "effects.encoder_offset.second.offset"]
+    [zero] = [each for each in found.refined if each.parameter == "effects.sensor_offset.second.offset"]
     assert zero.value == pytest.approx(ZERO, abs=5e-6)
-    offset = found.updated.effect("encoder_offset", "second")
+    offset = found.updated.effect("sensor_offset", "second")
     assert offset.offset == pytest.approx(ZERO, abs=5e-6)
 
 
 def test_a_zero_beyond_what_the_record_states_is_an_effect(record):
     found = flexarm.diagnose(model(), stating(record, second=1e-4), jobs=1)
-    assert [(effect.name, effect.at) for effect in found.effects] == [("encoder_offset", "second")]
+    assert [(effect.name, effect.at) for effect in found.effects] == [("sensor_offset", "second")]
     assert found.effects[0].parameters[0].value == pytest.approx(ZERO, abs=5e-6)
