@@ -19,6 +19,7 @@ COMMANDS = (
     "simulate",
     "compare",
     "diagnose",
+    "calibrate",
     "plan",
     "reduce",
     "view",
@@ -44,6 +45,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm simulate arm.toml --drive swing.csv --out run
     flexarm compare arm.toml measured               how far is the model off
     flexarm diagnose arm.toml measured --out why    what does the model lack
+    flexarm calibrate arm.toml measured --out fit   estimate what is uncertain
     flexarm plan arm.toml --drive swing.csv         what could an experiment tell
     flexarm reduce hub.inp --interface ...          a solid part as a link
     flexarm view run                                see it move, in the browser
