@@ -38,9 +38,9 @@ def test_every_public_name_and_command_has_its_place(site):
 
 
 def test_every_figure_and_page_that_is_named_is_there(site):
-    for page in site.rglob("*.html"):
-        for target in re.findall(r'(?:src|href)="([^"#?:]+)', page.read_text(encoding="utf-8")):
-            if not target.startswith("//"):
+    for page in set(site.rglob("*.html")) - set((site / "_static").rglob("*")):  # there lie templates
+        for target in re.findall(r'(?:src|href)="([^"#?]+)', page.read_text(encoding="utf-8")):
+            if ":" not in target and not target.startswith("//"):
                 assert (page.parent / target).exists(), f"{page}: {target}"
 
 
@@ -51,11 +51,11 @@ def test_the_search_finds_backlash(site, tmp_path):
     async def look(page):
         wait = (
             "new Promise(done => { let n = 0; const tick = () => {"
-            "const found = document.querySelectorAll('#search-results li a').length;"
+            "const found = document.querySelectorAll('#search-results a[href*=\"effects/backlash\"]').length;"
             "if (found || ++n > 100) done(found); else setTimeout(tick, 100); }; tick(); })"
         )
         seen["hits"] = await page.run(wait)
 
     (tmp_path / "profile").mkdir()
     visit(site / "search.html", tmp_path / "profile", look, "?q=backlash", ready="true")
-    assert seen["hits"] > 2
+    assert seen["hits"] > 0
