@@ -189,7 +189,7 @@ def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
     for fit, _ in choice.tried:
         for place in fit.places:
             if place not in chosen and place not in found:
-                behind = log_bayes_factor(fit, choice.best, problem, choice.value)
+                behind = log_bayes_factor(fit, choice.best, problem)
                 if behind < -problem.policy.reach:
                     found[place] = Rejected(*place, behind, ON_THE_WAY)
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))

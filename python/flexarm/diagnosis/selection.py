@@ -18,7 +18,7 @@ from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import Channel, log_bayes_factor, variance_inflation
+from flexarm.diagnosis.evidence import log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
 from flexarm.diagnosis.moves.search_state import Move, SearchState
@@ -40,8 +40,6 @@ class Choice:
         The nominal model and the chosen one; both with unknowns fitted.
     estimator : Estimator
         About the chosen model.
-    value : dict
-        Worth of the samples, T of `evidence`, after the chosen model.
     rivals : list of (list of Rival)
         For each effect of `best`, the best first.
     needed : list of float
@@ -53,7 +51,6 @@ class Choice:
     null: Fit
     best: Fit
     estimator: Estimator
-    value: Mapping[Channel, float]
     rivals: list[list[Rival]] = field(default_factory=list)
     needed: list[float] = field(default_factory=list)
     tried: list[tuple[Fit, float]] = field(default_factory=list)
@@ -62,7 +59,7 @@ class Choice:
     def gain(self) -> float:
         """Return ln Z of the chosen model over the nominal one."""
         problem = self.estimator.problem
-        return log_bayes_factor(self.best, self.null, problem, self.value)
+        return log_bayes_factor(self.best, self.null, problem)
 
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
@@ -76,7 +73,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     most = problem.policy.most_effects
     tell("weighing rivals", most / (most + 1))
     choice = swap(state, *settled(best, about))
-    gains = [(f, log_bayes_factor(f, null, problem, choice.value)) for f in state.tried]
+    gains = [(f, log_bayes_factor(f, null, problem)) for f in state.tried]
     return replace(choice, tried=gains)
 
 
@@ -202,15 +199,14 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
 def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
-    value = variance_inflation(best.projected, criteria.problem)
     rivals, needed = [], []
     for k, member in enumerate(best.members):
-        rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried, value))
+        rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried))
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or carries(others, member)
         fewer = None if alone else without(others, about, state.tried)
-        needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem, value))
-    return Choice(state.null, best, about, value, rivals, needed)
+        needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem))
+    return Choice(state.null, best, about, rivals, needed)
 
 
 def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:

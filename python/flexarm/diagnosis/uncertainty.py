@@ -26,9 +26,9 @@ textbook's interval with G - 1.
 
 No simulation is exact, and a fit hides from its own residual what the simulation errs in the direction of its
 parameters. An error moves like what it is an error of, but out of phase with it: a surrogate [Theiler1992] of
-the parameter's own column of J has the same spectrum with random phases, here as large as `discrepancies` of
-the noise where it is largest. With a = J H^-1 u_p, by which a parameter depends on residuals, and transforms
-A and S of a and of that surrogate in a channel of n samples, it adds the variance
+the parameter's own column of J has the same spectrum with random phases, here as large as
+`simulation_errors` of the noise where it is largest. With a = J H^-1 u_p, by which a parameter depends on
+residuals, and transforms A and S of a and of that surrogate in a channel of n samples, it adds the variance
 
 .. math:: \sum_\text{channels} \frac{1}{n^2} \sum_f |A_f|^2 |S_f|^2                                   (3)
 
@@ -47,7 +47,7 @@ from numpy.typing import NDArray
 from flexarm.arm.joint_units import parameters_in
 from flexarm.arrays import Floats
 from flexarm.diagnosis.cross_validation import folds
-from flexarm.diagnosis.evidence import discrepancies
+from flexarm.diagnosis.evidence import simulation_errors
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
@@ -89,7 +89,7 @@ def estimates(fit: Fit, problem: Problem, seed: int = 0) -> Estimates:
 def draws(
     fit: Fit, problem: Problem, rng: np.random.Generator, errors: Floats | float | None = None
 ) -> Floats:
-    """p_b - p of (1), shape (DRAWS, k + m); `errors` of the simulation, if not `discrepancies`."""
+    """p_b - p of (1), shape (DRAWS, k + m); `errors` of the simulation, if not `simulation_errors`."""
     jacobian, residual, prior = joint_jacobian(fit)
     root = NormalEquations.of(jacobian, prior).root()
     inverse = root @ root.T
@@ -97,7 +97,7 @@ def draws(
     weights = rng.multinomial(len(pulls), np.full(len(pulls), 1.0 / len(pulls)), size=DRAWS) - 1.0
     xi, error = rng.standard_normal((2, DRAWS, len(prior)))
     moved = (xi * np.sqrt(prior)) @ inverse - (weights @ pulls) * _wider(freedom)  # eq. (1)
-    errors = discrepancies(problem, fit.non_smooth) if errors is None else errors
+    errors = simulation_errors(problem, fit.non_smooth) if errors is None else errors
     size = np.broadcast_to(errors, len(problem))
     found: Floats = moved + surrogates(problem, jacobian, inverse, size) * error
     return found

@@ -219,7 +219,7 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
     sizes = estimates(choice.best, problem, seed)
-    drifts = tuple(constancy(choice.best, problem, choice.value))
+    drifts = tuple(constancy(choice.best, problem))
     criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
     share = criteria.policy.negligible_share if has_implausible_size(choice.best) else None
