@@ -108,6 +108,22 @@ class TimeDiscrepancy:
             found[TRANSIENT:] = rest / np.sqrt(variance[-1])
         return found
 
+    def times(self, values: Floats) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found: Floats = self.noise * values
+        if self.size > 0:
+            for rows in self.stretches:
+                found[rows] += self.size * self._correlated(values[rows])
+        return found
+
+    def _correlated(self, values: Floats) -> Floats:
+        """Return K times values: what decays after each sample, and before it."""
+        from scipy.signal import lfilter
+
+        after = lfilter([1.0], [1.0, -self._phi], values, axis=0)
+        before = lfilter([1.0], [1.0, -self._phi], values[::-1], axis=0)[::-1]
+        return np.asarray(after + before - values)
+
     @property
     def log_determinant(self) -> float:
         """ln |C|."""
@@ -131,6 +147,11 @@ class PoseDiscrepancy:
         """Return values of shape (n, ...) in directions of their own, over their deviation."""
         turned = self.vectors.T @ values
         found: Floats = (turned.T / np.sqrt(self.variances)).T
+        return found
+
+    def times(self, values: Floats) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found: Floats = self.vectors @ ((self.vectors.T @ values).T * self.variances).T
         return found
 
     @property

@@ -117,6 +117,13 @@ class Evidence:
         """Return the root of C^-1 times values of shape (n, ...)."""
         return whitened(values, problem, self.discrepancies)
 
+    def covariance_times(self, values: Floats, problem: Problem) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found = np.empty_like(values)
+        for (_, where), each in zip(problem.channels(), self.discrepancies, strict=True):
+            found[where] = each.times(values[where])
+        return found
+
 
 def whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy, ...]) -> Floats:
     """Return the root of C^-1 times values of shape (n, ...)."""
@@ -163,6 +170,21 @@ def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
         float(pulls @ pulls) / 2,
         occam(fit, weighed[:, :-1], fit.z + step[:k]),
     )
+
+
+def explained_share(fit: Fit, fewer: Fit, problem: Problem) -> float:
+    """Return the coefficient of partial determination of what a model has and another one lacks.
+
+    Mean squares above the noise are summed over the channels, each weighed by how much the two models differ
+    there: what is left elsewhere says nothing of the effect.
+    """
+    left, before = 0.0, 0.0
+    for each, where in problem.channels():
+        noise = 1.0 + each.explained_square(fit.non_smooth)
+        weight = float(np.sum((fit.projected[where] - fewer.projected[where]) ** 2))
+        left += weight * max(float(np.mean(fit.projected[where] ** 2)) - noise, 0.0)
+        before += weight * max(float(np.mean(fewer.projected[where] ** 2)) - noise, 0.0)
+    return max(1.0 - left / before, 0.0) if before > 0 else 1.0
 
 
 def log_bayes_factor(one: Fit, other: Fit, problem: Problem) -> float:

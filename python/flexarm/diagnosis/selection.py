@@ -18,7 +18,7 @@ from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import log_bayes_factor
+from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
 from flexarm.diagnosis.moves.search_state import Move, SearchState
@@ -44,6 +44,8 @@ class Choice:
         For each effect of `best`, the best first.
     needed : list of float
         ln Z of the chosen model over itself without each of its effects.
+    shares : list of float
+        Part of the gap where each effect acts that it explains (`evidence.explained_share`).
     tried : list of (Fit, float)
         Every fit and its gain of ln Z over the nominal model.
     """
@@ -53,6 +55,7 @@ class Choice:
     estimator: Estimator
     rivals: list[list[Rival]] = field(default_factory=list)
     needed: list[float] = field(default_factory=list)
+    shares: list[float] = field(default_factory=list)
     tried: list[tuple[Fit, float]] = field(default_factory=list)
 
     @property
@@ -199,14 +202,15 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
 def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
-    rivals, needed = [], []
+    rivals, needed, shares = [], [], []
     for k, member in enumerate(best.members):
         rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried))
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or carries(others, member)
         fewer = None if alone else without(others, about, state.tried)
         needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem))
-    return Choice(state.null, best, about, rivals, needed)
+        shares.append(explained_share(best, fewer or state.null, criteria.problem))
+    return Choice(state.null, best, about, rivals, needed, shares)
 
 
 def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:

@@ -146,7 +146,7 @@ def diagnose(
         problem = problem.without(out)
         choice = _chosen(problem, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
-    found = _conclusion(choice, coarse, problem, seed)
+    found = _conclusion(choice, coarse, problem)
     tell(0.83, "next experiment")
     further = next_experiment(choice, problem, found.verdict == "unexplained")
     tell(0.85, "verifying")
@@ -212,13 +212,13 @@ class _Conclusion:
     ends: str
 
 
-def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int) -> _Conclusion:
+def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
-    sizes = estimates(choice.best, problem, seed)
+    sizes = estimates(choice.best, problem)
     drifts = tuple(constancy(choice.best, problem))
     criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
