@@ -54,11 +54,15 @@ QUANTITIES: dict[str, Quantity] = {
     "payload_mass": Quantity(("kg",), ("payload",), only_static=True),
 }
 
+CURRENT, TORQUE = "motor_current", "motor_torque"
+"""A motor's current is told as its torque, by a torque constant."""
+
 QuantityName = Literal[
     "joint_angle",
     "joint_rate",
     "joint_command",
     "motor_torque",
+    "motor_current",
     "motor_voltage",
     "position",
     "orientation",

@@ -22,6 +22,7 @@ from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record
 
 
@@ -104,7 +105,20 @@ def compare(
         dict(simulated.skipped),
         modes_hz,
         (*unplaced, *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        _found_frames(simulated, aligned) if align else {},
     )
+
+
+def _found_frames(
+    simulated: SimulatedRecord, aligned: Alignment
+) -> dict[str, tuple[list[float], list[float]]]:
+    """Return poses of the frames of which the record knows nothing, with effects of the model on them."""
+    seen = {signal.frame: signal for signal in simulated.evidence.values()}
+    return {
+        name: simulated.frame(seen[name], aligned.placement).pose
+        for name, frame in simulated.record.frames.items()
+        if frame.unknown and name in seen
+    }
 
 
 def _notes(

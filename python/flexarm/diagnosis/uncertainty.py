@@ -124,11 +124,11 @@ def _of_unknowns(fit: Fit, sigma: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
     for unknown, x, std in zip(fit.nuisance.parameters, best.tolist(), sigma.tolist(), strict=True):
         if unknown.kind == "start":
             continue
-        value = unknown.centre + unknown.kept(x)
+        value = unknown.centre + (x if unknown.kind == "base" else unknown.kept(x))
         if unknown.kind == "nominal":
             refined.append(Refined(unknown.key, value, std, unknown.centre, unknown.unit))
             continue
         low, high = value - WITHIN * std, value + WITHIN * std
-        name = unknown.key.split(".", 3)[3]
+        name = f"angle.{unknown.key[-1]}" if unknown.kind == "base" else unknown.key.split(".", 3)[3]
         nuisances.setdefault(unknown.place, []).append(Estimate(name, value, std, low, high, unknown.unit))
     return tuple(Nuisance(*place, tuple(each)) for place, each in nuisances.items()), tuple(refined)

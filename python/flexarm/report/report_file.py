@@ -141,6 +141,13 @@ class StageEntry(_Entry):
     rms: dict[str, Known]
 
 
+class PoseEntry(_Entry):
+    """A frame of measurement in the base."""
+
+    xyz: list[float]
+    rpy: list[float]
+
+
 class DetailsEntry(_Entry):
     """Details of the page beside the agreed keys."""
 
@@ -152,6 +159,7 @@ class DetailsEntry(_Entry):
     remarks: list[str]
     stages: list[StageEntry]
     constancy: list[dict[str, Any]]
+    frames: dict[str, dict[str, PoseEntry]] = Field(default_factory=dict)
 
 
 class ReportFile(BaseModel):
@@ -223,6 +231,11 @@ def _details(d: Diagnosis) -> dict[str, Any]:
         "remarks": [*filter(None, [foretold_sentence(d)]), *remarks_beside(d)],
         "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],
         "constancy": d.constancy,
+        "frames": {
+            record: {name: {"xyz": xyz, "rpy": rpy} for name, (xyz, rpy) in found.items()}
+            for record, found in d.frames.items()
+            if found
+        },
     }
 
 

@@ -86,6 +86,7 @@ def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
         "unknowns": [[u.place, u.kind, u.axis, u.centre, u.sigma, u.step] for u in aligned.parameters],
         "values": [float(value) for value in aligned.values],
         "std": [float(value) for value in aligned.std],
+        "frames": comparison.frames,
     }
 
 
@@ -208,6 +209,7 @@ def _comparisons(dataset: xr.Dataset) -> dict[str, dict[str, Comparison]]:
             told["skipped"],
             tuple(told["modes_hz"]),
             tuple(told["notes"]),
+            {name: (xyz, rpy) for name, (xyz, rpy) in told.get("frames", {}).items()},
         )
     return found
 
