@@ -13,13 +13,18 @@ over their deviation are white [Kalman1960]:
           \hat x_{t+1} = \phi (\hat x_t + P_t e_t/V_t), \quad
           P_{t+1} = \phi^2 P_t r/V_t + s^2 (1 - \phi^2), \quad \phi = e^{-1/L}                         (2)
 
-Pauses restart the filter. s and L maximise Whittle's likelihood of the periodogram [Whittle1953],
+Pauses restart the filter. s and L maximise Whittle's likelihood of the periodogram [Whittle1953] times a
+prior,
 
-.. math:: \ln p = -\tfrac12 \sum_k (\ln S_k + I_k/S_k), \quad
+.. math:: \ln p = -\tfrac12 \sum_k (\ln S_k + I_k/S_k) - \tfrac12 \ln(1 + s^2/r), \quad
           S_k = r + s^2 \frac{1 - \phi^2}{1 - 2 \phi \cos \omega_k + \phi^2}                           (3)
 
+The prior of s is a half-Cauchy one of the noise's scale [Gelman2006], times the width of what data leave of
+it, which grows with s: a model that needs a discrepancy of s times the noise is less likely by that factor.
+What lasts longer than a tenth of a record is no discrepancy: an offset or a drift is an effect.
+
 Poses have no order in time: there K_ij = exp(-|a_i - a_j|^2/(2 L^2)) with a the joints' angles over their
-spread, and one eigendecomposition of K whitens all models [Rasmussen2006].
+spread, L a part of it, and one eigendecomposition of K whitens all models [Rasmussen2006].
 """
 
 from __future__ import annotations
@@ -40,8 +45,10 @@ TRANSIENT = 64
 """Samples after which the gain of (2) is constant: it settles within a few, or does not matter."""
 PAUSE = 3.0
 """Interval over the usual one that is a pause of a record."""
-LENGTHS = (0.1, 0.3, 1.0, 3.0)
+LENGTHS = (0.1, 0.2, 0.5)
 """Correlation lengths of poses, over the spread of their angles."""
+LONGEST = 0.1
+"""Greatest correlation length in time, part of the record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +132,11 @@ class TimeDiscrepancy:
         return np.asarray(after + before - values)
 
     @property
+    def log_prior(self) -> float:
+        """Logarithm of the prior of s, at most 0."""
+        return float(log_prior(self.size / self.noise))
+
+    @property
     def log_determinant(self) -> float:
         """ln |C|."""
         if self.size == 0:
@@ -138,10 +150,19 @@ class TimeDiscrepancy:
 
 @dataclass(frozen=True, eq=False)
 class PoseDiscrepancy:
-    """Eq. (1) of a channel of poses: `vectors` and `variances` are eigenvectors and eigenvalues of C."""
+    """Eq. (1) of a channel of poses.
+
+    Attributes
+    ----------
+    vectors, variances : ndarray, shape (n, n) and (n,)
+        Eigenvectors and eigenvalues of C.
+    log_prior : float
+        Logarithm of the prior of s, at most 0.
+    """
 
     vectors: Floats
     variances: Floats
+    log_prior: float = 0.0
 
     def whitened(self, values: Floats) -> Floats:
         """Return values of shape (n, ...) in directions of their own, over their deviation."""
@@ -163,6 +184,11 @@ class PoseDiscrepancy:
 Discrepancy = TimeDiscrepancy | PoseDiscrepancy
 
 
+def log_prior(square: Any) -> Any:
+    """Return the last term of (3) for s^2/r."""
+    return -0.5 * np.log1p(square)
+
+
 def stretches(time: Floats) -> list[slice]:
     """Return the rows between pauses of a record."""
     steps = np.diff(time)
@@ -172,15 +198,16 @@ def stretches(time: Floats) -> list[slice]:
 
 
 def in_time(rest: Floats, time: Floats, noise: float) -> TimeDiscrepancy:
-    """Return the most likely discrepancy of a channel in time, by (3)."""
+    """Return the most probable discrepancy of a channel in time, by (3)."""
     n = len(rest)
     omega, power, count = _binned(rest)
     sizes = noise * np.geomspace(1e-3, max(10.0 * float(np.mean(rest**2)) / noise, 1.0), 60)
-    lengths = np.geomspace(1.0, max(n / 2, 2.0), max(int(3 * np.log(max(n / 2, 2.0))), 2))
+    longest = max(LONGEST * n, 2.0)
+    lengths = np.geomspace(1.0, longest, max(int(3 * np.log(longest)), 2))
     phi = np.exp(-1.0 / lengths)[:, None]
     shape = (1 - phi**2) / (1 - 2 * phi * np.cos(omega) + phi**2)
     density = noise + sizes[:, None, None] * shape  # eq. (3)
-    likely = -0.5 * ((np.log(density) + power / density) @ count)
+    likely = -0.5 * ((np.log(density) + power / density) @ count) + log_prior(sizes / noise)[:, None]
     nothing = -0.5 * float((np.log(noise) + power / noise) @ count)
     i, j = np.unravel_index(int(np.argmax(likely)), likely.shape)
     there = stretches(time)
@@ -235,14 +262,15 @@ def pose_kernels(angles: Floats) -> list[tuple[Floats, Floats]]:
 
 
 def of_poses(rest: Floats, kernels: Sequence[tuple[Floats, Floats]], noise: float) -> PoseDiscrepancy:
-    """Return the most likely discrepancy of a channel of poses."""
+    """Return the most probable discrepancy of a channel of poses."""
     sizes = noise * np.concatenate([[0.0], np.geomspace(1e-3, max(10 * float(np.mean(rest**2)), 1.0), 60)])
     best = None
     for values, vectors in kernels:
         variances = noise + sizes[:, None] * values
-        likely = -0.5 * np.sum(np.log(variances) + (vectors.T @ rest) ** 2 / variances, axis=1)
+        prior = log_prior(sizes / noise)
+        likely = prior - 0.5 * np.sum(np.log(variances) + (vectors.T @ rest) ** 2 / variances, axis=1)
         k = int(np.argmax(likely))
         if best is None or likely[k] > best[0]:
-            best = (float(likely[k]), PoseDiscrepancy(vectors, variances[k]))
+            best = (float(likely[k]), PoseDiscrepancy(vectors, variances[k], float(prior[k])))
     assert best is not None
     return best[1]

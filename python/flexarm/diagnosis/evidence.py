@@ -100,7 +100,7 @@ class Evidence:
     left : ndarray, shape (n,)
         r at the optimum of (1).
     log_likelihood : float
-        -(r C^-1 r + ln|C|)/2.
+        -(r C^-1 r + ln|C|)/2, and the priors of the discrepancies.
     pulls : float
         |x/sigma|^2/2 of nuisance parameters.
     occam : float
@@ -162,7 +162,7 @@ def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
     left = fit.projected[:n] + jacobian @ step
     pulls = fit.projected[n:] + step[k:] / fit.projection.sigma
     white = whitened(left, problem, discrepancies)
-    determinant = sum(each.log_determinant for each in discrepancies)
+    determinant = sum(each.log_determinant - 2 * each.log_prior for each in discrepancies)
     return Evidence(
         discrepancies,
         left,
