@@ -115,6 +115,11 @@ class TimeDiscrepancy:
             found[TRANSIENT:] = rest / np.sqrt(variance[-1])
         return found
 
+    @property
+    def long_run_variance(self) -> float:
+        """Variance of the mean of many samples times their number: the spectral density at zero."""
+        return self.noise + self.size * (1 + self._phi) / (1 - self._phi)
+
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""
         found: Floats = self.noise * values
@@ -169,6 +174,11 @@ class PoseDiscrepancy:
         turned = self.vectors.T @ values
         found: Floats = (turned.T / np.sqrt(self.variances)).T
         return found
+
+    @property
+    def long_run_variance(self) -> float:
+        """Variance of the mean times the number of poses."""
+        return float(self.vectors.sum(axis=0) ** 2 @ self.variances / len(self.variances))
 
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""

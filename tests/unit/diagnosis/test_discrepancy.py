@@ -39,6 +39,15 @@ def test_the_filter_whitens_as_the_inverse_of_the_covariance_does(noise, size, l
     assert there.times(values) == pytest.approx(matrix @ values, rel=1e-9)
 
 
+def test_the_variance_of_a_mean_follows_from_the_covariance():
+    parts, n = [slice(0, N)], 80
+    there = TimeDiscrepancy(parts, 1.0, 4.0, 3.0)
+    assert there.long_run_variance == pytest.approx(covariance(1.0, 4.0, 3.0, parts).sum() / N, rel=0.03)
+    values, vectors = pose_kernels(RNG.normal(size=(n, 2)))[1]
+    poses = PoseDiscrepancy(vectors, 1.0 + 4.0 * values)
+    assert poses.long_run_variance == pytest.approx(poses.times(np.ones(n)).sum() / n)
+
+
 def test_white_noise_has_no_discrepancy_that_matters():
     """The most likely one of noise is small; 0.2 of 4000 samples would show at four sigmas."""
     found = in_time(RNG.normal(size=4000), np.arange(4000.0), 1.0)
