@@ -129,7 +129,7 @@ def test_measured_points_stand_off_by_the_gap(tmp_path, run):
     tip_bone = Skeleton(run.arm).points["tip"]
     away = clip.poses.x[:, bones[0]] - clip.poses.x[:, tip_bone]
     inside = (clip.time > 0.06) & (clip.time < 0.54)
-    times = float(next(note for note in scene.notes if "gap" in note).split("× ")[1].split(";")[0])
+    times = float(next(note for note in scene.notes if "gaps" in note).split("× ")[1])
     assert np.allclose(away[inside], times * shift, atol=times * 2e-6)
     assert np.isnan(away[0]).all()  # before the first row nothing is shown
 
@@ -214,7 +214,7 @@ def test_the_command_shows_models_runs_and_records(tmp_path, capsys, run):
     assert command([*simulate, str(tmp_path / "run")]) == 0
     for name in ("run", "run/simulation.nc", "run/record.toml"):  # the model is beside the record
         assert command(["view", str(tmp_path / name), "--out", str(out), "--force"]) == 0
-        assert "<title>two links: run of 0.3 s" in out.read_text() or "gap measured" in out.read_text()
+        assert "<title>two links: run of 0.3 s" in out.read_text() or "gaps measured" in out.read_text()
     (tmp_path / "part.inp").write_text("")
     assert command(["view", str(tmp_path / "part.inp"), "--out", str(out), "--force"]) == 2
     assert command(["view", str(tmp_path / "arm.toml"), "--scale", "-1"]) == 2

@@ -223,6 +223,8 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
     def view(self, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None) -> View:
         """Show the updated model in three dimensions, along a record with its measured points.
 
+        The nominal model is beside it, at the click of a button.
+
         Parameters
         ----------
         record : Record, optional

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +34,9 @@ from flexarm.wording import number
 LAYERS = {
     "beams": Layer("beams", STYLE.beam, "beams, with their sections"),
     "rigid links": Layer("rigid links", STYLE.body, "rigid links"),
-    "super-elements": Layer("super-elements", STYLE.part, "super-elements"),
+    "super-elements": Layer(
+        "super-elements", STYLE.part, "super-elements; meshes go evenly from interface to interface"
+    ),
     "joints": Layer("joints", STYLE.axis, "joints and their axes"),
     "payloads": Layer("payloads", STYLE.payload, "payloads, as steel balls of their mass"),
     "points": Layer("points", STYLE.points, "points that sensors see"),
@@ -108,7 +111,8 @@ class Bodies:
                 yield from self._triad(bone, f"{link.name} {bone}")
         else:
             body = self.meshes.get(link.name) or self._sticks(link)
-            yield body.on(bones[0], "rigid links", link.name, STYLE.body)
+            skin = body.on(bones[0], "rigid links", link.name, STYLE.body)
+            yield replace(skin, flat=link.name in self.meshes)
             yield from self._triad(bones[0], link.name)
 
     def _sticks(self, link: Link) -> Surface:
@@ -202,14 +206,16 @@ def part_skins(
     name: str, part: SuperElement, bones: list[int], size: float, mesh: Surface | None
 ) -> Iterator[Skin]:
     """Return a super-element on its interfaces: its mesh, or sticks that meet in the middle."""
-    if mesh is None:
+    surface = mesh
+    if surface is None:
         middle = part.positions.mean(axis=0)
         radius = STYLE.stick * size
-        mesh = joined(
+        surface = joined(
             ball(1.6 * radius).moved(np.eye(3), middle),
             *(rod(middle, p, radius) for p in part.positions if np.linalg.norm(p - middle) > radius),
         )
-    yield hung(mesh, bones, part.positions, part.rotations, "super-elements", name, STYLE.part)
+    skin = hung(surface, bones, part.positions, part.rotations, "super-elements", name, STYLE.part)
+    yield skin if mesh is None else replace(skin, flat=True, opacity=STYLE.meshed)
     plate = 1.6 * STYLE.joint * size
     for bone, interface in zip(bones, part.interfaces, strict=True):
         where = box(np.full(3, plate))

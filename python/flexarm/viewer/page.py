@@ -91,6 +91,7 @@ def _skin(skin: Skin) -> dict[str, Any]:
         "name": skin.name.replace("/", "|"),  # a slash parts the names of Meshcat's tree
         "colour": skin.colour,
         "opacity": skin.opacity,
+        "flat": skin.flat,
         "lines": skin.faces.shape[1] == 2,
         "corners": len(skin.bone),
         "bone": _packed(skin.bone, "<i2"),

@@ -81,7 +81,7 @@
     } else {
       object = new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({
         color: data.colour, opacity: data.opacity, transparent: clear, depthWrite: !clear,
-        side: THREE.DoubleSide, shininess: 40, specular: 0x222222 }));
+        flatShading: data.flat, side: THREE.DoubleSide, shininess: 40, specular: 0x222222 }));
     }
     object.frustumCulled = false;
     viewer.set_object(["arm", data.layer, data.name], object);
@@ -204,6 +204,7 @@
   function choose(index) {
     clip = clips[index];
     byId("text").textContent = clip.text;
+    byId("text").style.display = clip.text ? "" : "none";
     [...byId("clips").children].forEach((button, i) => button.classList.toggle("on", i === index));
     document.body.classList.toggle("moving", clip.time.length > 1);
     byId("slider").min = clip.time[0];

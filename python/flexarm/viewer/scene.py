@@ -22,11 +22,12 @@ class Style:
     arrow: float = 0.14
     shown_deformation: float = 0.06
     shown_mode: float = 0.12
-    shown_gap: float = 0.04
+    shown_gap: float = 0.1
     payload_density: float = 7850.0
     frames_per_second: float = 30.0
     most_frames: int = 900
     mode_frames: int = 32
+    meshed: float = 0.65
     beam: str = "#3d7ab8"
     body: str = "#9aa3ad"
     part: str = "#5a9e8f"

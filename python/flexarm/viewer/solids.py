@@ -43,6 +43,8 @@ class Skin:
         Of the bones; None: one bone each.
     opacity : float
         0 to 1.
+    flat : bool
+        Faces are shaded flat, which keeps edges of meshes sharp.
     """
 
     layer: str
@@ -53,6 +55,7 @@ class Skin:
     colour: str
     weight: Floats | None = None
     opacity: float = 1.0
+    flat: bool = False
 
     def shifted(self, bones: int, layer: str, colour: str, opacity: float) -> Skin:
         """Return a copy on other bones, for a second arm beside the first."""

@@ -115,11 +115,16 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
 
 
 def of_simulation(
-    run: Simulation, scale: float = 1.0, meshes: Meshes | None = None, measured: Iterable[Measured] = ()
+    run: Simulation,
+    scale: float = 1.0,
+    meshes: Meshes | None = None,
+    measured: Iterable[Measured] = (),
+    gaps_times: float | None = None,
 ) -> Scene:
     """Return a run at true speed, displacements from the rigid arm times `scale`, with what was measured.
 
     Shapes of links are not stored with a run: it is made again along its own motor angles, with rotations.
+    Gaps are shown times `gaps_times`, by default so that they show.
     """
     skeleton = Skeleton(run.arm)
     again = _again(skeleton, run)
@@ -139,7 +144,16 @@ def of_simulation(
         )
     skins, labels, layers, tracks = [], [], [], [poses.x]
     count = len(skeleton.bones)
-    for name, place, track, kind in _tracks(measured, skeleton, poses, time, size, notes):
+    seen = [each for each in measured if each.point in skeleton.points]
+    gaps = [each.gap(time) for each in seen]
+    largest = _largest(gaps)
+    times = gap_scale(run, seen) if gaps_times is None else gaps_times
+    if seen:
+        notes.append(f"gaps measured − predicted × {times:g}")
+        notes += dict.fromkeys(each.note for each in seen if each.note)
+    for each, gap in zip(seen, gaps, strict=True):
+        name, place, kind = each.name, skeleton.points[each.point], "measured"
+        track = poses.x[:, place] + times * gap
         bone = count + len(tracks) - 1
         tracks.append(track[:, None])
         skins.append(ball(1.4 * STYLE.point * size).on(bone, kind, name, STYLE.measured))
@@ -153,7 +167,8 @@ def of_simulation(
     extra[:, :count] = poses.R
     paths = [_path(name, poses.x[:, bone]) for name, bone in skeleton.points.items()]
     layers.append(Layer("paths", STYLE.points, "paths of points"))
-    clip = Clip("run", time, Poses(extra, all_x))
+    said = f"gaps up to {with_unit(largest, 'm')} along an axis" if seen else ""
+    clip = Clip("run", time, Poses(extra, all_x), said)
     return replace(
         _scene(
             f"{run.arm.name}: run of {run.time[-1] - run.time[0]:.4g} s",
@@ -166,6 +181,12 @@ def of_simulation(
         ),
         labels=(*bodies.labels(), *labels, *_gravity_label(run.arm, size)),
     )
+
+
+def gap_scale(run: Simulation, measured: Iterable[Measured]) -> float:
+    """Return the factor with which the largest gap of a run shows."""
+    largest = _largest([each.gap(run.time) for each in measured])
+    return _scale_of(largest, _size(run.position), STYLE.shown_gap)
 
 
 def of_superelement(part: SuperElement, surface: Surface | None = None) -> Scene:
@@ -186,7 +207,7 @@ def of_superelement(part: SuperElement, surface: Surface | None = None) -> Scene
     if surface is None:
         notes.append("no mesh given: sticks from the middle to the interfaces")
     layers = [
-        LAYERS["super-elements"],
+        replace(LAYERS["super-elements"], text="the part and its interfaces"),
         replace(LAYERS["payloads"], text="centre of mass"),
         replace(LAYERS["frames"], text="axes of interfaces: x red, y green, z blue", shown=True),
     ]
@@ -234,29 +255,6 @@ def _path(name: str, x: Floats) -> Skin:
     lines = np.stack([np.arange(len(x) - 1), np.arange(1, len(x))], axis=1)
     bone = np.full((len(x), 1), -1)
     return Skin("paths", f"{name} path", bone, x[:, None], lines, STYLE.points)
-
-
-def _tracks(
-    measured: Iterable[Measured],
-    skeleton: Skeleton,
-    poses: Poses,
-    time: Floats,
-    size: float,
-    notes: list[str],
-) -> list[tuple[str, int, Floats, str]]:
-    """Return name, bone, positions (m, 3) and layer of every measured point, its gap enlarged to be seen."""
-    seen = [each for each in measured if each.point in skeleton.points]
-    gaps = [each.gap(time) for each in seen]
-    largest = max((float(np.nanmax(np.abs(gap), initial=0.0)) for gap in gaps), default=0.0)
-    times = _scale_of(largest, size, STYLE.shown_gap)
-    if seen:
-        notes.append(f"gap measured − predicted × {times:g}; the largest is {with_unit(largest, 'm')}")
-        notes += dict.fromkeys(each.note for each in seen if each.note)
-    found = []
-    for each, gap in zip(seen, gaps, strict=True):
-        bone = skeleton.points[each.point]
-        found.append((each.name, bone, poses.x[:, bone] + times * gap, "measured"))
-    return found
 
 
 def _equilibrium(skeleton: Skeleton, found: Statics) -> Poses:
@@ -310,6 +308,10 @@ def _size(x: Floats) -> float:
     """Return the extent of positions (..., 3) and the origin [m]."""
     flat = np.concatenate([x.reshape(-1, 3), np.zeros((1, 3))])
     return max(float(np.linalg.norm(flat.max(axis=0) - flat.min(axis=0))), 1e-6)
+
+
+def _largest(gaps: list[Floats]) -> float:
+    return max((float(np.nanmax(np.abs(gap), initial=0.0)) for gap in gaps), default=0.0)
 
 
 def _farthest(moved: Floats) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -23,7 +24,7 @@ from flexarm.viewer.bodies import Meshes
 from flexarm.viewer.measured import measured_points
 from flexarm.viewer.page import page
 from flexarm.viewer.scene import Scene
-from flexarm.viewer.stages import of_arm, of_modes, of_simulation, of_statics, of_superelement
+from flexarm.viewer.stages import gap_scale, of_arm, of_modes, of_simulation, of_statics, of_superelement
 from flexarm.viewer.urdf_meshes import part_surface, urdf_meshes
 
 HEIGHT = 620
@@ -138,7 +139,24 @@ def _superelement(part: SuperElement, mesh: SolidMesh | str | Path | None = None
 def _diagnosis(
     found: Diagnosis, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None
 ) -> Scene:
-    return of_record(found.updated, record, scale, urdf) if record else _arm(found.updated, urdf=urdf)
+    named = [f"{effect.name} at {effect.at}" for effect in found.effects]
+    note = f"updated model: {', '.join(named)}" if named else f"updated model; verdict: {found.verdict}"
+    scene = _arm(found.updated, urdf=urdf) if record is None else _repaired(found, record, scale, urdf)
+    return replace(scene, title=f"{found.arm.name}: diagnosis", notes=(note, *scene.notes))
+
+
+def _repaired(found: Diagnosis, record: Record, scale: float, urdf: str | Path | None) -> Scene:
+    """Return the runs of the updated and of the nominal model along a record, gaps at one scale."""
+    pairs = [simulate_record(arm, _motion(record)) for arm in (found.updated, found.arm)]
+    points = [measured_points(pair) for pair in pairs]
+    runs: list[Simulation] = [pair.simulated.simulation for pair in pairs]
+    times = gap_scale(runs[1], points[1])
+    after, before = (
+        of_simulation(run, scale, _meshes(run.arm, urdf), seen, times)
+        for run, seen in zip(runs, points, strict=True)
+    )
+    clips = (replace(after.clips[0], name="updated model"), replace(before.clips[0], name="nominal model"))
+    return replace(after, clips=clips)
 
 
 def of_record(arm: Arm, record: Record, scale: float = 1.0, urdf: str | Path | None = None) -> Scene:
