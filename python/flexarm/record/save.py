@@ -31,8 +31,8 @@ _UNIT_SUFFIX = {
 def write(record: Record, directory: Path) -> None:
     """Write `record.toml` and the CSV files into a directory."""
     placed = [_place(signal) for signal in record.signals.values()]
-    files = _share_out(placed)
-    tables = []
+    files = _share_out([signal for signal in placed if not _is_bare(signal)])
+    tables = [_signal_table(signal, "") for signal in placed if _is_bare(signal)]
     for file, signals in files.items():
         _write_csv(directory / file, signals)
         tables += [_signal_table(signal, file) for signal in signals]
@@ -41,19 +41,29 @@ def write(record: Record, directory: Path) -> None:
     write_file(directory / "record.toml", toml_text(_record_table(record, tables)))
 
 
+def _is_bare(signal: Signal) -> bool:
+    """Return True for the input of a frequency response, which has no values."""
+    return signal.frequency is not None and not signal.input
+
+
 def _place(signal: Signal) -> Signal:
     """Return the signal with a file and names for its columns, where it has none."""
+    if _is_bare(signal):
+        return signal
     suffix = _UNIT_SUFFIX.get(signal.unit)
     directions = signal.axes if signal.spec.channels is None else ()
     directions = ("x", "y", "z", "w") if signal.quantity == "orientation" else directions
     names = [f"{signal.name}_{d}" for d in directions] or [signal.name]
     made = tuple(f"{name}_{suffix}" if suffix else name for name in names)
+    if signal.input:
+        made = tuple(f"{name}_{part}" for name in names for part in ("real", "imaginary"))
     channels = (
         signal.channels if signal.channels and not any(map(_names_other_unit, signal.channels)) else made
     )
     stamps = signal.time_column or "time_s"
     stamps = "time_s" if _names_other_unit(stamps) else stamps
     stamps = "pose" if signal.pose is not None and stamps == "time_s" else stamps
+    stamps = "hz" if signal.frequency is not None and stamps == "time_s" else stamps
     plain = Path(signal.file).name if signal.file else f"{signal.name}.csv"
     return signal.replace(channels=channels, file=plain, time_column=stamps)
 
@@ -84,15 +94,25 @@ def _can_join(others: list[Signal], signal: Signal) -> bool:
 
 
 def _stamps(signal: Signal) -> Any:
-    return signal.time if signal.pose is None else signal.pose
+    stamps = signal.time if signal.frequency is None else signal.frequency
+    return stamps if signal.pose is None else signal.pose
+
+
+def _coherence_column(signal: Signal) -> str:
+    return f"{signal.name}_coherence"
 
 
 def _write_csv(path: Path, signals: list[Signal]) -> None:
     """Numbers in the shortest form that reads back exactly; drop-outs as empty cells."""
     first = signals[0]
-    stamps = [repr(t) for t in first.time.tolist()] if first.pose is None else first.pose.tolist()
+    stamps = [repr(t) for t in _stamps(first).tolist()] if first.pose is None else first.pose.tolist()
     columns = [stamps] + [_cells(column) for s in signals for column in s.values.T]
-    header = ",".join([first.time_column, *(c for s in signals for c in s.channels)])
+    names = [first.time_column, *(c for s in signals for c in s.channels)]
+    for signal in signals:
+        if signal.coherence is not None:
+            columns.append(_cells(signal.coherence))
+            names.append(_coherence_column(signal))
+    header = ",".join(names)
     rows = map(",".join, zip(*columns, strict=True))
     write_file(path, "\n".join([header, *rows]) + "\n")
 
@@ -135,14 +155,18 @@ def _signal_table(signal: Signal, file: str) -> dict[str, Any]:
     """Return the signal's table; keys that say nothing are left out."""
     where = {key: getattr(signal, key) for key in ("joint", "point", "link", "payload", "side")}
     stamp = "time" if signal.pose is None else "pose"
+    stamp = stamp if signal.frequency is None else "frequency"
     axes = {"axes": list(signal.axes)} if signal.axes else {}
     rest = {
         "position": signal.position,
         "fibre": list(signal.fibre) if signal.fibre else None,
         "frame": None if signal.frame == "base" else signal.frame,
-        "file": file,
-        stamp: signal.time_column,
-        "channels": list(signal.channels),
+        "input": signal.input or None,
+        "file": file or None,
+        stamp: signal.time_column if file else None,
+        "channels": list(signal.channels) if file else None,
+        "coherence": None if signal.coherence is None else _coherence_column(signal),
+        "averages": None if signal.averages == 1 else signal.averages,
         "unit": signal.unit,
         "noise_std": signal.noise_std,
         "jitter_std": signal.jitter_std or None,
