@@ -54,6 +54,9 @@ QUANTITIES: dict[str, Quantity] = {
     "payload_mass": Quantity(("kg",), ("payload",), only_static=True),
 }
 
+FRAMED = ("position", "orientation")
+"""Quantities that a frame of measurement places."""
+
 CURRENT, TORQUE = "motor_current", "motor_torque"
 """A motor's current is told as its torque, by a torque constant."""
 

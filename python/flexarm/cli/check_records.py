@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.cli.options import load_arm
+from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 from flexarm.errors import Problem
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 Faults = list[tuple[Path, Problem]]
 
 
-def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+def check_records(
+    model: Path, paths: list[Path], max_seconds: float | None = None
+) -> tuple[dict[str, Any], list[str], Faults]:
     """Return the findings of the sensor check as a dictionary, as lines, and the faults.
 
     Raises
@@ -33,10 +36,15 @@ def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[
     said = [f"frequency responses, of which no sensor is judged: {', '.join(responses)}"] if responses else []
     if not judged:
         return {"kind": "records", "records": responses, "usable": True, "faults": []}, [*said, next_step], []
+    from flexarm.budget import limited
     from flexarm.validation.sensor_check import check
 
-    with blame_one_of(model, files, judged, arm):
-        found = check(arm, judged)
+    with blame_one_of(model, files, judged, arm), progress() as tell, limited(max_seconds):
+        found = check(
+            arm,
+            judged,
+            progress=lambda done: tell(done, "simulating"),
+        )
     ready = found.usable and found.judged
     return _told(found), [found.summary(), *said, *([next_step] if ready else [])], _faults(found, files)
 

@@ -10,8 +10,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.arm.sensor import Measurement
+from flexarm.quantities import FRAMED
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
-from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table
+from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, value_in
 from flexarm.tables.table import Whole
 
 
@@ -71,6 +72,8 @@ class SignalTable(Measurement):
         There: name of the column of the coherence, in place of `noise_std`.
     averages : int
         There: number of averages of the coherence.
+    zero_std : float, optional
+        1 sigma of the zero of the sensor, in the unit of the values; not of places and attitudes.
     """
 
     file: str = Field("", description="name of a CSV file in the record's directory")
@@ -82,6 +85,7 @@ class SignalTable(Measurement):
     input: Name | None = None
     coherence: str | None = None
     averages: Whole = Field(1, ge=1, description="number of averages of the coherence")
+    zero_std: Number | None = value_in("unit", "1 sigma of the zero of the sensor", None, ge=0)
 
     @property
     def si(self) -> tuple[str, float]:
@@ -100,6 +104,9 @@ class SignalTable(Measurement):
                     f"must be {wanted} for {what}, got {len(self.channels)}: {list(self.channels)}",
                 )
             )
+        if self.zero_std is not None and self.quantity in FRAMED:
+            what = f"does not go with {self.quantity}, whose zero is that of its frame; state [frames]"
+            raise Inconsistent((("zero_std",), what))
         if len(set(self.channels)) < len(self.channels):
             raise Inconsistent((("channels",), f"a column is named twice: {list(self.channels)}"))
         return self

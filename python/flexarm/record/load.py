@@ -93,6 +93,7 @@ class _Reader:
             coherence=None if table.coherence is None else self._column(table.file, table.coherence),
             averages=table.averages,
             noise_std=None if table.noise_std is None else table.noise_std * factor,
+            zero_std=None if table.zero_std is None else table.zero_std * factor,
             jitter_std=table.jitter_std,
             clock=table.clock or reference,
             frame=table.frame,
