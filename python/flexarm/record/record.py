@@ -59,7 +59,7 @@ class Record:
     drive : tuple of str
         Signals that drive a simulation; empty: nothing moves.
     description, kind, initial : str
-        `kind` is "motion" or "static" (poses), `initial` "equilibrium" or "moving".
+        `kind` is "motion", "static" (poses) or "frequency_response", `initial` "equilibrium" or "moving".
     joints : dict of str to float
         Where joints stand that nothing drives [rad or m].
     payloads : dict of str to CarriedPayload
@@ -305,6 +305,7 @@ class Record:
 
     def __repr__(self) -> str:
         what = f"{len(self.poses)} poses" if self.kind == "static" else f"{self.duration:.6g} s"
+        what = "frequency responses" if self.kind == "frequency_response" else what
         label = f" {self.description!r}" if self.description else ""
         return f"<Record{label}: {what}, signals {', '.join(self.signals)}>"
 
