@@ -82,13 +82,13 @@ class _Column:
 
     def add(self, value: Any) -> None:
         if isinstance(value, str):
-            self.texts.append(value)
-        else:
-            self.numbers.append(np.nan if value is None else float(value))
+            self.texts += [""] * (len(self.numbers) - len(self.texts)) + [value]
+            value = None
+        self.numbers.append(np.nan if value is None else float(value))
 
     def array(self) -> Array:
         if self.texts:
-            return np.array(self.texts)
+            return np.array(self.texts + [""] * (len(self.numbers) - len(self.texts)))
         return np.frombuffer(self.numbers, dtype=float) if len(self.numbers) else np.array([])
 
 
@@ -164,13 +164,16 @@ class Bag(Source):
         return topic
 
     def groups(self) -> list[Group]:
-        """Return the topics whose messages hold numbers."""
+        """Return the fields of topics by the stamp that they stand beside."""
         found = []
         for topic, kind in self._topics.items():
-            if names := tuple(self.names(topic)):
-                stamps = [name for name in names if name.endswith("header.stamp")]
-                values = tuple(name for name in names if not name.endswith("stamp"))
-                found.append(Group(topic, values, stamps[0] if stamps else LOG, kind))
+            names = self.names(topic)
+            stamps = {name.removesuffix("header.stamp"): name for name in names if name.endswith("stamp")}
+            fields: dict[str, list[str]] = {}
+            for name in (name for name in names if not name.endswith("stamp")):
+                beside = [start for start in stamps if name.startswith(start)]
+                fields.setdefault(stamps[max(beside, key=len)] if beside else LOG, []).append(name)
+            found += [Group(topic, tuple(each), stamp, kind) for stamp, each in fields.items()]
         return found
 
     def array(self, topic: str | None, index: int) -> Array:
@@ -192,6 +195,8 @@ class Bag(Source):
         for column, path in zip(found.columns, request.columns, strict=True):
             if not column.seen:
                 raise Unreadable("columns", missing("field", str(path), self.names(request.topic)))
+            if column.texts:
+                raise Unreadable("columns", f"{path}: must be a number, got {column.texts[-1][:40]!r}")
         if not found.stamped:
             stamps = [name for name in self.names(request.topic) if name.endswith("stamp")]
             what = missing("stamp", str(request.time), stamps)
@@ -242,7 +247,9 @@ def _entries(values: Any, path: str, names: Sequence[str]) -> Iterator[str]:
         for number, entry in enumerate(values, 1):
             key = next((k for label in NAMED_BY if isinstance(k := getattr(entry, label, None), str)), number)
             yield from fields_of(entry, f"{path}[{key}].")
+    elif not len(values) or isinstance(values[0], str):
+        return
     elif len(values) == len(names):
         yield from (f"{path}[{name}]" for name in names)
-    elif len(values) and not isinstance(values[0], str):
+    else:
         yield from (f"{path}[{number}]" for number in range(1, len(values) + 1))

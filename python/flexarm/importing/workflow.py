@@ -281,6 +281,8 @@ def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
         values = values * np.array(table.scale)
     if table.offset != (0.0,):
         values = values + np.array(table.offset)
+    if table.sum:
+        values = values.sum(axis=1, keepdims=True)
     if (factor := table.si[1]) != 1.0:
         values = values * factor
     if table.quaternion == "wxyz":

@@ -17,6 +17,7 @@ from flexarm.budget import allows, current
 from flexarm.campaign import simulate_all
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import solve_poses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
@@ -97,7 +98,11 @@ def _simulations(
     progress: Progress = None,
 ) -> dict[str, Any]:
     """Simulate motions in parallel and poses one after the other."""
-    moving = {name: record for name, record in records.items() if record.kind == "motion"}
+    moving = {
+        name: record
+        for name, record in records.items()
+        if record.kind == "motion" and not rings_freely(record)
+    }
     seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
     budget = current()
     runs = simulate_all(
@@ -113,4 +118,6 @@ def _simulations(
     for name, record in records.items():
         if record.kind == "static":
             found[name] = solve_poses(record.applied_to(arm), record)
+        elif rings_freely(record):
+            found[name] = simulate_free_vibration(record.applied_to(arm), record, step)
     return found
