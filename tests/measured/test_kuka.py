@@ -91,4 +91,4 @@ def test_a_calibration_finds_the_delay_the_zeros_and_the_compliances(robot):
     assert all(1 / 1.5 < mine / by_hand < 1.5 for mine, by_hand in zip(soft, (0.83e-7, 1.29e-7), strict=True))
     left = found.after["b"].signals
     gaps = [left[f"axis_{k}_secondary"].rms["total"] for k in (1, 2, 3)]
-    assert 1e6 * np.array(gaps) == pytest.approx([88, 84, 82], abs=6)
+    assert 1e6 * np.array(gaps) == pytest.approx([88, 84, 86], abs=9)
