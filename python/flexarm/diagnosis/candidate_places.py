@@ -72,6 +72,8 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     records = problem.records.values()
     evidence = dict.fromkeys((row.record, row.signal) for row in problem.rows)
     signals = [problem.records[record].signals[signal] for record, signal in evidence]
+    if kind.leaves_plane and problem.planar:
+        return []
     if kind.place == "joint":
         joints = [joint.name for joint in arm.joints if joint.moves]
         if kind.torque_at == "motor":

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arrays import Floats
 from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
 
@@ -41,6 +42,16 @@ def joint_command(simulation: Any, what: Described, instants: Floats) -> Floats:
     if not np.isfinite(command).all():
         raise CannotMeasure(f"signal {what.name!r}: the joint {what.joint!r} has no controller here")
     return sample(simulation.time, command, instants)
+
+
+def follows_late(simulation: Any, joint: str | None) -> bool:
+    """Return True if a joint lags behind its drive, which is then the command that the run holds."""
+    told = getattr(simulation, "joint_command", None)
+    if told is None:
+        return False
+    effects = simulation.arm.effects
+    lags = any(isinstance(e, DriveEffect) and e.at == joint and any(e.lag()) for e in effects)
+    return lags and bool(np.isfinite(told[:, simulation.joints.index(joint)]).all())
 
 
 def quantised(values: Floats, step: float) -> Floats:
