@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+    from flexarm.importing import import_record
     from flexarm.linear import LinearModel
     from flexarm.linear.linearise import linearise
     from flexarm.measurement.measure import measure
@@ -63,6 +64,7 @@ _EXPORTS = {
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
     "diagnose": "flexarm.diagnosis.workflow",
+    "import_record": "flexarm.importing",
     "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
@@ -102,6 +104,7 @@ __all__ = [
     "compare",
     "config",
     "diagnose",
+    "import_record",
     "linearise",
     "measure",
     "modes",

@@ -179,6 +179,7 @@ def _one_of(module: str, *names: str) -> Callable[[Any], bool]:
 
 
 _is_material = _one_of("flexarm.arm.link", "Material")
+_is_base = _one_of("flexarm.record", "BaseStand")
 
 ARM = Kind("an Arm", _one_of("flexarm.arm", "Arm"))
 DRIVE = Kind("a Drive, such as Drive.from_samples gives, or a Record", _one_of("flexarm", "Drive", "Record"))
@@ -190,6 +191,7 @@ MOTION = Kind("a Simulation", lambda value: hasattr(value, "arm") and hasattr(va
 SENSORS = Kind("a list of Sensors", _each(_one_of("flexarm.arm.sensor", "Sensor")))
 SIGNALS = Kind("a list or dictionary of Signals", _each(_one_of("flexarm.record", "Signal")))
 CLOCKS = Kind("a dictionary of Clocks by name", _by_name(_one_of("flexarm.record", "Clock")))
+BASE = Kind("a BaseStand or None", lambda value: value is None or _is_base(value))
 FRAMES = Kind("a dictionary of Frames by name", _by_name(_one_of("flexarm.record", "Frame")))
 MATERIALS = Kind("a dictionary of Materials by name", _by_name(_is_material))
 MATERIAL = Kind("a Material, or a dictionary of them by name", _either(_is_material, MATERIALS.accepts))

@@ -10,7 +10,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
 
-from flexarm.reproduction.figures import MEASURED, MODEL, RIGID, SINE, STYLE
+from flexarm.report.files import style
+from flexarm.reproduction.figures import MEASURED, MODEL, RIGID, SINE
 from gallery.confusion import ALIKE, Confusion
 from gallery.experiments import FAST, Floats
 from gallery.gaps import at_tip, bench, by_direction, slow_part, states
@@ -33,7 +34,7 @@ def draw_gap(signature: Signature, path: Path) -> None:
     run = bench(FAST, signature.model)
     parts, label, factor = _drawn(signature)
     state = states(run)
-    with mpl.rc_context({**STYLE, "font.size": 8, "axes.labelsize": 8}):
+    with style(), mpl.rc_context({"font.size": 8, "axes.labelsize": 8}):
         figure, axes = plt.subplots(2, 2, figsize=(6.9, 4.1), sharey=True)
         for panel, (key, name) in zip(axes.flat, AXES.items(), strict=True):
             for part, values in parts.items():
@@ -65,7 +66,7 @@ def draw_confusion(found: Confusion, title: str, path: Path) -> None:
     """R^2 of each effect (row) by each other one (column); grey where the row is not seen."""
     names = list(found.share)
     values = np.array([[found.share[a].get(b, np.nan) for b in names] for a in names])
-    with mpl.rc_context({**STYLE, "axes.grid": False, "font.size": 6.5}):
+    with style(), mpl.rc_context({"axes.grid": False, "font.size": 6.5}):
         figure, panel = plt.subplots(figsize=(7.6, 7.2))
         colours = mpl.colormaps["viridis"].copy()
         colours.set_bad("#dddddd")

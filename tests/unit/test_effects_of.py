@@ -12,11 +12,13 @@ from flexarm.effects import (
     ClockDrift,
     DeadChannel,
     EncoderEccentricity,
+    EncoderHarmonics,
     EncoderOffset,
     EncoderQuantisation,
     EncoderScale,
     FrameDrift,
     FrameRegistration,
+    FrameScale,
     Outliers,
     Saturation,
     SensorOffset,
@@ -49,6 +51,8 @@ EXAMPLES = [
     Saturation(at="tip", limit=2.5),
     Outliers(at="tip", share=0.01, size=0.02),
     SensorOffset(at="tip", offset=(1e-3, 0.0, 2e-3)),
+    EncoderHarmonics(at="hinge", order=3.0, amplitude=1e-4, phase=0.4),
+    FrameScale(at="tracker", scale=1.0003),
 ]
 ALL = paper_arm(1).replace(effects=tuple(EXAMPLES), sensors=(ENCODER, TIP))
 
@@ -97,6 +101,7 @@ def test_effects_act_at_the_signal_its_clock_and_its_frame():
     assert [e.name for e in (*encoder.before, *encoder.after)] == [
         "encoder_scale",
         "encoder_eccentricity",
+        "encoder_harmonics",
         "encoder_offset",
         "encoder_quantisation",
     ]
@@ -105,6 +110,28 @@ def test_effects_act_at_the_signal_its_clock_and_its_frame():
     assert list(tip.translation) == [1e-3, 0, -2e-3]
     assert list(tip.rotation) == [0, 5e-4, 0]
     assert list(tip.velocity) == [2e-7, 0, 1e-7]
+    assert tip.scale == 1.0003
+
+
+def test_harmonics_add_a_sine_of_a_multiple_of_the_angle_and_are_taken_back():
+    own = ALL.replace(effects=(EncoderHarmonics(at="hinge", order=3.0, amplitude=1e-2, phase=0.4),))
+    seen, true = effects_of(own, ENCODER), np.linspace(-3, 3, 50)[:, None]
+    reading = seen.reading(true)
+    assert reading == pytest.approx(true + 1e-2 * np.sin(3 * true + 0.4))
+    assert seen.true(reading) == pytest.approx(true, abs=1e-14)
+
+
+def test_harmonics_that_turn_a_reading_back_are_refused():
+    with pytest.raises(InvalidParameter, match=r"must keep amplitude x order below 1, got 0.4 rad x 3"):
+        ALL.with_effect(EncoderHarmonics(at="hinge", order=3.0, amplitude=0.4))
+
+
+def test_a_frame_scale_multiplies_positions_from_the_origin_of_the_frame():
+    own = ALL.replace(effects=(FrameScale(at="tracker", scale=1.001),))
+    frame = Registration(origin=(0.5, 0.0, 1.0), rpy=(0.0, 0.0, 0.3))
+    places = np.array([[1.0, 2.0, 3.0], [0.5, 0.0, 1.0]])
+    scaled = effects_of(own, TIP).registration(frame).positions(places)
+    assert scaled == pytest.approx(1.001 * frame.positions(places))
 
 
 def test_a_joint_or_point_of_the_same_name_is_another_place():
@@ -152,9 +179,9 @@ def test_poses_have_no_time():
 
 
 def test_the_encoders_law_is_that_of_the_vocabulary():
-    """reading = scale true + offset + amplitude sin(true + phase), then rounded to the step."""
+    """reading = scale true + offset + amplitudes sin(order true + phase), then rounded to the step."""
     true = np.linspace(-7, 7, 1001)
-    law = 1.002 * true + 2e-3 + 2e-4 * np.sin(true + 0.4)
+    law = 1.002 * true + 2e-3 + 2e-4 * np.sin(true + 0.4) + 1e-4 * np.sin(3 * true + 0.4)
     encoder = effects_of(ALL, ENCODER)
     np.testing.assert_allclose(encoder.reading(true[:, None], rounded=False)[:, 0], law, rtol=1e-15)
     np.testing.assert_allclose(
@@ -205,7 +232,7 @@ def test_a_frame_adds_translations_rotations_and_velocities():
     np.testing.assert_allclose(frame.translation, [1.001, 1, 0.998])
     np.testing.assert_allclose(frame.rotation, [0, 6e-4, 0])
     late = frame.positions(np.zeros((1, 3)), np.array([100.0])) - frame.positions(np.zeros((1, 3)))
-    np.testing.assert_allclose(late, [[2e-5, 0, 1e-5]], atol=1e-15)
+    np.testing.assert_allclose(late, [[1.0003 * 2e-5, 0, 1.0003 * 1e-5]], atol=1e-14)
     assert frame.origin == (3, 0, 0)
 
 

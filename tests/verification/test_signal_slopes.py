@@ -17,12 +17,14 @@ KEYS = (
     "effects.encoder_scale.hinge.scale",
     "effects.encoder_offset.hinge.offset",
     "effects.encoder_eccentricity.hinge.amplitude",
+    "effects.encoder_harmonics.hinge.amplitude",
     "effects.time_delay.controller.delay",
     "effects.time_delay.tip.delay",
     "effects.clock_drift.tracker.rate",
     "effects.frame_registration.tracker.translation.x",
     "effects.frame_registration.tracker.rotation.y",
     "effects.frame_drift.tracker.velocity.z",
+    "effects.frame_scale.tracker.scale",
     "effects.sensor_offset.tilt.offset",
 )
 
@@ -75,6 +77,7 @@ def seen_arm() -> flexarm.Arm:
                 {"name": "encoder_scale", "at": "hinge", "scale": 1.002},
                 {"name": "encoder_offset", "at": "hinge", "offset": 1e-3},
                 {"name": "encoder_eccentricity", "at": "hinge", "amplitude": 5e-4, "phase": 0.4},
+                {"name": "encoder_harmonics", "at": "hinge", "order": 3, "amplitude": 2e-4, "phase": 1.0},
                 {"name": "time_delay", "at": "controller", "delay": 2e-3},
                 {"name": "time_delay", "at": "tip", "delay": 4e-3},
                 {"name": "clock_drift", "at": "tracker", "rate": 1e-4},
@@ -85,6 +88,7 @@ def seen_arm() -> flexarm.Arm:
                     "rotation": [1e-3, 2e-3, 0.0],
                 },
                 {"name": "frame_drift", "at": "tracker", "velocity": [1e-4, 0.0, 2e-4]},
+                {"name": "frame_scale", "at": "tracker", "scale": 1.001},
                 {"name": "sensor_offset", "at": "tilt", "offset": 1e-3},
             ],
         }

@@ -77,12 +77,7 @@ class Measurement(Table):
 
     @model_validator(mode="after")
     def _check_measurement(self) -> Self:
-        problems = [*self._place_problems(), *self._detail_problems()]
-        try:
-            si_factor(self.unit if self.unit is not None else self.spec.units[0], self.spec.units)
-        except InvalidParameter as error:
-            problems.append((("unit",), str(error)))
-        if problems:
+        if problems := self._problems():
             raise Inconsistent(*problems)
         if self.spec.channels is None and not self.axes:
             object.__setattr__(self, "axes", ("x", "y", "z"))
@@ -110,6 +105,15 @@ class Measurement(Table):
         """Names of the channels: axes, "x y z w" of a quaternion, or none for a scalar."""
         names = channel_names(self.quantity, self.axes)
         return () if names == ("",) else names
+
+    def _problems(self) -> list[tuple[tuple[str, ...], str]]:
+        """Return pairs of key and sentence for all that does not fit."""
+        problems = [*self._place_problems(), *self._detail_problems()]
+        try:
+            _ = self.si
+        except InvalidParameter as error:
+            problems.append((("unit",), str(error)))
+        return problems
 
     def _place_problems(self) -> list[tuple[tuple[str, ...], str]]:
         given = [kind for kind in ("joint", "point", "link", "payload") if getattr(self, kind) is not None]

@@ -6,7 +6,8 @@
     stamp    = t + sum rate (t - t_0) + sum delay      effects at signals and clocks                 (2)
     measured = R(sum rotation) true + sum translation + sum velocity (t - t_0)     at frames         (3)
 
-t is true time and t_0 the start of the run. Values are SI.
+(3) is in the base's axes; in those of the frame it is multiplied by the product of all scales. t is true
+time and t_0 the start of the run. Values are SI.
 """
 
 from __future__ import annotations
@@ -161,8 +162,23 @@ class ClockEffect(Effect):
 
 
 class FrameEffect(Effect):
-    """An effect on a frame of measurement."""
+    """An effect on a frame of measurement.
+
+    Attributes
+    ----------
+    sees : tuple of str
+        Quantities of the frame's signals in which it shows.
+    least_places : int
+        Least number of places in the frame that must be seen, by these, for a search to look for it.
+    """
+
+    sees: ClassVar[tuple[str, ...]] = ("position", "orientation")
+    least_places: ClassVar[int] = 1
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Return the translation [m], rotation vector [rad] and velocity [m/s] that it adds to (3)."""
         raise NotImplementedError
+
+    def enlarged(self) -> float:
+        """Return the factor by which positions in the frame's own axes are measured too long."""
+        return 1.0

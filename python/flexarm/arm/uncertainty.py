@@ -2,7 +2,7 @@
 
 A key is a dotted path with names, `links.rod.material.youngs_modulus`; its number is relative. With a unit at
 the end, `points.tip.position_m`, the number is absolute. Either holds for each component of a vector; places
-have absolute ones only.
+have absolute ones only, and so has what is nominally zero.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arm.effect import Effect
+from flexarm.arm.joint_units import unit_at
 from flexarm.tables.field import Inconsistent, Path, unit_of
 from flexarm.tables.messages import shown
 from flexarm.tables.ranges import out_of_range
@@ -31,7 +33,21 @@ _SUFFIXES = {
     "Nm_rad": "N m/rad",
     "Nms_rad": "N m s/rad",
     "Nm": "N m",
+    "N": "N",
+    "N_m": "N/m",
+    "N_m3": "N/m3",
+    "Ns_m": "N s/m",
+    "Nm_rad3": "N m/rad3",
+    "V": "V",
+    "m_s": "m/s",
+    "m_s2": "m/s2",
+    "rad_s": "rad/s",
+    "Hz": "Hz",
+    "s": "s",
+    "s_s": "s/s",
+    "1": "-",
 }
+"""Units at the end of keys; a `1` is that of numbers without a unit."""
 _SCALED = ("m2", "m4", "kg m2")
 """Units of vectors whose components are known relative to themselves; places and directions are not."""
 _TABLES = ("links", "joints", "gears", "payloads", "points", "motors", "effects")
@@ -70,6 +86,17 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
             yield ("uncertainty", key), str(error)
             continue
         owner, field, unit = place.owner, place.field, place.unit
+        allowed = _units(arm, owner, field)
+        value = getattr(owner, field)
+        if not unit and sigma > 0 and allowed and _is_zero(value, owner):
+            keys = [f"{field}_{s}" for s, u in _SUFFIXES.items() if u in allowed]
+            more = ", ..." if len(keys) > 2 else ""
+            yield (
+                ("uncertainty", key),
+                f"{field} is 0, and 1 sigma relative to it is nothing; add the unit for an absolute one: "
+                f"write {' or '.join(keys[:2])}{more}",
+            )
+            continue
         measure = unit_of(type(owner).model_fields[field])
         if not unit and not (isinstance(getattr(owner, field), float) or measure in _SCALED):
             options = " or ".join(f"{field}_{s}" for s, u in _SUFFIXES.items() if u == measure)
@@ -80,6 +107,26 @@ def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
                     + (f"write {options}" if options else "it cannot have an uncertainty")
                 ),
             )
+
+
+def _is_zero(value: Any, owner: Table) -> bool:
+    """Return True for a number that is zero, and for a vector of an effect that is."""
+    vector = isinstance(value, tuple) and isinstance(owner, Effect)
+    return not any(value) if vector else isinstance(value, float) and value == 0
+
+
+def _units(arm: Arm, owner: Table, field: str) -> tuple[str, ...]:
+    """Return the units of a value: along a slide other ones, of a signal's value those of its quantity."""
+    unit = unit_of(type(owner).model_fields[field])
+    if not isinstance(owner, Effect):
+        return (unit,) if unit in _SUFFIXES.values() else ()
+    if unit == "SI":
+        sensor = next((sensor for sensor in arm.sensors if sensor.name == owner.at), None)
+        named = tuple(_SUFFIXES.values()) if sensor is None else sensor.spec.units
+    else:
+        named = (unit_at(arm, owner.at, field, unit),)
+    plain = ("-" if unit == "1" else unit for unit in named)
+    return tuple(unit for unit in plain if unit in _SUFFIXES.values())
 
 
 def flat_keys(given: Any) -> Any:
@@ -167,7 +214,7 @@ def owner_of(arm: Arm, key: str) -> Owner:
                 f"there is no {step!r} in {key!r}; there are {', '.join(type(owner).model_fields)}"
             )
         owner = inner
-    field, unit = _field(owner, rest[-1])
+    field, unit = _field(arm, owner, rest[-1])
     return Owner(words[0], index, tuple(words[:-1]), (*rest[:-1], field), owner, unit)
 
 
@@ -189,7 +236,7 @@ def _name(table: str, entry: Any) -> str:
     return str(entry.joint if table == "motors" else entry.name)
 
 
-def _field(owner: Table, word: str) -> tuple[str, str]:
+def _field(arm: Arm, owner: Table, word: str) -> tuple[str, str]:
     fields = type(owner).model_fields
     if word in fields and unit_of(fields[word]):
         if getattr(owner, word) is None:
@@ -197,7 +244,7 @@ def _field(owner: Table, word: str) -> tuple[str, str]:
         return word, ""
     for suffix, unit in _SUFFIXES.items():
         stem = word.removesuffix(f"_{suffix}")
-        if stem != word and stem in fields and unit_of(fields[stem]) == unit:
+        if stem != word and stem in fields and unit in _units(arm, owner, stem):
             return stem, unit
     uncertain = [name for name in fields if unit_of(fields[name])]
     raise ValueError(

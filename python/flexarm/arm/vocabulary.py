@@ -3,8 +3,8 @@
 The order of `KNOWN_EFFECTS` is also the order in which effects of the mechanics are applied to the machine,
 whatever their order in a file: drive trains, payloads, links, the base, points. So a link that is longer than
 nominal carries its points along before a reflector sits beside its point. Effects at signals act on a reading
-in this order too, as in a sensor: the transducer (scale, eccentricity, offsets), its electronics (range,
-steps) and what is made of the numbers (sign, unit, a broken wire, outliers); see
+in this order too, as in a sensor: the transducer (scale, eccentricity, harmonics, offsets), its electronics
+(range, steps) and what is made of the numbers (sign, unit, a broken wire, outliers); see
 `flexarm.measurement.effects_of`.
 """
 
@@ -21,10 +21,10 @@ lugre_friction motor_friction transmission_error gear_ratio cable_torque joint_t
 _PAYLOAD = "payload_mass payload_offset payload_inertia"
 _LINK = "link_length link_stiffness link_mass link_damping link_bow"
 _BASE = "base_tilt base_compliance external_vibration"
-_SIGNAL = """encoder_scale encoder_eccentricity encoder_offset sensor_offset saturation encoder_quantisation
-sign_error unit_error dead_channel outliers"""
+_SIGNAL = """encoder_scale encoder_eccentricity encoder_harmonics encoder_offset sensor_offset saturation
+encoder_quantisation sign_error unit_error dead_channel outliers"""
 _CLOCK = "time_delay clock_drift"
-_FRAME = "frame_registration frame_drift"
+_FRAME = "frame_registration frame_drift frame_scale"
 
 _BY_PLACE = {
     "joint": _JOINT,

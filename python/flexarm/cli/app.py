@@ -11,6 +11,7 @@ import typer
 
 COMMANDS = (
     "example",
+    "import",
     "check",
     "static",
     "modes",
@@ -23,6 +24,8 @@ COMMANDS = (
     "reproduce",
 )
 """In the order of the help. Each is a function in a module of its name."""
+MODULES = {"import": "import_logs"}
+"""Commands whose names Python keeps for itself, and the names of their functions."""
 
 HELP = """
 Flexible robot arms by finite elements, beside what was measured on them.
@@ -32,6 +35,7 @@ radians, joints on the output side (motor angle over ratio).
 
     flexarm example tryout                          files to try all this on
     flexarm check arm.toml                          what is it, what does it weigh
+    flexarm import run7.map.toml --out measured     a record from anyone's logs
     flexarm check arm.toml measured                 could its sensors be right
     flexarm static arm.toml --joint hinge=0.5       how far does it sag
     flexarm modes arm.toml                          how does it vibrate
@@ -65,8 +69,9 @@ def _app(commands: Iterable[str]) -> typer.Typer:
     )
     app.callback(help=_help(HELP))(_common)
     for name in commands:
-        command = getattr(import_module(f"flexarm.cli.{name}"), name)
-        app.command(help=_help(command.__doc__ or ""))(command)
+        module = MODULES.get(name, name)
+        command = getattr(import_module(f"flexarm.cli.{module}"), module)
+        app.command(name, help=_help(command.__doc__ or ""))(command)
     return app
 
 

@@ -193,9 +193,16 @@ def _record(path: Path) -> Told:
         "links": {name: drawn.to_plain() for name, drawn in record.links.items()},
         "clocks": {name: clock.model_dump() for name, clock in record.clocks.items()},
         "frames": {name: frame.model_dump() for name, frame in record.frames.items()},
+        "base": None if record.base is None else record.base.model_dump(),
         "signals": signals,
     }
-    return told, [*_head(record), *map(_signal_line, signals.items())], record.check(), unknown_motion(record)
+    return told, record_lines(record), record.check(), unknown_motion(record)
+
+
+def record_lines(record: Record) -> list[str]:
+    """Return a record in lines for a person: its drive, clocks and frames, and each signal."""
+    signals = {name: _signal(record, name) for name in record.signals}
+    return [*_head(record), *map(_signal_line, signals.items())]
 
 
 def _signal(record: Record, name: str) -> dict[str, Any]:
@@ -247,6 +254,9 @@ def _head(record: Record) -> list[str]:
     for name, frame in record.frames.items():
         known = "unknown" if frame.unknown else f"+- {frame.translation:g} m, {frame.rotation:g} rad"
         lines.append(f"  frame {name}: {known}")
+    if record.base is not None:
+        x, y = record.base.tilt
+        lines.append(f"  base: tilted by {x:g} rad about x, {y:g} rad about y, +- {record.base.sigma:g} rad")
     return lines
 
 

@@ -184,9 +184,10 @@ def _points(simulated: SimulatedRecord, placement: Placement, frame: str) -> tup
         instants = simulated.instants(signal, placement)
         known = base_position(simulated.simulation, signal, instants)
         seen = simulated.effects(signal)
-        known = seen.registration(IDENTITY).positions(known, instants - simulated.simulation.time[0])
+        there = replace(seen.registration(IDENTITY), scale=1.0)
+        known = there.positions(known, instants - simulated.simulation.time[0])
         full = np.zeros((len(signal), 3))
-        full[:, columns(signal.axes)] = seen.true(signal.values)
+        full[:, columns(signal.axes)] = seen.true(signal.values) / seen.scale
         keep = np.isfinite(full).all(axis=1) & np.isfinite(known).all(axis=1)
         measured.append(full[keep])
         predicted.append(known[keep])

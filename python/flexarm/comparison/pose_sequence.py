@@ -22,8 +22,9 @@ from flexarm.statics.batch import StaticSolution
 if TYPE_CHECKING:
     from flexarm.arm import Arm
 
-SEEN = ("position", "rotation", "joint_torque", "link_angle", "section_forces")
-"""Arrays of an equilibrium that a sequence is made from."""
+KINEMATIC = ("position", "rotation", "link_angle")
+SEEN = (*KINEMATIC, "joint_torque", "section_forces")
+"""Arrays of an equilibrium that a sequence is made from; those before say where it stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,10 @@ def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
 
 
 def slopes_of(arm: Arm, run: PoseSequence, slopes: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return derivatives of a sequence's arrays, parameters last, from those of `SEEN` and drive angles."""
+    """Return derivatives of a sequence's arrays, parameters last, from those of `SEEN` and drive angles.
+
+    Where there are none of torques and forces, there are none of what follows from them.
+    """
     gravity, turning = np.asarray(arm.gravity), slopes["rotation"]
     arrays = {
         "position": slopes["position"],
@@ -72,9 +76,9 @@ def slopes_of(arm: Arm, run: PoseSequence, slopes: Mapping[str, Floats]) -> dict
         "acceleration": -np.einsum("nabck,b->nack", turning, gravity),
         "joint_angle": slopes["link_angle"],
         "drive_angle": slopes["drive_angle"],
-        "motor_torque": slopes["joint_torque"],
-        "section_forces": slopes["section_forces"],
     }
+    names = {"motor_torque": "joint_torque", "section_forces": "section_forces"}
+    arrays |= {name: slopes[made_of] for name, made_of in names.items() if made_of in slopes}
     return {name: frozen(array) for name, array in arrays.items()}
 
 

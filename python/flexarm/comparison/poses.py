@@ -17,7 +17,7 @@ import numpy as np
 from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
-from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
+from flexarm.comparison.pose_sequence import KINEMATIC, SEEN, PoseSequence, sequence, slopes_of
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
@@ -29,6 +29,9 @@ from flexarm.statics.batch import DriveVariation, StaticsBatch, StaticSolution
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record, Signal
+
+FORCES = ("motor_torque", "motor_voltage", "force", "strain")
+"""Quantities that see torques and forces."""
 
 
 def is_input(record: Record, signal: Signal) -> bool:
@@ -81,6 +84,8 @@ class _StaticModel:
         self.turned = {signal.joint for signal in drives if signal.joint} - self.at_link
         self.loaded = {s.point for s in signals if s.quantity == "force" and s.point is not None}
         self.true = self.readings(arm)
+        self.forces = any(signal.quantity in FORCES for signal in signals)
+        self.differentiated = (*KINEMATIC, *(SEEN[len(KINEMATIC) :] if self.forces else ()), "drive_angle")
         self._arms: dict[tuple[tuple[str, float], ...], StaticsBatch] = {}
         self._turning = {
             parameter.key: [(self.readings(other), change) for other, change in neighbours(arm, parameter)]
@@ -149,7 +154,9 @@ class _StaticModel:
         if load not in self._arms:
             carried = with_payload_masses(self.arm, inputs.masses)
             keys = [parameter.key for parameter in self.wanted]
-            self._arms[load] = StaticsBatch(carried, self.at_link, self.loaded, keys, self.turned)
+            self._arms[load] = StaticsBatch(
+                carried, self.at_link, self.loaded, keys, self.turned, self.forces
+            )
         return self._arms[load].at({**self.record.joints, **inputs.angles}, inputs.forces, turning)
 
 
@@ -157,7 +164,7 @@ def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[StaticSol
     """Return derivatives of a sequence, also with respect to parameters of force sensors."""
     slopes = {
         name: np.stack([held.sensitivities[name] for held in found if held.sensitivities])
-        for name in (*SEEN, "drive_angle")
+        for name in model.differentiated
     }
     for k, parameter in enumerate(model.wanted):
         if model.quantity_read_by(parameter) == "force":
@@ -176,7 +183,7 @@ def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, F
         sides.append([bare.held(bare.inputs(pose, true)) for pose in model.record.poses])
     return {
         name: np.array([a.arrays[name] - b.arrays[name] for a, b in zip(*sides, strict=True)]) / (up - down)
-        for name in SEEN
+        for name in model.differentiated[:-1]
     }
 
 

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 from flexarm.arm import Arm
 from flexarm.arm.gears import coupled_joints
 from flexarm.arm.link import Beam, RigidLink
-from flexarm.arm.sensor_effect import ClockEffect, SignalEffect
+from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.problem import Problem
-from flexarm.record import Record
+from flexarm.record import Record, Signal
 
 if TYPE_CHECKING:
     from flexarm.arm.effect import Effect
@@ -88,12 +88,13 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     if kind.place == "link":
         return [link.name for link in arm.links if isinstance(link, Beam)]
     if kind.place == "base":
-        return ["base"]
+        known = kind.stated_by_records and all(record.base is not None for record in records)
+        return [] if known else ["base"]
     if kind.place == "point":
         return list(dict.fromkeys(s.point for s in signals if s.point is not None))
     if kind.place == "frame":
-        seen = [s.frame for s in signals if s.quantity in ("position", "orientation")]
-        return [frame for frame in dict.fromkeys(seen) if frame != "base"]
+        assert issubclass(kind, FrameEffect)
+        return _frames(kind, signals)
     if issubclass(kind, ClockEffect):
         return _late(kind, problem)
     assert issubclass(kind, SignalEffect)
@@ -132,6 +133,16 @@ def _late(kind: type[ClockEffect], problem: Problem) -> list[str]:
         if clock in own or len(names) > 1:
             found += [signal for signal in sorted(names) if signal not in found]
     return found + (late_commands(problem) if kind.of_commands else [])
+
+
+def _frames(kind: type[FrameEffect], signals: Iterable[Signal]) -> list[str]:
+    """Frames but the base's own in which enough places are seen."""
+    seen: dict[str, int] = {}
+    for signal in signals:
+        if signal.quantity in kind.sees and signal.frame != "base":
+            rows = signal.time if signal.pose is None else set(signal.pose[signal.valid])
+            seen[signal.frame] = seen.get(signal.frame, 0) + len(rows)
+    return [frame for frame, places in seen.items() if places >= kind.least_places]
 
 
 def weighed(record: Record, payload: str) -> bool:

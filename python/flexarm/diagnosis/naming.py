@@ -53,7 +53,7 @@ def evidence_sentence(
     if Criteria(problem, choice.null).in_conflict(best):
         worst = "".join(_strained(best, problem.policy.pull))
         text += f"; even with it {worst}, so that something else may be missing"
-    text += "".join(f"; {said}" for said in _unusual(best, k))
+    text += "".join(f"; {said}" for said in (*_held(best.members[k]), *_unusual(best, k)))
     for each in moving:
         text += (
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
@@ -115,6 +115,13 @@ def _strained(fit: Fit, beyond: float) -> Iterator[str]:
     unknown = fit.nuisance.parameters[worst]
     if pulls[worst] > beyond:
         yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
+
+
+def _held(member: Candidate) -> Iterator[str]:
+    """Parameters that say how an effect acts and were chosen, not fitted."""
+    for name, value, unit in member.effect.parameters():
+        if name in member.effect.shape and name not in member.free:
+            yield f"its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:

@@ -23,6 +23,7 @@ from flexarm.diagnosis.candidate_places import weighed
 from flexarm.diagnosis.initial_conditions import SIGMA
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.effects.base_tilt import BaseTilt
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
 from flexarm.errors import InvalidParameter
@@ -51,8 +52,8 @@ class NuisanceParameter:
         Gaussian prior [unit].
     unit : str
         Of both.
-    kind : {"clock", "frame", "nominal", "start"}
-        What it is; a "start" is what the arm swings with where a record begins.
+    kind : {"clock", "frame", "nominal", "start", "base"}
+        What it is; a "start" is what the arm swings with where a record begins, "base" how its base stood.
     one_sign : bool
         Whether the model refuses values on the other side of zero, as of a modulus.
     """
@@ -61,12 +62,19 @@ class NuisanceParameter:
     centre: float
     sigma: float
     unit: str
-    kind: Literal["clock", "frame", "nominal", "start"]
+    kind: Literal["clock", "frame", "nominal", "start", "base"]
     one_sign: bool = False
 
     @property
+    def of_record(self) -> bool:
+        """Return True if it belongs to one record and no model: it stays in proportion about any model."""
+        return self.kind in ("start", "base")
+
+    @property
     def place(self) -> tuple[str, str]:
-        """Effect and place of a clock's or frame's."""
+        """Effect and place of a clock's, a frame's or a base's: of that the record."""
+        if self.kind == "base":
+            return BaseTilt.name, self.key.removeprefix("records.").rsplit(".", 3)[0]
         _, name, at, *_ = self.key.split(".")
         return name, at
 
@@ -77,6 +85,8 @@ class NuisanceParameter:
             return f"value {self.key}"
         if self.kind == "start":
             return f"vibration with which {self.key.removeprefix('records.').split('.start.')[0]} begins"
+        if self.kind == "base":
+            return f"tilt of the base in {self.place[1]} about {self.key[-1]}"
         _, _, at, *rest = self.key.split(".")
         return f"{'.'.join(rest)} of {self.kind} {at}"
 
@@ -84,10 +94,9 @@ class NuisanceParameter:
         """Return a step from the centre, shortened where a nominal value would all but lose its sign.
 
         Steps are linear, and far from the optimum they can be far too long: a stiffness, however badly known,
-        and what is known to less than itself stay above a fifth of it. A start is in proportion about any
-        model, and stays.
+        and what is known to less than itself stay above a fifth of it. What belongs to a record stays.
         """
-        if self.kind == "start":
+        if self.of_record:
             return 0.0
         if self.kind != "nominal" or not (self.one_sign or self.sigma < abs(self.centre)):
             return step
@@ -122,7 +131,7 @@ class NuisanceModel:
     def put(self, arm: Arm, values: np.ndarray) -> Arm:
         """Return a model of which these have other values; what it swings with at a start is none of it."""
         for unknown, value in zip(self.parameters, values, strict=True):
-            if unknown.kind != "start":
+            if not unknown.of_record:
                 arm = with_value(arm, unknown.key, float(value))
         return arm
 
@@ -166,7 +175,8 @@ def nuisance_model(problem: Problem) -> NuisanceModel:
     swings = [
         NuisanceParameter(start.key, 0.0, SIGMA, start.unit, "start") for start in problem.initial_conditions
     ]
-    return NuisanceModel(arm, (*found, *nominal(arm, problem.records), *swings))
+    tilts = [NuisanceParameter(tilt.key, tilt.stated, tilt.sigma, "rad", "base") for tilt in problem.tilts]
+    return NuisanceModel(arm, (*found, *nominal(arm, problem.records), *swings, *tilts))
 
 
 def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:

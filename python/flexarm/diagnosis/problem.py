@@ -28,6 +28,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
+from flexarm.diagnosis.base_tilts import UncertainTilt, tilt_jacobian, uncertain_tilts
 from flexarm.diagnosis.initial_conditions import (
     InitialCondition,
     find_initial_conditions,
@@ -75,6 +76,8 @@ class Problem:
         True if the nominal arm moves in a plane in all records.
     initial_conditions : tuple of InitialCondition
         What the arm may swing with where records begin in motion.
+    tilts : tuple of UncertainTilt
+        Of the base, where records state them with a sigma.
     simulations : SimulationCache
         Simulations beside the records.
     """
@@ -90,6 +93,7 @@ class Problem:
     skipped: dict[str, str] = field(init=False, default_factory=dict)
     planar: bool = field(init=False, default=False)
     initial_conditions: tuple[InitialCondition, ...] = field(init=False, default=())
+    tilts: tuple[UncertainTilt, ...] = field(init=False, default=())
     simulations: SimulationCache = field(init=False)
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
     _stepped: dict[float, Problem] = field(init=False, default_factory=dict)
@@ -111,6 +115,7 @@ class Problem:
             reasons = "; ".join(f"{name}: {why}" for name, why in self.skipped.items())
             raise InvalidParameter(f"hold nothing to compare with a simulation ({reasons})", where="records")
         self.initial_conditions = find_initial_conditions(self, self.arm)
+        self.tilts = uncertain_tilts(self.records)
 
     def __len__(self) -> int:
         """Return the number of residuals."""
@@ -243,9 +248,9 @@ class Problem:
     def jacobian(
         self, arm: Arm, keys: list[str], steps: Mapping[str, float] = MappingProxyType({})
     ) -> Floats:
-        """Return derivatives of (1) by parameters of the model and by `starts`, shape (len(self), len(keys)).
+        """Return derivatives of (1) by parameters of the model, initial conditions and tilts of the base.
 
-        `steps` are those of differences by some parameters, if not small.
+        The shape is (len(self), len(keys)); `steps` are those of differences by some parameters.
         """
         initial_conditions = [start for start in self.initial_conditions if start.key in keys]
         found = np.zeros((len(self), len(keys)))
@@ -254,6 +259,8 @@ class Problem:
         found[:, [keys.index(start.key) for start in initial_conditions]] = initial_condition_jacobian(
             self, arm, initial_conditions
         )
+        tilts = [tilt for tilt in self.tilts if tilt.key in keys]
+        found[:, [keys.index(tilt.key) for tilt in tilts]] = tilt_jacobian(self, arm, tilts)
         return found
 
     def _model_jacobian(self, arm: Arm, keys: list[str], steps: Mapping[str, float]) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import floor, isfinite, log10
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from flexarm.arguments import PATH, takes
 from flexarm.arm.parameter import parameters, path_of
 from flexarm.comparison.align import KEPT
-from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
+from flexarm.comparison.before_after import BeforeAfter
 from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
@@ -97,7 +97,7 @@ Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Diagnosis(SavedAsDirectory):
+class Diagnosis(BeforeAfter, SavedAsDirectory):
     """The result of `diagnose`.
 
     Attributes
@@ -162,35 +162,6 @@ class Diagnosis(SavedAsDirectory):
     remarks: tuple[str, ...] = ()
     next_experiment: str = ""
     provenance: Mapping[str, Any] = field(default_factory=dict)
-
-    # ------------------------------------------------------------------ the gap
-
-    @property
-    def unit(self) -> str:
-        """Unit of the main signal's gap; empty if nothing could be compared."""
-        return self.unit_of(self.main_signal)
-
-    def unit_of(self, signal: str) -> str:
-        """Return the unit of the gap of a signal; empty if it could not be compared."""
-        found = (comparison.signals.get(signal) for comparison in self.before.values())
-        return next((gap.unit for gap in found if gap is not None), "")
-
-    @property
-    def has_gap(self) -> bool:
-        """Return True if there is a gap to be shown: not where the data could not be compared at all."""
-        return bool(self.unit)
-
-    def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
-        """Totals of a signal before and after, pooled over records.
-
-        Parameters
-        ----------
-        records : iterable of str
-            Their names, such as `training` or `held_out`.
-        signal : str, optional
-            Which one; default: the main signal.
-        """
-        return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
 
     @property
     def refinements(self) -> tuple[Refinement, ...]:

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.comparison.aligned_record import end_of_simulation
-from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
+from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
 
 if TYPE_CHECKING:
+    from flexarm.diagnosis.base_tilts import UncertainTilt
     from flexarm.diagnosis.initial_conditions import InitialCondition
 
 
@@ -26,10 +27,6 @@ KEPT_RUNS = 8
 
 In shorter steps a run is so much longer, and fewer are: as much as that, or one of every record.
 """
-
-
-FORCES = {"motor_torque", "motor_voltage", "force", "strain"}
-"""Quantities that see torques and forces."""
 
 
 class SimulationCache:
@@ -61,9 +58,20 @@ class SimulationCache:
 
     def beside(self, name: str, arm: Arm) -> SimulatedRecord:
         """Return a run of the model, beside the record that it repeats."""
-        record = self.records[name]
-        carried = record.applied_to(arm)
-        key = (name, *_mechanics(record, carried))
+        return self._beside(name, self.records[name].applied_to(arm))
+
+    def tilted(self, tilt: UncertainTilt, arm: Arm, turn: float) -> SimulatedRecord:
+        """Return a run on a base that is turned further than its record states, by `turn` [rad]."""
+        record = self.records[tilt.record]
+        assert record.base is not None
+        x, y = record.base.tilt
+        there = (x + turn, y) if tilt.axis == "x" else (x, y + turn)
+        stand = record.base.replace(tilt=there)
+        return self._beside(tilt.record, record.replace(base=stand).applied_to(arm))
+
+    def _beside(self, name: str, carried: Arm) -> SimulatedRecord:
+        """Return a run of what a record makes of a model."""
+        key = (name, *_mechanics(self.records[name], carried))
         run = self._runs.get(key)
         if run is None:
             self.made += 1

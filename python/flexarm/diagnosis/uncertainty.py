@@ -184,11 +184,12 @@ def _of_unknowns(fit: Fit, moved: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
     for j, unknown in enumerate(fit.nuisance.parameters):
         if unknown.kind == "start":
             continue
-        value, std = unknown.centre + unknown.kept(float(best[j])), float(moved[:, j].std())
+        kept = float(best[j]) if unknown.kind == "base" else unknown.kept(float(best[j]))
+        value, std = unknown.centre + kept, float(moved[:, j].std())
         if unknown.kind == "nominal":
             refined.append(Refined(unknown.key, value, std, unknown.centre, unknown.unit))
             continue
         low, high = (value + float(q) for q in np.quantile(moved[:, j], [0.05, 0.95]))
-        name = unknown.key.split(".", 3)[3]
+        name = f"angle.{unknown.key[-1]}" if unknown.kind == "base" else unknown.key.split(".", 3)[3]
         nuisances.setdefault(unknown.place, []).append(Estimate(name, value, std, low, high, unknown.unit))
     return tuple(Nuisance(*place, tuple(each)) for place, each in nuisances.items()), tuple(refined)

@@ -12,8 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
@@ -22,10 +20,9 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import next_experiment
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
 from flexarm.diagnosis.homogeneity import constancy
 from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
-from flexarm.diagnosis.masked_outliers import hidden_strays, left_out, strays, strays_told
+from flexarm.diagnosis.masked_outliers import hidden_strays, left_out, strays_told
 from flexarm.diagnosis.naming import named_effects, rejected
 from flexarm.diagnosis.noise_model import (
     allow_for_input_noise,
@@ -45,9 +42,9 @@ from flexarm.diagnosis.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.result import Diagnosis, Verdict
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
+from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
-from flexarm.errors import InvalidParameter
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
@@ -117,7 +114,7 @@ def diagnose(
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     given = named_records(records)
-    held = _held_out(arm, hold_out, given)
+    held = named_hold_out(arm, hold_out, given)
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
     doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
@@ -125,7 +122,7 @@ def diagnose(
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = impute_noise(checked.records, held)
-    parted = _parted(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
+    parted = split(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
     problem = Problem(
         arm,
@@ -251,78 +248,6 @@ def _unusable(
     return Diagnosis(
         "unusable", arm, arm, effects=faults, training=training, remarks=remarks, provenance=provenance
     )
-
-
-@dataclass(frozen=True)
-class _Parted:
-    """Records to fit, those to check the repair with, how these were held out and why so, and remarks."""
-
-    training: dict[str, Record]
-    held_out: dict[str, Record]
-    kind: str
-    why: str
-    remarks: tuple[str, ...]
-
-    def without_strays(self, model: Arm, like: Problem) -> _Parted:
-        """Return what is held out loses its outliers too, beside the model that explains the rest."""
-        motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
-        if not motions:
-            return self
-        held = Problem(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
-        out = strays(held.residual(model), held)
-        told = (*self.remarks, *strays_told(out, held))
-        return replace(self, held_out=left_out(self.held_out, out, held), remarks=told)
-
-
-def _held_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) -> dict[str, Record]:
-    """Return a record of its own to check the repair with, by name, if there is one; it must fit the
-    model.
-    """
-    if hold_out is None:
-        return {}
-    [record] = named_records({"hold_out": hold_out}).values()
-    record.check_against(arm)
-    for name, training in given.items():
-        if _same_values(record, training):
-            raise InvalidParameter(
-                f"holds the same values as {name!r}, which is fitted: nothing would be held out",
-                where="hold_out",
-            )
-    return {_name(record, given): record}
-
-
-def _same_values(one: Record, other: Record) -> bool:
-    """Return True if two records show the same, under whatever names and places they are kept."""
-    return set(one.signals) == set(other.signals) and all(
-        np.array_equal(signal.values, other.signals[name].values, equal_nan=True)
-        for name, signal in one.signals.items()
-    )
-
-
-def _parted(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> _Parted:
-    """Training and check: a record of its own, or else blocks of time of each."""
-    named = checked.comparable()
-    remarks = (*map(str, held_out.outliers), *held_out.remarks)
-    for record in held_out.records.values():
-        kind, why = hold_out_kind(arm, named, record), hold_out_why(arm, named, record)
-        return _Parted(named, dict(held_out.records), kind, why, remarks)
-    parts = {name: hold_back(record, checked.compared.get(name)) for name, record in named.items()}
-    whole = [name for name, (_, back) in parts.items() if back is None]
-    return _Parted(
-        {name: fitted for name, (fitted, _) in parts.items()},
-        {f"{name}, held-back blocks": back for name, (_, back) in parts.items() if back is not None},
-        "blocks",
-        "",
-        tuple(f"{name} is too short to hold a part of it back" for name in whole),
-    )
-
-
-def _name(record: Record, taken: Mapping[str, Record]) -> str:
-    """Of the held-out record: its directory's, with as many parents as names of the training have."""
-    parents = max(each.count("/") for each in taken)
-    parts = ("held_out",) if record.path is None else record.path.resolve().parts[-1 - parents :]
-    name = "/".join(parts)
-    return name if name not in taken else f"{name} (held out)"
 
 
 def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:

@@ -5,6 +5,8 @@ r"""A base that does not stand upright.
 turns everything that stands on the base about its origin; gravity and the tracker, which the base's axes in a
 record stand for, do not turn. To first order the tip moves by \alpha \times r, as a turned registration of
 the tracker would have it, and what the arm's weight does changes by that of \alpha \times r on the joint.
+
+A record that states how its base stood takes precedence over the effect.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ class BaseTilt(Effect):
     """
 
     name: ClassVar[str] = "base_tilt"
+    stated_by_records = True
     angle: Vector2 = value_in("rad", "tilt about the base's x and y", (0.0, 0.0))
 
     def patch(self, machine: Machine) -> None:

@@ -3,15 +3,15 @@
 They act on a signal of a record, or a sensor of the model, at its name, its clock or its frame. An effect at
 its point (`reflector_offset`) belongs to the machine: it moves the simulated point.
 
-    values   true -> scale, eccentricity, offsets -> + noise, rounded to the sensor's own step       (1)
+    values   true -> scale, eccentricity, harmonics, offsets -> + noise, rounded to the sensor's step  (1)
              -> saturation, quantisation -> sign, unit, dead channel -> outliers
     stamps   stamp = t + rate (t - t_0) + delay                                                      (2)
-    frame    measured = R(rotation) true + translation + velocity (t - t_0)                          (3)
+    frame    measured = scale R_f^T (R(rotation) true + translation + velocity (t - t_0) - x_f)      (3)
 
 The order of (1) is that of `flexarm.arm.vocabulary`, whatever that of the model's file. Delays, rates,
 translations, rotation vectors and velocities of all effects add up, and those that a record states and an
-alignment finds add to them. t is the time of the run, t_0 its start, which is the true instant of the first
-sample that drives it. Poses have no time: there clocks and velocities do not act.
+alignment finds add to them; scales multiply. t is the time of the run, t_0 its start, which is the true
+instant of the first sample that drives it. Poses have no time: there clocks and velocities do not act.
 
 The inverse of (1), from readings to true values, drives a simulation along an imperfect encoder.
 """
@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import prod
 from typing import Any, Protocol
 
 import numpy as np
@@ -62,6 +63,8 @@ class SensorEffects:
         Sums over the effects of (2) [s], [s/s].
     translation, rotation, velocity : tuple of float
         Sums over the effects of (3) [m], [rad], [m/s].
+    scale : float
+        Product over the effects of (3).
     """
 
     channels: tuple[str, ...] = ("",)
@@ -72,6 +75,7 @@ class SensorEffects:
     translation: Vector = (0.0, 0.0, 0.0)
     rotation: Vector = (0.0, 0.0, 0.0)
     velocity: Vector = (0.0, 0.0, 0.0)
+    scale: float = 1.0
 
     def sensed(self, true: Floats) -> Floats:
         """Return the transducer's output for true values, before the noise, shape (n, channels)."""
@@ -110,7 +114,7 @@ class SensorEffects:
                 return found
         raise InvalidParameter(
             "readings do not tell the true angle; the amplitude must be less than the encoder's scale",
-            where="effects.encoder_eccentricity",
+            where=f"effects.{next((e.name for e in self.before if e.is_wave), 'encoder_scale')}",
         )
 
     def _undone(self, reading: Floats, true: Floats) -> Floats:
@@ -135,13 +139,14 @@ class SensorEffects:
 
     def registration(self, frame: Registration) -> Registration:
         """Return a frame with the effects on it, eq. (3)."""
-        if not any((*self.translation, *self.rotation, *self.velocity)):
+        if not any((*self.translation, *self.rotation, *self.velocity, self.scale - 1.0)):
             return frame
         return replace(
             frame,
             translation=np.add(frame.translation, self.translation),
             rotation=np.add(frame.rotation, self.rotation),
             velocity=np.add(frame.velocity, self.velocity),
+            scale=frame.scale * self.scale,
         )  # eq. (3)
 
     def outliers(self) -> Any:
@@ -191,6 +196,7 @@ def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffect
         _sum(translation for translation, _, _ in moved),
         _sum(rotation for _, rotation, _ in moved),
         _sum(velocity for _, _, velocity in moved if not still),
+        prod(effect.enlarged() for effect in frames),
     )
 
 

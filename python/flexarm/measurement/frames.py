@@ -2,11 +2,11 @@
 
 A point p of the base's frame is measured, the time s after the start of the run, as
 
-    y = R_f^T (R(rotation) p + translation + velocity s - x_f)                                       (1)
+    y = scale R_f^T (R(rotation) p + translation + velocity s - x_f)                                 (1)
 
 (R_f, x_f) is the stated pose of the tracker's frame in the base, p = R_f y + x_f, and (rotation, translation)
 the error of that statement, a small rotation vector and shift about the base's origin: the registration. With
-the stated pose left out, (1) is the effects `frame_registration` and `frame_drift`.
+the stated pose left out, (1) is the effects `frame_registration`, `frame_drift` and `frame_scale`.
 """
 
 from __future__ import annotations
@@ -55,6 +55,8 @@ class Registration:
         Roll, pitch, yaw of R_f, the stated orientation of the frame in the base [rad].
     velocity : ndarray, shape (3,)
         With which the shift grows from the start of a run [m/s].
+    scale : float
+        Measured over true distance from the frame's origin.
     """
 
     translation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -62,6 +64,7 @@ class Registration:
     origin: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
     velocity: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    scale: float = 1.0
 
     @property
     def frame_axes(self) -> Floats:
@@ -78,7 +81,7 @@ class Registration:
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
         if any(self.velocity):
             shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
-        measured: Floats = shifted @ self.frame_axes
+        measured: Floats = self.scale * (shifted @ self.frame_axes)
         return measured
 
     def orientations(self, base: Floats) -> Floats:

@@ -74,7 +74,7 @@ def measure(
     description : str
         Of the record.
     **tables
-        `joints`, `payloads`, `links` and `controllers` of the record.
+        `joints`, `payloads`, `links`, `controllers` and `base` of the record.
 
     Returns
     -------

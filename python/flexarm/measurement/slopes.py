@@ -158,7 +158,7 @@ class _Linear:
         if self.signal.quantity != "position":
             return found
         frame = seen.registration(self.registration)
-        turned: Floats = (frame.frame_axes.T @ frame.error_rotation) @ found
+        turned: Floats = (frame.scale * frame.frame_axes.T @ frame.error_rotation) @ found
         return turned[:, columns(self.signal.axes)]
 
 

@@ -2,6 +2,6 @@
 
 from flexarm.record.record import Record
 from flexarm.record.signal import Signal
-from flexarm.record.table import CarriedPayload, Clock, DrawnLink, Frame
+from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 
-__all__ = ["CarriedPayload", "Clock", "DrawnLink", "Frame", "Record", "Signal"]
+__all__ = ["BaseStand", "CarriedPayload", "Clock", "DrawnLink", "Frame", "Record", "Signal"]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.consistency import missing
+from flexarm.arm.effect import read_effect
 from flexarm.arm.gears import coupled_joints
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.drive_span import range_at_rest
@@ -95,8 +96,10 @@ def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
 
 
 def with_overrides(record: Record, arm: Arm) -> Arm:
-    """Return the arm with the payloads, lengths and controllers of a run."""
+    """Return the arm with the payloads, lengths, controllers and tilt of the base of a run."""
     arm = with_link_lengths(_set(arm, record), record.links)
+    if record.base is not None:
+        arm = arm.with_effect(read_effect({"name": "base_tilt", "at": "base", "angle": record.base.tilt}))
     if not record.payloads:
         return arm
     loads = {load.name: load for load in arm.payloads}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.consistency import missing
 from flexarm.quantities import DRIVES
@@ -20,10 +20,17 @@ def inconsistencies(record: RecordTable) -> list[tuple[Path, str]]:
     """Return pairs of place and sentence for all that does not fit."""
     if not record.signals:
         return [(("signals",), "is missing; a record needs at least one signal")]
-    return [*_names(record), *_clocks_and_frames(record), *_stamps(record), *_drive(record)]
+    return [*references(record), *_stamps(record)]
 
 
-def _names(record: RecordTable) -> Found:
+def references(run: Any) -> Found:
+    """Yield names that are used twice, or that nothing has, in a table of a run with its `signals`."""
+    yield from _names(run)
+    yield from _clocks_and_frames(run)
+    yield from _drive(run)
+
+
+def _names(record: Any) -> Found:
     seen: set[str] = set()
     for i, signal in enumerate(record.signals):
         if signal.name in seen:
@@ -31,7 +38,7 @@ def _names(record: RecordTable) -> Found:
         seen.add(signal.name)
 
 
-def _clocks_and_frames(record: RecordTable) -> Found:
+def _clocks_and_frames(record: Any) -> Found:
     if record.clocks and next(iter(record.clocks.values())).unknown:
         yield (
             ("clocks", next(iter(record.clocks))),
@@ -70,7 +77,7 @@ def _stamps(record: RecordTable) -> Found:
             )
 
 
-def _drive(record: RecordTable) -> Found:
+def _drive(record: Any) -> Found:
     signals = {signal.name: signal for signal in record.signals}
     driven: dict[str | None, str] = {}
     for name in record.drive:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.arm.sensor import Measurement
-from flexarm.record.table import CarriedPayload, Clock, DrawnLink, Frame
+from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table
 
 
@@ -86,10 +86,9 @@ class SignalTable(Measurement):
         return self
 
 
-class RecordTable(Table):
-    """The whole of `record.toml`."""
+class RunTable(Table):
+    """What a record says of its run beside the signals."""
 
-    format: Literal["flexarm-record/1"] = "flexarm-record/1"
     description: str = ""
     kind: Literal["motion", "static"] = "motion"
     initial: Literal["equilibrium", "moving"] = "equilibrium"
@@ -100,6 +99,13 @@ class RecordTable(Table):
     links: Annotated[dict[Name, DrawnLink], AfterValidator(FrozenDict)] = FrozenDict()
     clocks: Clocks = FrozenDict()
     frames: Frames = FrozenDict()
+    base: BaseStand | None = None
+
+
+class RecordTable(RunTable):
+    """The whole of `record.toml`."""
+
+    format: Literal["flexarm-record/1"] = "flexarm-record/1"
     signals: tuple[SignalTable, ...] = ()
 
     @model_validator(mode="after")

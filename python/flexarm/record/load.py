@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, Problem
+from flexarm.foreign_files import foreign_kind
 from flexarm.reading import OUTSIDE, is_inside, reading
 from flexarm.record.columns import CsvFile
 from flexarm.record.file_table import RecordTable, SignalTable
@@ -26,6 +27,8 @@ from flexarm.units import factor_to, si_factor
 def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
     """Return the attributes of the record in a directory, or beside the `record.toml` that `path` names."""
     toml = path / "record.toml" if path.is_dir() else path
+    if path.is_dir() and not _exists(toml) and (kind := foreign_kind(path)):
+        raise InvalidFile(path, "record", kind)
     if not _exists(toml) and toml.name != "record.toml":
         raise InvalidFile(
             path, "record", "there is no such directory; a record is a directory with record.toml"
@@ -48,6 +51,7 @@ def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
         controllers=table.controllers,
         clocks=clocks,
         frames=table.frames,
+        base=table.base,
         path=toml.parent,
         notes=tuple(reader.notes),
     )
@@ -192,7 +196,7 @@ class _Reader:
                 f"line {csv.line(poses.index(''))}, column {table.pose}",
                 "a row needs a pose, got none",
             )
-        return np.array([_canonical(pose) for pose in poses])
+        return np.array([canonical_pose(pose) for pose in poses])
 
     def _compare_suffix(self, table: SignalTable) -> None:
         """Columns are often named after their unit; a name that says another one is worth a word."""
@@ -236,7 +240,7 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _canonical(pose: str) -> str:
+def canonical_pose(pose: str) -> str:
     """Return one spelling for a pose: "3" for 3, 3.0 and 03."""
     try:
         number = float(pose)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import (
     ARM,
+    BASE,
     CLOCKS,
     FLAG,
     FRAMES,
@@ -24,7 +25,7 @@ from flexarm.arguments import (
 from flexarm.arm.consistency import missing
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
-from flexarm.record.table import CarriedPayload, Clock, DrawnLink, Frame
+from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     links=NAMED,
     clocks=CLOCKS,
     frames=FRAMES,
+    base=BASE,
 )
 @dataclass(frozen=True, kw_only=True)
 class Record:
@@ -68,6 +70,8 @@ class Record:
         The first one is the reference.
     frames : dict of str to Frame
         Frames of measurement; "base" is always there.
+    base : BaseStand or None
+        How the base stood in this run, if that was measured.
     path : Path or None
         The directory it was read from; not compared.
     notes : tuple of Problem
@@ -85,6 +89,7 @@ class Record:
     links: Mapping[str, DrawnLink] = field(default_factory=FrozenDict)
     clocks: Mapping[str, Clock] = field(default_factory=FrozenDict)
     frames: Mapping[str, Frame] = field(default_factory=FrozenDict)
+    base: BaseStand | None = None
     path: Path | None = field(default=None, compare=False)
     notes: tuple[Problem, ...] = field(default=(), compare=False)
 
@@ -238,7 +243,7 @@ class Record:
 
     @takes(arm=ARM)
     def applied_to(self, arm: Arm) -> Arm:
-        """Return the arm with the payloads, link lengths and controllers of this run.
+        """Return the arm with the payloads, link lengths, controllers and tilt of the base of this run.
 
         Parameters
         ----------
@@ -248,7 +253,8 @@ class Record:
         Returns
         -------
         Arm
-            With weighed masses in place of the model's; an effect `payload_mass` there gives way to them.
+            With weighed masses and a measured tilt in place of the model's; effects `payload_mass` and
+            `base_tilt` give way to them.
         """
         from flexarm.record.compatibility import with_overrides
 

@@ -117,6 +117,7 @@ def _record_table(record: Record, signals: list[dict[str, Any]]) -> dict[str, An
     table["links"] = {name: drawn.to_plain() for name, drawn in record.links.items()}
     table["clocks"] = {name: _clock(clock.to_plain()) for name, clock in record.clocks.items()}
     table["frames"] = {name: _frame(frame.to_plain()) for name, frame in record.frames.items()}
+    table["base"] = {} if record.base is None else record.base.to_plain()
     return {**{key: value for key, value in table.items() if value or key == "format"}, "signals": signals}
 
 

@@ -129,11 +129,12 @@ class Signal:
                 f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}",
                 where=f"signals.{self.name}",
             )
-        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) <= 0):
+        rises = np.diff(self.time)
+        if not np.all(np.isfinite(self.time)) or np.any(rises <= 0):
             raise InvalidParameter("stamps must be finite and rise", where=f"signals.{self.name}.time")
-        self._check_ranges()
+        self._check_ranges(rises)
 
-    def _check_ranges(self) -> None:
+    def _check_ranges(self, rises: Floats) -> None:
         for name, array, unit in (("values", self.values, self.unit), ("time", self.time, "s")):
             if at := first_beyond(array, unit):
                 raise InvalidParameter(
@@ -141,7 +142,7 @@ class Signal:
                     where=f"signals.{self.name}.{name}[{at[0]}]",
                 )
         least = range_of("s")[0]
-        if np.any(np.diff(self.time) < least):
+        if np.any(rises < least):
             raise InvalidParameter(f"stamps must rise by {least:g} s", where=f"signals.{self.name}.time")
         wrong = out_of_range(self.noise_std, "unit", size=True)
         if self.noise_std is not None and (wrong or not self.noise_std >= 0):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from math import hypot, pi
 from typing import Self
 
 from pydantic import model_validator
 
 from flexarm.arm.inertia import Inertia, impossible
-from flexarm.tables import Inconsistent, Number, Table, Vector3, value_in
+from flexarm.tables import Inconsistent, Number, Table, Vector2, Vector3, value_in
 
 
 class Clock(Table):
@@ -59,3 +60,25 @@ class DrawnLink(Table):
     """The length of a link in a run, such as of the boom of a crane."""
 
     length: Number = value_in("m", "length of the beam", gt=0)
+
+
+class BaseStand(Table):
+    """How the base stood in a run, as measured with a level or a tracker.
+
+    Parameters
+    ----------
+    tilt : (2,)
+        Rotation vector about the base's x and y [rad]; gravity and frames of measurement do not turn.
+    sigma : float
+        1 sigma of each of them [rad].
+    """
+
+    tilt: Vector2 = value_in("rad", "tilt about the base's x and y")
+    sigma: Number = value_in("rad", "1 sigma of the tilt about each axis", 0.0, ge=0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (angle := hypot(*self.tilt)) > pi:
+            what = f"must turn by at most pi rad in all, got {angle:.4g} rad; angles are in rad, not degrees"
+            raise Inconsistent((("tilt",), what))
+        return self

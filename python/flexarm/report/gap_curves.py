@@ -15,8 +15,8 @@ from flexarm.wording import scale
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.comparison.gap import SignalGap
-    from flexarm.diagnosis.result import Diagnosis
 
 
 BEFORE, AFTER, NOISE = "#D55E00", "#0072B2", "#d9d9d9"
@@ -31,7 +31,7 @@ MANY = 400
 """Samples beyond which lines stand without markers."""
 
 
-def plot(diagnosis: Diagnosis, ax: Axes | None, record: str | None) -> Axes:
+def plot(diagnosis: BeforeAfter, ax: Axes | None, record: str | None) -> Axes:
     """Return what `Diagnosis.plot` draws: the direction with the largest gap."""
     import matplotlib.pyplot as plt
 
@@ -49,7 +49,7 @@ def plot(diagnosis: Diagnosis, ax: Axes | None, record: str | None) -> Axes:
     return axes
 
 
-def _record(diagnosis: Diagnosis, wanted: str | None) -> str:
+def _record(diagnosis: BeforeAfter, wanted: str | None) -> str:
     there = [name for name in diagnosis.before if sides(diagnosis, name)]
     if wanted is None and there:
         first = [n for n in (*diagnosis.held_out, *diagnosis.training) if n in there]
@@ -59,7 +59,7 @@ def _record(diagnosis: Diagnosis, wanted: str | None) -> str:
     return wanted
 
 
-def sides(diagnosis: Diagnosis, record: str) -> dict[str, SignalGap]:
+def sides(diagnosis: BeforeAfter, record: str) -> dict[str, SignalGap]:
     """Return the main signal's gap on a record, by model: nominal, and updated if it is another one."""
     pairs = [("nominal model", diagnosis.before)]
     if diagnosis.updated != diagnosis.arm:

@@ -16,13 +16,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.comparison.gap import SignalGap
     from flexarm.diagnosis.result import Diagnosis
 
 TRAINING, HELD_OUT = "#CC79A7", "#009E73"
 
 
-def gap_along(d: Diagnosis, record: str) -> Figure:
+def gap_along(d: BeforeAfter, record: str) -> Figure:
     """Before and after along a record, a row each direction; on the right what is left, enlarged."""
     gaps = sides(d, record)
     first, (model, last) = _first(gaps), list(gaps.items())[-1]
@@ -53,7 +54,7 @@ def _first(gaps: Mapping[str, SignalGap]) -> SignalGap:
     return next(iter(gaps.values()))
 
 
-def by_band(d: Diagnosis, records: Sequence[str]) -> Figure | None:
+def by_band(d: BeforeAfter, records: Sequence[str]) -> Figure | None:
     """Return the gap in each band of frequencies before and after, beside the noise; None without bands."""
     shown = {name: gaps for name in records if (gaps := sides(d, name)) and _first(gaps).bands}
     if not shown:

@@ -17,7 +17,7 @@ from flexarm.comparison.pooled_gap import PooledGap
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.comparison.before_after import BeforeAfter
 
 
 CHANGED, NOTICED = 0.1, 0.5
@@ -41,14 +41,14 @@ class GapTable:
     rows: tuple[tuple[str, tuple[str, ...]], ...]
 
 
-def gap_tables(diagnosis: Diagnosis) -> list[GapTable]:
+def gap_tables(diagnosis: BeforeAfter) -> list[GapTable]:
     """Of the main signal and of all others that the repair changes; none where nothing was compared."""
     signals = [diagnosis.main_signal, *changed_signals(diagnosis)]
     tables = [_table(diagnosis, signal) for signal in signals]
     return [table for table in tables if table.rows]
 
 
-def changed_signals(diagnosis: Diagnosis) -> list[str]:
+def changed_signals(diagnosis: BeforeAfter) -> list[str]:
     """Signals beside the main one whose gap changes noticeably, in the order of the records."""
     d = diagnosis
     names = dict.fromkeys(name for comparison in d.before.values() for name in comparison.evidence)
@@ -67,7 +67,7 @@ def changes(gap: PooledGap) -> bool:
     return change and abs(gap.before_rms**2 - gap.after_rms**2) > (NOTICED * (gap.noise_rms or 0.0)) ** 2
 
 
-def _table(d: Diagnosis, signal: str) -> GapTable:
+def _table(d: BeforeAfter, signal: str) -> GapTable:
     found = {
         name: gap
         for name in (*d.training, *d.held_out)

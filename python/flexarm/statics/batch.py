@@ -7,7 +7,7 @@ derivatives with respect to parameters are made.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +78,8 @@ class StaticsBatch:
         Keys of parameters by which the arrays are differentiated.
     turned : collection of str
         Joints whose drives parameters turn; the others are locked.
+    forces : bool
+        True if torques and forces are differentiated too, not only places and angles.
 
     Raises
     ------
@@ -92,11 +94,12 @@ class StaticsBatch:
         loaded: Iterable[str] = (),
         sensitivities: Iterable[str] = (),
         turned: Collection[str] = (),
+        forces: bool = True,
     ) -> None:
         held = {_input_of(arm, name): _core.DriveKind.motor_angle for name in turned}
         held |= {name: _core.DriveKind.link_angle for name in at_link}
         points = tuple(loaded)
-        self.arm = arm
+        self.arm, self.seen = arm, (*_KINEMATIC, *(_FORCES if forces else ()))
         self.system = assemble(arm, held, points)
         self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
         self._beside, self._places = varied(arm, self.parameters, lambda other: assemble(other, held, points))
@@ -128,7 +131,7 @@ class StaticsBatch:
         values = joint_values(self.arm, joints)
         loads = _core.Loads(gravity=np.array(self.arm.gravity), points=point_loads(self.arm, forces or {}))
         equilibrium = _core.static_equilibrium(self.system, values, loads)
-        arrays = _seen(self.arm, self.system, equilibrium.state, loads)
+        arrays = _seen(self.arm, self.system, equilibrium.state, loads, (*_KINEMATIC, *_FORCES))
         if not self.parameters:
             return StaticSolution(values, equilibrium, arrays, None)
         slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})
@@ -157,10 +160,12 @@ class StaticsBatch:
             moving,
             lambda other: _core.static_equilibrium(other, values, loads),
         )
-        found = {name: np.zeros((*array.shape, len(beside))) for name, array in arrays.items()}
+        found = {name: np.zeros((*arrays[name].shape, len(beside))) for name in self.seen}
         for k, pair in enumerate(beside):
-            up = _seen(self.arm, pair.plus, _core.moved(self.system, state, moving, k, pair.up), loads)
-            down = _seen(self.arm, pair.minus, _core.moved(self.system, state, moving, k, pair.down), loads)
+            up, down = (
+                _seen(self.arm, system, _core.moved(self.system, state, moving, k, change), loads, self.seen)
+                for system, change in ((pair.plus, pair.up), (pair.minus, pair.down))
+            )
             for name, array in up.items():
                 found[name][..., k] = (array - down[name]) / (pair.up - pair.down)
         return dict(collected(self.parameters, places, found).arrays)
@@ -196,24 +201,35 @@ def positions(system: _core.System, state: _core.State, count: int) -> Floats:
     return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
 
 
-def _seen(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads) -> dict[str, Floats]:
-    """Return the observed arrays of a state."""
+_KINEMATIC = ("position", "rotation", "link_angle")
+_FORCES = ("joint_torque", "section_forces", "base_wrench")
+
+
+def _seen(
+    arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads, names: Collection[str]
+) -> dict[str, Floats]:
+    """Return the observed arrays of a state, by their names."""
     count = len(arm.points)
-    return {
-        "position": positions(system, state, count),
-        "rotation": np.array([system.point_frame(state, i).R for i in range(count)]).reshape(count, 3, 3),
-        "joint_torque": np.array([_core.joint_torque(system, state, i) for i in range(len(arm.joints))]),
-        "link_angle": np.array(_core.joint_angles(system, state)),
-        "section_forces": np.array(
-            [_ends(system, state, loads, i, link.type) for i, link in enumerate(arm.links)]
+    made: dict[str, Callable[[], Floats]] = {
+        "position": lambda: positions(system, state, count),
+        "rotation": lambda: np.array([system.point_frame(state, i).R for i in range(count)]).reshape(
+            count, 3, 3
         ),
-        "base_wrench": np.array(_core.base_wrench(system, state)),
+        "link_angle": lambda: np.array(_core.joint_angles(system, state)),
+        "joint_torque": lambda: np.array(
+            [_core.joint_torque(system, state, i) for i in range(len(arm.joints))]
+        ),
+        "section_forces": lambda: _ends(arm, system, state, loads),
+        "base_wrench": lambda: np.array(_core.base_wrench(system, state)),
     }
+    return {name: made[name]() for name in names}
 
 
-def _ends(system: _core.System, state: _core.State, loads: _core.Loads, link: int, kind: str) -> Floats:
-    """Return section forces at both ends, shape (2, 6); NaN for links without sections."""
-    if kind != "beam":
-        return np.full((2, 6), np.nan)
-    forces = _core.section_forces(system, state, loads, link)
-    return np.array([forces.start, forces.end])
+def _ends(arm: Arm, system: _core.System, state: _core.State, loads: _core.Loads) -> Floats:
+    """Return section forces at both ends, shape (link, 2, 6); NaN for links without sections."""
+    found = np.full((len(arm.links), 2, 6), np.nan)
+    for i, link in enumerate(arm.links):
+        if link.type == "beam":
+            forces = _core.section_forces(system, state, loads, i)
+            found[i] = forces.start, forces.end
+    return found

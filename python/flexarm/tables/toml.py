@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.errors import InvalidFile
+from flexarm.foreign_files import foreign_kind, table_of_text
 from flexarm.reading import regular_file
 
 
@@ -21,6 +22,8 @@ def read_text(file: Path) -> str:
         If it is missing, a directory, not readable or not a text in UTF-8.
     """
     regular_file(file)
+    if kind := foreign_kind(file):
+        raise InvalidFile(file, "file", kind)
     try:
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -47,6 +50,8 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
+        if kind := table_of_text(text):
+            raise InvalidFile(file, "file", kind) from None
         what, place = _split_place(str(error))
         raise InvalidFile(file, place, f"not valid TOML: {what}") from None
     except ValueError:  # Python reads no integer of more digits
@@ -54,6 +59,7 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     found = data.get("format")
     if found != expected_format:
         got = "is missing" if found is None else f"is {found!r}"
+        got += ", which `flexarm import` reads" if found == "flexarm-map/1" else ""
         raise InvalidFile(file, "format", f"{got}; allowed is {expected_format!r}")
     return data, text
 

@@ -11,7 +11,7 @@ from planted import two_joints
 import flexarm
 from flexarm import Record, Signal
 from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
-from flexarm.diagnosis.workflow import _held_out, _parted
+from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.effects import PayloadMass
 from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload, Clock, DrawnLink
@@ -228,9 +228,9 @@ def test_the_record_held_out_is_named_like_those_of_the_training(tmp_path):
     path = tmp_path / "test_2/by_reference"
     record().save(path)
     held = Record.load(path)
-    assert _held_out(ARM, held, {"test_3/by_reference": record(0.9)}).keys() == {"test_2/by_reference"}
-    assert _held_out(ARM, held, {"test_3": record(0.9)}).keys() == {"by_reference"}
-    assert _held_out(ARM, held, {"by_reference": record(0.9)}).keys() == {"by_reference (held out)"}
+    assert named_hold_out(ARM, held, {"test_3/by_reference": record(0.9)}).keys() == {"test_2/by_reference"}
+    assert named_hold_out(ARM, held, {"test_3": record(0.9)}).keys() == {"by_reference"}
+    assert named_hold_out(ARM, held, {"by_reference": record(0.9)}).keys() == {"by_reference (held out)"}
 
 
 @pytest.mark.parametrize(
@@ -255,7 +255,7 @@ def test_outliers_of_a_record_held_out_are_removed_and_told():
     values[[30, 70]] += 0.5
     odd = held_out.replace(signals={**held_out.signals, "tip": tip.replace(values=values)})
     clean = clean_records(diagnoses.nominal(), {"other": odd}, step=0.01)
-    parted = _parted(diagnoses.nominal(), ValidationResult({"swing": training}), clean)
+    parted = split(diagnoses.nominal(), ValidationResult({"swing": training}), clean)
     seen = parted.held_out["other"].signals["tip"]
     assert np.flatnonzero(~seen.valid).tolist() == [30, 70]
     assert parted.training == {"swing": training}

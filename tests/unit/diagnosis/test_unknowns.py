@@ -66,7 +66,9 @@ def test_a_clock_and_a_frame_are_known_as_well_as_one_record_knows_them(
     """Whichever record comes first: they are one clock and one frame."""
     records = {f"{k}": record(**each) for k, each in enumerate(reversed(stated) if turned else stated)}
     rows = [SimpleNamespace(record=name, signal="tip") for name in records]
-    found = nuisance_model(SimpleNamespace(arm=crane(), records=records, rows=rows, initial_conditions=()))
+    found = nuisance_model(
+        SimpleNamespace(arm=crane(), records=records, rows=rows, initial_conditions=(), tilts=())
+    )
     assert {each.key.split(".")[3]: each.sigma for each in found.parameters} == {
         "delay": delay,
         "translation": translation,

@@ -26,7 +26,7 @@ from flexarm.wording import scale
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
-    from flexarm.record.table import CarriedPayload, DrawnLink
+    from flexarm.record.table import BaseStand, CarriedPayload, DrawnLink
 
 
 DRIVE_HZ = 250.0
@@ -53,6 +53,8 @@ class Experiment:
         Of trackers.
     payloads, links
         What the run carries and how far links are drawn out, as in a record.
+    base : BaseStand or None
+        How the base stands, as in a record.
     assumed : tuple of str
         Sentences about what nobody stated.
     """
@@ -65,11 +67,12 @@ class Experiment:
     frames: Mapping[str, Frame]
     payloads: Mapping[str, CarriedPayload] = field(default_factory=dict)
     links: Mapping[str, DrawnLink] = field(default_factory=dict)
+    base: BaseStand | None = None
     assumed: tuple[str, ...] = ()
 
     def run(self, arm: Arm, step: float, alpha: float) -> Simulation:
         """Return the motion of a model."""
-        tables = Record(signals={}, payloads=self.payloads, links=self.links)
+        tables = Record(signals={}, payloads=self.payloads, links=self.links, base=self.base)
         forces = any(sensor.quantity == "strain" for sensor in self.sensors)
         return simulate(
             tables.applied_to(arm), self.drive, step=step, alpha=alpha, rotations=True, forces=forces
@@ -88,6 +91,7 @@ class Experiment:
             frames=self.frames,
             payloads=self.payloads,
             links=self.links,
+            base=self.base,
             joints=dict(self.drive.rest),
         )
         drives = [self._shown(joint, name, arm) for joint, name in self.drivers.items()]
@@ -233,7 +237,7 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
     ]
     if not sensors:
         alone = from_drive(name, drive, arm, record.clocks, record.frames)
-        return replace(alone, drivers=drivers, payloads=record.payloads, links=record.links)
+        return replace(alone, drivers=drivers, payloads=record.payloads, links=record.links, base=record.base)
     clocks = {own: record.clocks[own], **record.clocks}
     return Experiment(
         name,
@@ -244,6 +248,7 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
         record.frames,
         record.payloads,
         record.links,
+        record.base,
         tuple(said),
     )
 

@@ -1,0 +1,63 @@
+"""A model beside records before and after it is changed: what a diagnosis and a calibration share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.comparison.comparison import Comparison
+
+
+class BeforeAfter:
+    """The gap of a nominal and of an updated model.
+
+    Attributes
+    ----------
+    arm, updated : Arm
+        The two models.
+    before, after : dict of str to Comparison
+        By record, held-out ones too: the gap of either, aligned.
+    training, held_out : tuple of str
+        Names of the records.
+    main_signal : str
+        The signal of the report's `gap`.
+    """
+
+    arm: Arm
+    updated: Arm
+    before: Mapping[str, Comparison]
+    after: Mapping[str, Comparison]
+    training: tuple[str, ...]
+    held_out: tuple[str, ...]
+    main_signal: str
+
+    @property
+    def unit(self) -> str:
+        """Unit of the main signal's gap; empty if nothing could be compared."""
+        return self.unit_of(self.main_signal)
+
+    def unit_of(self, signal: str) -> str:
+        """Return the unit of the gap of a signal; empty if it could not be compared."""
+        found = (comparison.signals.get(signal) for comparison in self.before.values())
+        return next((gap.unit for gap in found if gap is not None), "")
+
+    @property
+    def has_gap(self) -> bool:
+        """Return True if there is a gap to be shown: not where the data could not be compared at all."""
+        return bool(self.unit)
+
+    def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
+        """Totals of a signal before and after, pooled over records.
+
+        Parameters
+        ----------
+        records : iterable of str
+            Their names, such as `training` or `held_out`.
+        signal : str, optional
+            Which one; default: the main signal.
+        """
+        return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)

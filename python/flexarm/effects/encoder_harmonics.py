@@ -1,0 +1,86 @@
+r"""Harmonic error of an encoder: two, three or more periods per turn of the output.
+
+.. math:: \text{reading} = \text{true}
+   + \text{amplitude} \, \sin(\text{order} \cdot \text{true} + \text{phase})                          (1)
+
+An oval disc or a pair of misplaced reading heads err twice per turn, resolvers with unequal windings too.
+Solving (1) for the true angle converges by repeated substitution, as amplitude x order < 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import pi
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.prior import Prior
+from flexarm.arm.sensor_effect import Channels, SignalEffect
+from flexarm.arm.wave_effect import WaveEffect
+from flexarm.tables import Number, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arrays import Floats
+
+
+class EncoderHarmonics(WaveEffect, SignalEffect):
+    """Error of an encoder several times per output turn.
+
+    Parameters
+    ----------
+    at : str
+        The signal, a joint angle.
+    order : float
+        Periods per output turn, of (1) [-].
+    amplitude, phase : float
+        Of (1) [rad].
+    """
+
+    name: ClassVar[str] = "encoder_harmonics"
+    quantities = ("joint_angle",)
+    of_drives = True
+    shape = ("order", "phase")
+    order: Number = value_in("-", "periods of the error per output turn", 2.0, ge=1)
+    amplitude: Number = value_in("rad", "amplitude of the error", 0.0, ge=0, lt=1)
+    phase: Number = value_in("rad", "phase of the error at the true angle zero", 0.0)
+
+    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
+        """Also refuse a reading that turns back while the joint goes on."""
+        yield from super().problems(arm)
+        if self.amplitude * self.order >= 1:
+            yield (
+                "amplitude",
+                f"must keep amplitude x order below 1, got {self.amplitude:g} rad x {self.order:g}: "
+                "the reading would turn back at times",
+            )
+
+    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1)."""
+        return reading + self.amplitude * np.sin(self.order * true + self.phase)
+
+    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
+        """Eq. (1) without its last term, for a true angle known so far."""
+        return reading - self.amplitude * np.sin(self.order * true + self.phase)
+
+    def null(self, arm: Arm) -> dict[str, float]:
+        """Return no amplitude, of the same order."""
+        return {**super().null(arm), "order": self.order}
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield the orders of oval and three-lobed discs."""
+        yield from (Trial(fixed={"order": order}) for order in (2.0, 3.0))
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """Of a disc that is clamped out of round by micrometres."""
+        form = "engineering judgement: discs of 10 to 100 mm radius are out of round by up to 20 um"
+        orders = "engineering judgement: twice a turn where a hub is oval, three times in a chuck's jaws"
+        return {
+            "order": Prior(1.5, 6.0, 2.0, "log", "-", orders),
+            "amplitude": Prior(5e-6, 1e-3, 7e-5, "log", "rad", form),
+            "phase": Prior(-pi, pi, 0.0, "uniform", "rad", "any angle"),
+        }

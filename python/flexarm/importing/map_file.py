@@ -1,0 +1,270 @@
+"""Tables of an import map: where each signal of a record stands in the logs, and what its numbers mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, Strict, StringConstraints, model_validator
+
+from flexarm.arm.sensor import Measurement
+from flexarm.errors import InvalidParameter
+from flexarm.record.consistency import references
+from flexarm.record.file_table import RunTable
+from flexarm.tables import Inconsistent, Number, Table, Vector3, check_table, read_toml, value_in
+from flexarm.units import factor_to, si_factor
+
+FORMAT = "flexarm-map/1"
+
+
+class Every(Table):
+    """Stamps of samples at a constant rate, where a file has none."""
+
+    rate_hz: Number = value_in("Hz", "samples a second", gt=0)
+    start: Number = value_in("s", "stamp of the first sample", 0.0)
+
+
+class Counts(Table):
+    """The unit of an encoder that counts."""
+
+    counts_per_turn: Number = value_in("-", "counts for one turn of what the encoder sits on", gt=0)
+
+
+class Current(Table):
+    """The unit of a motor's current that stands for its torque; the current is in ampere."""
+
+    torque_constant: Number = value_in("N m/A", "torque for one ampere", gt=0)
+
+
+def _column(value: Any) -> Any:
+    number = isinstance(value, int) and not isinstance(value, bool)
+    if (number and value < 1) or not (number or (isinstance(value, str) and value.strip())):
+        raise ValueError(f"must be the name of a column, or its number counted from 1, got {value!r}")
+    return value
+
+
+def _time(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Every(**value)
+    return value if isinstance(value, Every) else _column(value)
+
+
+def _columns(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+def _unit(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Current(**value) if "torque_constant" in value else Counts(**value)
+    if not isinstance(value, str | Counts | Current):
+        what = '"deg", { counts_per_turn = 65536 } or { torque_constant = 0.12 }'
+        raise ValueError(f"must be a unit, such as {what}, got {value!r}")
+    return value
+
+
+def _factors(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+Column = Annotated[str | int, BeforeValidator(_column)]
+Columns = Annotated[tuple[Column, ...], BeforeValidator(_columns)]
+Stamps = Annotated[str | int | Every, BeforeValidator(_time)]
+Unit = Annotated[str | Counts | Current, BeforeValidator(_unit)]
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(_factors)]
+Mark = Annotated[str, StringConstraints(min_length=1, max_length=1)]
+
+
+class Dialect(Table):
+    """How a text file is written, where that cannot be seen from its first lines.
+
+    Parameters
+    ----------
+    separator, decimal : str, optional
+        Characters between cells and before decimals; a blank stands for any number of blanks and tabs.
+    encoding : str, optional
+        Name of the encoding, such as "cp1252".
+    header_rows : int, optional
+        Lines before the first row; the last of them, or the one above a line of units, names the columns.
+    comment : str, optional
+        What lines begin with that are skipped; default `#`.
+    columns : list of str, optional
+        Names of the columns, in place of those that the file gives.
+    """
+
+    separator: Mark | None = None
+    decimal: Literal[".", ","] | None = None
+    encoding: str | None = None
+    header_rows: Annotated[int, Strict(), Field(ge=0)] | None = None
+    comment: str | None = Field(None, min_length=1)
+    columns: tuple[str, ...] = ()
+
+
+class SignalMap(Measurement):
+    """A signal of a map: what `Measurement` says, and how it is read from a log.
+
+    Parameters
+    ----------
+    source : str
+        File, or directory of a ROS 2 bag, from where the map lies.
+    topic : str, optional
+        Topic of a bag, path of a variable or group, name of a sheet.
+    columns : list of str or int
+        Columns or fields of the values; numbers count from 1, `[k]` picks a row of a matrix.
+    time : str, int or table, optional
+        Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`.
+    time_unit, time_format : str, optional
+        s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it.
+    pose : str or int, optional
+        In a record of poses the column that names the pose; left out: each row is a pose.
+    where : dict of str to str or number, optional
+        Only rows in which columns hold these values.
+    unit : str or table, optional
+        Unit of the values, `{ counts_per_turn = }` or `{ torque_constant = }`; default SI.
+    before_gear : bool
+        The value is the motor's own: divided, a torque multiplied, by the joint's gear ratio.
+    scale, offset : float or list of float
+        Value becomes scale x value + offset, in `unit`; a list has one number a column.
+    noise_std : float, optional
+        1 sigma per channel of the record's signal, in SI.
+    quaternion : {"xyzw", "wxyz"}
+        Order of the columns of an orientation.
+    mount : (3,), optional
+        Roll, pitch, yaw of a sensor of three axes in the axes of its signal [rad]; columns are the sensor's
+        x, y, z then.
+    csv : Dialect, optional
+        How a text file is written, where that cannot be seen.
+    """
+
+    source: str = Field(description="name of the file, from where the map lies", min_length=1)
+    topic: str | None = None
+    columns: Columns = Field(description="names of the columns, or numbers counted from 1")
+    time: Stamps | None = None
+    time_unit: str | None = None
+    time_format: str | None = None
+    pose: Column | None = None
+    where: dict[str, str | Number] = Field(default_factory=dict)
+    unit: Unit | None = None  # type: ignore[assignment]
+    before_gear: bool = False
+    scale: Numbers = (1.0,)
+    offset: Numbers = (0.0,)
+    quaternion: Literal["xyzw", "wxyz"] = "xyzw"
+    mount: Vector3 | None = value_in("rad", "roll, pitch, yaw of the sensor", None)
+    csv: Dialect = Dialect()
+
+    def _problems(self) -> list[tuple[tuple[str, ...], str]]:
+        return [*super()._problems(), *self._column_problems(), *self._conversion_problems()]
+
+    @property
+    def si(self) -> tuple[str, float]:
+        """SI unit of the record's values and the factor to it."""
+        unit = self.unit
+        if isinstance(unit, Counts):
+            turns = {"rad": 2 * pi, "rad/s": 2 * pi}
+            si = self.spec.units[0]
+            if si not in turns:
+                raise InvalidParameter(f"counts are of an angle; {self.quantity} is in {si}")
+            return si, turns[si] / unit.counts_per_turn
+        if isinstance(unit, Current):
+            if self.quantity != "motor_torque":
+                what = 'a torque constant makes a current a torque; needed is quantity = "motor_torque"'
+                raise InvalidParameter(f"{what}, got {self.quantity!r}")
+            return "N m", unit.torque_constant
+        return si_factor(self.spec.units[0] if unit is None else unit, self.spec.units)
+
+    def _column_problems(self) -> list[tuple[tuple[str, ...], str]]:
+        wanted = self.spec.channels or len(self.directions)
+        wanted = 3 if self.mount is not None else wanted
+        found: list[tuple[tuple[str, ...], str]] = []
+        if len(self.columns) != wanted:
+            what = f"axes = {list(self.directions)}" if self.directions else self.quantity
+            what = "a sensor with a mount" if self.mount is not None else what
+            found.append(
+                (("columns",), f"must be {wanted} for {what}, got {len(self.columns)}: {list(self.columns)}")
+            )
+        if len(set(self.columns)) < len(self.columns):
+            found.append((("columns",), f"a column is named twice: {list(self.columns)}"))
+        found += [
+            (
+                (key,),
+                f"must be one number, or one for each of {len(self.columns)} columns, got {list(numbers)}",
+            )
+            for key, numbers in (("scale", self.scale), ("offset", self.offset))
+            if len(numbers) not in (1, len(self.columns))
+        ]
+        return found
+
+    def _conversion_problems(self) -> list[tuple[tuple[str, ...], str]]:
+        found: list[tuple[tuple[str, ...], str]] = []
+        if self.mount is not None and self.spec.channels is not None:
+            found.append((("mount",), f"{self.quantity} has no three axes that a mount could turn"))
+        if self.quaternion != "xyzw" and self.quantity != "orientation":
+            found.append((("quaternion",), f"{self.quantity} is no quaternion; only orientation is"))
+        if self.before_gear and not self.spec.has_side:
+            what = "is before no gear; only joint_angle, joint_rate and motor_torque are"
+            found.append((("before_gear",), f"{self.quantity} {what}"))
+        if self.before_gear and self.quantity == "motor_torque":
+            if "side" in self.model_fields_set and self.side == "motor":
+                what = 'a torque of side "motor" is the motor\'s own already; leave before_gear out, or say '
+                found.append((("before_gear",), f'{what}side = "output"'))
+            object.__setattr__(self, "side", "output")
+        if self.time_unit is not None and factor_to("s", self.time_unit) is None:
+            what = f"unit {self.time_unit!r} does not fit; allowed are s, ms, us, ns, min"
+            found.append((("time_unit",), what))
+        if isinstance(self.time, Every):
+            found += [
+                ((key,), f"does not belong to stamps of a rate_hz, which are in s; got {value!r}")
+                for key, value in (("time_unit", self.time_unit), ("time_format", self.time_format))
+                if value is not None
+            ]
+        return found
+
+
+class MapTable(RunTable):
+    """The whole of an import map."""
+
+    format: Literal["flexarm-map/1"] = "flexarm-map/1"
+    model: str | None = None
+    signals: tuple[SignalMap, ...] = ()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        found = [*references(self), *self._stamp_problems()]
+        if not self.signals:
+            found = [(("signals",), "is missing; a map needs at least one signal")]
+        if found:
+            raise Inconsistent(*found)
+        return self
+
+    def _stamp_problems(self) -> list[tuple[tuple[str | int, ...], str]]:
+        static = self.kind == "static"
+        found: list[tuple[tuple[str | int, ...], str]] = []
+        for i, signal in enumerate(self.signals):
+            if not static and signal.time is None:
+                what = 'is missing; needed is a column of stamps, "log" for the file\'s own, or { rate_hz = }'
+                found.append((("signals", i, "time"), what))
+            given = {"time": signal.time} if static else {"pose": signal.pose}
+            found += [
+                (("signals", i, key), f"does not belong to a record of kind {self.kind!r}")
+                for key, value in given.items()
+                if value is not None
+            ]
+            if signal.spec.only_static and not static:
+                what = f'{signal.quantity} belongs to records of kind "static"'
+                found.append((("signals", i, "quantity"), f"{what}; what a run carried stands in [payloads]"))
+            if signal.before_gear and self.model is None:
+                found.append((("model",), f"is missing; signal {signal.name!r} needs its gear ratio"))
+        return found
+
+
+def read_map(file: Path) -> tuple[MapTable, dict[str, Any], str]:
+    """Return a map, the tables of its file as they stand, and its text.
+
+    Raises
+    ------
+    InvalidFile
+        With the place and value of every problem.
+    """
+    data, text = read_toml(file, FORMAT)
+    return check_table(MapTable, data, file, text), data, text

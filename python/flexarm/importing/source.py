@@ -1,0 +1,281 @@
+"""A log as named arrays: what every format gives, and how columns are picked from it.
+
+A reader of a format is a subclass of `Source`. It says which columns a topic has and gives their arrays; what
+a map may write for a column (a name, a number, a path, a row of a matrix) is the same for all.
+"""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.consistency import missing
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidFile
+
+if TYPE_CHECKING:
+    from flexarm.importing.map_file import Dialect
+
+Array = NDArray[Any]
+LOG = "log"
+"""Word of a map for the time that a file gives by itself."""
+
+
+class Unreadable(Exception):
+    """What is wrong with a part of a source, and the key of the map that asked for it."""
+
+    def __init__(self, key: str, what: str) -> None:
+        super().__init__(what)
+        self.key, self.what = key, what
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a signal needs of its source.
+
+    Attributes
+    ----------
+    topic : str or None
+        Topic, path of a group, or sheet.
+    columns : tuple of str or int
+        Columns of values.
+    time : str, int or None
+        Column of stamps, or "log"; None: none needed.
+    others : tuple of (str, str or int)
+        Key of the map and a column that tells rows apart: poses, and what they are chosen by.
+    stamps_are_text : bool
+        True if stamps are read as text.
+    """
+
+    topic: str | None
+    columns: tuple[str | int, ...]
+    time: str | int | None = None
+    others: tuple[tuple[str, str | int], ...] = ()
+    stamps_are_text: bool = False
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What a source has for a request.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n, columns)
+        Values, drop-outs as NaN.
+    time : ndarray, shape (n,), or None
+        Stamps as they stand: whole numbers stay whole.
+    time_unit : str or None
+        Their unit, where the source says it.
+    others : tuple of ndarray, each of shape (n,)
+        Columns that tell rows apart, as they stand.
+    """
+
+    values: Floats
+    time: Array | None = None
+    time_unit: str | None = None
+    others: tuple[Array, ...] = ()
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns of a source that belong together.
+
+    Attributes
+    ----------
+    topic : str or None
+        As a map names it.
+    names : tuple of str
+        Columns.
+    time : str or None
+        The column of stamps, or "log", as far as the format tells.
+    kind : str
+        What the source says that it is, such as the type of a message; empty if nothing.
+    units : tuple of str
+        Units of the columns, where the source gives them.
+    """
+
+    topic: str | None
+    names: tuple[str, ...]
+    time: str | None = None
+    kind: str = ""
+    units: tuple[str, ...] = ()
+
+
+class Source(ABC):
+    """One log.
+
+    Parameters
+    ----------
+    path : Path
+        The file, or the directory of a bag.
+    dialect : Dialect
+        How a text file is written.
+    requests : sequence of Request
+        All that will be asked for, so that a format can read it in one go.
+    """
+
+    def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
+        self.path, self.dialect, self.requests = path, dialect, tuple(requests)
+
+    @abstractmethod
+    def names(self, topic: str | None) -> list[str]:
+        """Return the columns of a topic.
+
+        Raises
+        ------
+        Unreadable
+            If there is no such topic.
+        """
+
+    @abstractmethod
+    def array(self, topic: str | None, index: int) -> Array:
+        """Return a column, counted from 0 in `names`: numbers, instants as datetime64, text, or a matrix."""
+
+    @abstractmethod
+    def groups(self) -> list[Group]:
+        """Return all columns of the source."""
+
+    def log_time(self, topic: str | None, indices: Sequence[int]) -> tuple[Array, str]:
+        """Return the file's own stamps of columns, and their unit.
+
+        Raises
+        ------
+        Unreadable
+            If the format has none.
+        """
+        what = "has no time of its own; name a column of stamps, or say { rate_hz = } if there is none"
+        raise Unreadable("time", what)
+
+    def time_unit(self, topic: str | None, index: int) -> str | None:
+        """Return the unit of a column of stamps, where the source says it."""
+        return None
+
+    def place(self, topic: str | None, row: int) -> str:
+        """Return where a row stands, counted from 0."""
+        return f"row {row + 1}"
+
+    def read(self, request: Request) -> Samples:
+        """Return the samples of a request.
+
+        Raises
+        ------
+        Unreadable
+            With the key of the map and what is wrong.
+        """
+        topic = request.topic
+        found = [self.find(topic, column, "columns") for column in request.columns]
+        time, unit = self._time(request, [index for index, _ in found])
+        rows = None if time is None else len(time)
+        columns = []
+        for (index, pick), column in zip(found, request.columns, strict=True):
+            what = f"column {column!r}"
+            array = one_row(self.array(topic, index), pick, rows, what)
+            rows = len(array) if rows is None else rows
+            if len(array) != rows:
+                beside = "stamps" if time is not None else "values of the first column"
+                raise Unreadable("columns", f"{what} has {len(array)} values beside {rows} {beside}")
+            columns.append(as_numbers(array, lambda row: self.place(topic, row), what))
+        others = tuple(
+            one_row(self.array(topic, index), pick, rows, f"column {column!r}")
+            for key, column in request.others
+            for index, pick in [self.find(topic, column, key)]
+        )
+        return Samples(np.stack(columns, axis=1), time, unit, others)
+
+    def find(self, topic: str | None, column: str | int, key: str) -> tuple[int, int | None]:
+        """Return the place of a column in `names`, and the row of a matrix that it picks, from 0."""
+        names = self.names(topic)
+        if isinstance(column, int):
+            if column > len(names):
+                raise Unreadable(key, f"there is no column {column}; there are {len(names)}")
+            return column - 1, None
+        if names.count(column) > 1:
+            numbers = [i for i, name in enumerate(names, 1) if name == column]
+            what = (
+                f"column {column!r} stands there {len(numbers)} times; say its number, such as {numbers[0]}"
+            )
+            raise Unreadable(key, what)
+        if column in names:
+            return names.index(column), None
+        match = re.fullmatch(r"(.*)\[(\d+)\]", column)
+        if match and match[1] in names and int(match[2]) >= 1:
+            return names.index(match[1]), int(match[2]) - 1
+        close = get_close_matches(column, names, n=1)
+        meant = f"; did you mean {close[0]!r}?" if close else ""
+        raise Unreadable(key, missing("column", column, [n for n in names if n]) + meant)
+
+    def _time(self, request: Request, indices: Sequence[int]) -> tuple[Array | None, str | None]:
+        topic, column = request.topic, request.time
+        if column is None:
+            return None, None
+        if column == LOG and LOG not in self.names(topic):
+            return self.log_time(topic, indices)
+        index, pick = self.find(topic, column, "time")
+        found = one_row(self.array(topic, index), pick, None, f"column {column!r}")
+        if request.stamps_are_text:
+            return found, None
+        if found.dtype.kind in "Mm":
+            kind = "datetime64[ns]" if found.dtype.kind == "M" else "timedelta64[ns]"
+            return found.astype(kind).astype(np.int64), "ns"
+        if found.dtype.kind not in "iu":
+            found = as_numbers(found, lambda row: self.place(topic, row), f"column {column!r}", "time")
+        return found, self.time_unit(topic, index)
+
+
+def one_row(array: Array, pick: int | None, rows: int | None, what: str) -> Array:
+    """Return a column: a row or column of a matrix, whichever way it is as long as the stamps."""
+    array = np.atleast_1d(np.squeeze(array)) if pick is None else np.atleast_1d(array)
+    if pick is None:
+        if array.ndim > 1:
+            shape = " x ".join(map(str, array.shape))
+            raise Unreadable("columns", f"{what} is a matrix of {shape}; pick a row of it by [1]")
+        return array
+    if array.ndim == 1:
+        array = array[:, None] if rows is None or len(array) == rows else array[None, :]
+    if array.ndim != 2:
+        raise Unreadable("columns", f"{what} has {array.ndim} dimensions; a row is picked from two")
+    across = rows is not None and array.shape[1] != rows and array.shape[0] == rows
+    found = array.T if across else array
+    if pick >= len(found):
+        raise Unreadable("columns", f"{what} picks row {pick + 1} of {len(found)}")
+    return np.asarray(found[pick])
+
+
+def as_numbers(array: Array, place: Callable[[int], str], what: str, key: str = "columns") -> Floats:
+    """Return a column as doubles; empty texts and masked values are NaN."""
+    if isinstance(array, np.ma.MaskedArray):
+        array = np.ma.filled(array.astype(float), np.nan)
+    if array.dtype.kind in "fiub":
+        return np.asarray(array, dtype=float)
+    found = np.empty(len(array))
+    for row, value in enumerate(array.tolist()):
+        try:
+            found[row] = np.nan if value is None or str(value).strip() == "" else float(value)
+        except (TypeError, ValueError):
+            got = repr(value)[:40]
+            raise Unreadable(key, f"{place(row)}, {what}: must be a number, got {got}") from None
+    return found
+
+
+def needed(package: str, source: str | Path, extra: str = "import") -> Any:
+    """Return a package that an extra installs.
+
+    Raises
+    ------
+    InvalidFile
+        With the pip command, if it is missing.
+    """
+    try:
+        return import_module(package)
+    except ImportError:
+        what = f"needs the package {package.partition('.')[0]}: pip install 'flexarm[{extra}]'"
+        raise InvalidFile(source, "file", what) from None

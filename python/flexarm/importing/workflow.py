@@ -1,0 +1,292 @@
+"""From an import map to a record: each signal in SI, on its own instants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from flexarm.arguments import PATH, takes
+from flexarm.arm import Arm
+from flexarm.arm.rotation import from_rpy
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.importing.formats import reader_of
+from flexarm.importing.map_file import Dialect, Every, MapTable, SignalMap, read_map
+from flexarm.importing.source import Array, Request, Samples, Source, Unreadable
+from flexarm.importing.stamps import Stamps, as_date, origins, stamps_of
+from flexarm.reading import reading
+from flexarm.record.compatibility import unknown_names
+from flexarm.record.load import canonical_pose
+from flexarm.record.record import Record
+from flexarm.record.signal import Signal
+from flexarm.record.table import Clock
+from flexarm.tables import refuse
+
+if TYPE_CHECKING:
+    from flexarm.tables.field import Path as Where
+
+
+@takes(path=PATH)
+def import_record(path: str | Path) -> Record:
+    """Return the record that an import map makes of logs.
+
+    Parameters
+    ----------
+    path : str or Path
+        The map, a TOML file; its sources are found from where it lies.
+
+    Returns
+    -------
+    Record
+        In SI. Every signal keeps its own instants; stamps that count from 1970 are shifted by a whole number
+        of seconds, which the record's `notes` tell.
+
+    Raises
+    ------
+    InvalidFile
+        With everything that is wrong in the map and in its sources, each with its place.
+
+    Examples
+    --------
+    >>> import_record("run7.map.toml").save("run7")  # doctest: +SKIP
+    """
+    file = Path(path)
+    table, data, text = read_map(file)
+    importer = _Importer(file, table)
+    record = importer.record()
+    refuse(importer.found, data, file, text)
+    assert record is not None
+    return record
+
+
+def sources_of(path: Path) -> list[Path]:
+    """Return the files that a map reads, with the map itself."""
+    table, _, _ = read_map(path)
+    names = [signal.source for signal in table.signals] + ([table.model] if table.model else [])
+    return [path, *(path.parent / name for name in dict.fromkeys(names))]
+
+
+@dataclass
+class _Importer:
+    """Reads the signals of one map, and keeps what is wrong."""
+
+    file: Path
+    table: MapTable
+    found: list[tuple[Where, str]] = field(default_factory=list)
+
+    def record(self) -> Record | None:
+        """Return the record, or None if something is wrong."""
+        arm = self._arm()
+        sources = self._sources()
+        clocks = dict(self.table.clocks) or {"clock": Clock()}
+        read: dict[int, tuple[Samples, Stamps]] = {}
+        for i, signal in enumerate(self.table.signals):
+            with self._blamed(i):
+                if (source := sources.get((signal.source, signal.csv))) is not None:
+                    read[i] = self._read(signal, source)
+        if self.found:
+            return None
+        by_clock: dict[str, list[Stamps]] = {}
+        for i, (_, stamps) in read.items():
+            by_clock.setdefault(self.table.signals[i].clock or next(iter(clocks)), []).append(stamps)
+        origin = origins(by_clock, clocks)
+        signals = []
+        for i, (samples, stamps) in read.items():
+            with self._blamed(i):
+                signals.append(self._signal(self.table.signals[i], samples, stamps, arm, origin))
+        if self.found:
+            return None
+        notes = [
+            Problem(f"clocks.{name}", f"stamps count from {as_date(second)}, {second} s after 1970")
+            for name, second in origin.items()
+            if second
+        ]
+        t = self.table
+        return Record(
+            signals={signal.name: signal for signal in signals},
+            drive=t.drive,
+            description=t.description,
+            kind=t.kind,
+            initial=t.initial,
+            joints=t.joints,
+            payloads=t.payloads,
+            controllers=t.controllers,
+            links=t.links,
+            clocks=clocks,
+            frames=t.frames,
+            base=t.base,
+            notes=tuple(notes),
+        )
+
+    @contextmanager
+    def _blamed(self, index: int) -> Iterator[None]:
+        """Keep errors as problems of a signal, with the key that asked for what failed."""
+        place: Where = ("signals", index)
+        source = self.table.signals[index].source
+        try:
+            yield
+        except Unreadable as error:
+            self.found.append(((*place, error.key), f"{source}: {error.what}"))
+        except InvalidFile as error:
+            where = error.problems[0].where
+            key = where if where.startswith("csv") else "source"
+            self.found += [((*place, key), f"{error.file}: {problem}") for problem in error.problems]
+        except InvalidParameter as error:
+            self.found += [(place, str(problem)) for problem in error.problems]
+
+    def _arm(self) -> Arm | None:
+        """Return the model; names that it has not become problems."""
+        if self.table.model is None:
+            return None
+        try:
+            arm = Arm.from_toml(self.file.parent / self.table.model)
+        except InvalidFile as error:
+            self.found += [(("model",), f"{error.file}: {problem}") for problem in error.problems]
+            return None
+        t = self.table
+        index = {signal.name: i for i, signal in enumerate(t.signals)}
+        named = SimpleNamespace(
+            signals={signal.name: signal for signal in t.signals},
+            joints=t.joints,
+            payloads=t.payloads,
+            links=t.links,
+            controllers=t.controllers,
+        )
+        for problem in unknown_names(cast(Any, named), arm):
+            table, name, *key = problem.where.split(".")
+            where: Where = (table, index[name], *key) if table == "signals" else (table, name)
+            self.found.append((where, problem.what))
+        return arm
+
+    def _sources(self) -> dict[tuple[str, Dialect], Source]:
+        """Return a reader for each file, which knows all that is asked of it."""
+        asked: dict[tuple[str, Dialect], list[int]] = {}
+        for i, signal in enumerate(self.table.signals):
+            asked.setdefault((signal.source, signal.csv), []).append(i)
+        found = {}
+        for (name, dialect), signals in asked.items():
+            with self._blamed(signals[0]):
+                path = self.file.parent / name
+                reader = reader_of(path)
+                requests = [request_of(self.table.signals[i]) for i in signals]
+                with reading(path, "a log"):
+                    found[name, dialect] = reader(path, dialect, requests)
+        return found
+
+    def _read(self, signal: SignalMap, source: Source) -> tuple[Samples, Stamps]:
+        """Return samples of the rows that a signal takes, and their stamps."""
+        request = request_of(signal)
+        with reading(source.path, "a log"):
+            try:
+                samples = source.read(request)
+            except Unreadable as error:
+                kept: Unreadable | None = error
+            else:
+                kept = None
+        if kept is not None:
+            raise kept
+        rows = _chosen(signal, samples)
+        taken = Samples(
+            samples.values[rows],
+            None if samples.time is None else samples.time[rows],
+            samples.time_unit,
+            tuple(column[rows] for column in samples.others),
+        )
+        if not len(taken.values):
+            raise Unreadable("where" if signal.where else "columns", "there is no row")
+
+        def place(row: int) -> str:
+            return source.place(signal.topic, int(rows[row]) if isinstance(rows, np.ndarray) else row)
+
+        if self.table.kind == "static":
+            return taken, Stamps(np.array([]), 1.0)
+        return taken, stamps_of(signal, taken, place)
+
+    def _signal(
+        self, table: SignalMap, samples: Samples, stamps: Stamps, arm: Arm | None, origin: dict[str, int]
+    ) -> Signal:
+        """Return one signal in SI units."""
+        static = self.table.kind == "static"
+        pose = None
+        if static and table.pose is not None:
+            pose = np.array([canonical_pose(str(value).strip()) for value in samples.others[0].tolist()])
+        elif static:
+            pose = np.array([str(row + 1) for row in range(len(samples.values))])
+        clock = table.clock or next(iter(origin), "")
+        return Signal(
+            name=table.name,
+            quantity=table.quantity,
+            values=_in_si(table, samples.values, arm),
+            unit=table.si[0],
+            time=None if static else stamps.seconds(origin[clock]),  # type: ignore[arg-type]
+            pose=pose,
+            noise_std=table.noise_std,
+            jitter_std=table.jitter_std,
+            clock="" if static else clock,
+            frame=table.frame,
+            joint=table.joint,
+            point=table.point,
+            link=table.link,
+            payload=table.payload,
+            side=table.side,
+            axes=table.axes,
+            position=table.position,
+            fibre=table.fibre,
+            file=f"{Path(table.source).stem}.csv",
+        )
+
+
+def request_of(signal: SignalMap) -> Request:
+    """Return what a signal asks of its source."""
+    others: list[tuple[str, str | int]] = [] if signal.pose is None else [("pose", signal.pose)]
+    others += [("where", column) for column in signal.where]
+    return Request(
+        signal.topic,
+        signal.columns,
+        None if isinstance(signal.time, Every) else signal.time,
+        tuple(others),
+        signal.time_format is not None,
+    )
+
+
+def _chosen(signal: SignalMap, samples: Samples) -> Array | slice:
+    """Return the rows that a signal takes."""
+    if not signal.where:
+        return slice(None)
+    chosen = np.ones(len(samples.values), dtype=bool)
+    for wanted, column in zip(signal.where.values(), samples.others[-len(signal.where) :], strict=True):
+        if isinstance(wanted, str):
+            chosen &= np.array([str(value).strip() == wanted for value in column.tolist()])
+        else:
+            chosen &= column.astype(float) == wanted if column.dtype.kind in "iufb" else False
+    return np.flatnonzero(chosen)
+
+
+def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
+    """Return values in SI: by the gear, then scale x value + offset in the unit, then to SI."""
+    if table.before_gear and arm is not None and table.joint is not None:
+        ratio = gear_ratio(arm, table.joint)
+        values = values * ratio if table.quantity == "motor_torque" else values / ratio
+    if table.scale != (1.0,):
+        values = values * np.array(table.scale)
+    if table.offset != (0.0,):
+        values = values + np.array(table.offset)
+    if (factor := table.si[1]) != 1.0:
+        values = values * factor
+    if table.quaternion == "wxyz":
+        values = values[:, [1, 2, 3, 0]]
+    if table.mount is not None:
+        values = (values @ np.array(from_rpy(table.mount)).T)[:, ["xyz".index(axis) for axis in table.axes]]
+    return values
+
+
+def gear_ratio(arm: Arm, joint: str) -> float:
+    """Return the turns of a joint's motor for one turn of the joint."""
+    gear = next((gear for gear in arm.gears if gear.output == joint), None)
+    return arm.joint(joint).gear_ratio if gear is None else gear.ratio * gear_ratio(arm, gear.input)
