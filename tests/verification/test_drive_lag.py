@@ -42,7 +42,13 @@ def test_a_smooth_drive_is_followed_as_the_differential_equation_says_and_smooth
     u = Drive.from_samples(TIME, {"hinge": SWING}).joints["hinge"]
     y = lagged(u, DELAY, TAU)
     exact = solve_ivp(
-        lambda t, x: (u(t - DELAY) - x) / TAU, (0, 3), [0.0], rtol=1e-11, atol=1e-13, max_step=5e-3, dense_output=True
+        lambda t, x: (u(t - DELAY) - x) / TAU,
+        (0, 3),
+        [0.0],
+        rtol=1e-11,
+        atol=1e-13,
+        max_step=5e-3,
+        dense_output=True,
     )
     t = np.linspace(0, 3, 500)
     assert y(t) == pytest.approx(exact.sol(t)[0], abs=2e-8)
@@ -81,7 +87,9 @@ def test_derivatives_of_a_run_are_differences_of_runs(key: str, driven_by: str) 
     path = f"effects.drive_lag.hinge.{key}"
     drive = Drive.from_samples(TIME, {"hinge": SWING})
     told = drive if driven_by == "drive" else commanded(drive)
-    found = simulate(model, told, sensitivities=[path, "payloads.load.mass"]).sensitivities.by(path)["position"]
+    found = simulate(model, told, sensitivities=[path, "payloads.load.mass"]).sensitivities.by(path)[
+        "position"
+    ]
     value = getattr(model.effects[0], key)
     up, down = (simulate(with_value(model, path, value + h), told).position for h in (1e-4, -1e-4))
     difference = (up - down) / 2e-4
@@ -95,7 +103,14 @@ def commanded(drive: Drive, quantity: str = "joint_command") -> Record:
     angle = drive.joints["hinge"](time)
     side = {} if quantity == "joint_command" else {"side": "motor"}
     signal = Signal(
-        name="told", quantity=quantity, joint="hinge", unit="rad", time=time, values=angle, noise_std=0.0, **side
+        name="told",
+        quantity=quantity,
+        joint="hinge",
+        unit="rad",
+        time=time,
+        values=angle,
+        noise_std=0.0,
+        **side,
     )
     return Record(signals=[signal], drive="told")
 
@@ -124,7 +139,9 @@ def test_virtual_records_hold_the_drive_and_not_what_the_motor_made_of_it() -> N
     )
     by_command = sensed(run, late, ["hinge"], 0)
     assert by_command.signals["hinge"].quantity == "joint_angle"
-    assert by_command.signals["hinge"].values[:, 0] == pytest.approx(drive.joints["hinge"](run.time), abs=1e-12)
+    assert by_command.signals["hinge"].values[:, 0] == pytest.approx(
+        drive.joints["hinge"](run.time), abs=1e-12
+    )
     again = simulated(by_command, run, late)
     assert np.array_equal(again.signals["hinge"].values, by_command.signals["hinge"].values)
     repeated = simulate(late, again, end=drive.end)
@@ -140,7 +157,9 @@ def test_a_lag_at_the_output_of_a_gear_moves_to_its_input() -> None:
         points=[point("tip", "rod", [0, 0, 1.0])],
     )
     drive = Drive.from_samples(TIME, {"hinge": SWING})
-    wanted = simulate(pendulum().with_effect(DriveLag(at="hinge", time_constant=TAU)), drive).joint_angle[:, 0]
+    wanted = simulate(pendulum().with_effect(DriveLag(at="hinge", time_constant=TAU)), drive).joint_angle[
+        :, 0
+    ]
     for at in ("hinge", "shaft"):
         run = simulate(geared.with_effect(DriveLag(at=at, time_constant=TAU)), drive)
         assert run.joint_angle[:, 1] == pytest.approx(wanted, abs=1e-9)
@@ -149,7 +168,9 @@ def test_a_lag_at_the_output_of_a_gear_moves_to_its_input() -> None:
 def test_what_cannot_lag_is_refused() -> None:
     late = DriveLag(at="hinge", time_constant=TAU)
     torque = Drive.from_samples(TIME, {"hinge": 0 * TIME}, side="torque")
-    with pytest.raises(InvalidParameter, match="acts on a prescribed angle, and this run prescribes a torque"):
+    with pytest.raises(
+        InvalidParameter, match="acts on a prescribed angle, and this run prescribes a torque"
+    ):
         simulate(pendulum().with_effect(late), torque)
     with pytest.raises(InvalidParameter, match="a stepper follow their inputs at once"):
         Stepper(pendulum().with_effect(late), {"hinge": "motor"})
@@ -167,7 +188,9 @@ def test_a_diagnosis_names_the_lag_of_a_commanded_joint() -> None:
     seen = tracker().replace(clock=None, frame="base", rate_hz=20)
     record = measure(run, [seen], np.random.default_rng(4))
     told = commanded(drive).signals["told"]
-    record = record.replace(signals={"told": told.replace(clock=record.signals["tip"].clock), **record.signals}, drive=("told",))
+    record = record.replace(
+        signals={"told": told.replace(clock=record.signals["tip"].clock), **record.signals}, drive=("told",)
+    )
     found = flexarm.diagnose(model, [record], seed=1)
     names = {found.effects[0].name, *(other.name for other in found.effects[0].alternatives)}
     assert "drive_lag" in names

@@ -74,10 +74,15 @@ def sag(stiffness: float) -> float:
 @pytest.mark.parametrize("turned", [0.0, 0.7, 2.5])
 @pytest.mark.parametrize(
     "effect",
-    [JointTiltCompliance(at="turn", stiffness=STIFFNESS), BaseCompliance(at="base", stiffness=(STIFFNESS,) * 2)],
+    [
+        JointTiltCompliance(at="turn", stiffness=STIFFNESS),
+        BaseCompliance(at="base", stiffness=(STIFFNESS,) * 2),
+    ],
     ids=lambda effect: effect.name,
 )
-def test_a_heavy_load_sags_and_swings_as_the_closed_form_says(turned: float, effect: flexarm.effects.Effect) -> None:
+def test_a_heavy_load_sags_and_swings_as_the_closed_form_says(
+    turned: float, effect: flexarm.effects.Effect
+) -> None:
     """Alike about both axes, it does not matter where the arm is turned to."""
     model = carousel().with_effect(effect)
     theta = sag(STIFFNESS)
@@ -86,7 +91,9 @@ def test_a_heavy_load_sags_and_swings_as_the_closed_form_says(turned: float, eff
     assert tip[2] == pytest.approx(-LEVER * np.sin(theta), rel=1e-9)
     assert np.hypot(tip[0], tip[1]) == pytest.approx(LEVER * np.cos(theta), rel=1e-9)
     omega = np.sqrt((STIFFNESS + MASS * G * LEVER * np.sin(theta)) / (MASS * LEVER**2))
-    assert modes(model, {"turn": turned}, count=1).frequency_hz[0] == pytest.approx(omega / 2 / np.pi, rel=1e-7)
+    assert modes(model, {"turn": turned}, count=1).frequency_hz[0] == pytest.approx(
+        omega / 2 / np.pi, rel=1e-7
+    )
 
 
 def test_two_stiffnesses_count_about_the_axes_of_the_joint_s_frame() -> None:
@@ -143,7 +150,9 @@ def test_a_tilting_joint_is_the_arm_with_two_more_joints(joint: str, forearm: st
 
 def test_a_base_on_two_springs_is_the_arm_with_two_more_joints() -> None:
     """Under a base that is tilted, the axes are those of the tilted base."""
-    plain = two_links(joints=[hinge("turn", "column", axis=[0, 0, 1]), hinge("lean", "boom", "column", at="end")])
+    plain = two_links(
+        joints=[hinge("turn", "column", axis=[0, 0, 1]), hinge("lean", "boom", "column", at="end")]
+    )
     soft = plain.with_effect(BaseCompliance(at="base", stiffness=SPRINGS, damping=DAMPERS))
     separate = spelt_out(plain, "turn", [[1, 0, 0], [0, 1, 0]], SPRINGS, DAMPERS)
     q = {"turn": 0.6, "lean": 0.4}
@@ -269,7 +278,14 @@ def test_a_deflection_beyond_a_tilting_joint_is_refused() -> None:
     model = carousel(
         links=[beam("rod", [LEVER, 0, 0], TUBE)],
         sensors=[
-            {"name": "bend", "quantity": "deflection", "link": "rod", "point": "tip", "axes": ["z"], "rate_hz": 10}
+            {
+                "name": "bend",
+                "quantity": "deflection",
+                "link": "rod",
+                "point": "tip",
+                "axes": ["z"],
+                "rate_hz": 10,
+            }
         ],
     ).with_effect(JointTiltCompliance(at="turn", stiffness=1e5))
     run = simulate(model, Drive.from_samples(DRIVE, {"turn": 0.2 * smooth_step(DRIVE / 0.4)}))
