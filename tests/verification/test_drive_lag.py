@@ -27,14 +27,14 @@ def ramp(end: float = 1.0) -> Drive:
 
 @pytest.mark.parametrize("tau", [1e-3, 0.05, 0.4])
 def test_behind_a_ramp_the_joint_is_the_ramp_less_delay_and_time_constant(tau: float) -> None:
-    """y(t) = r (s - tau + tau exp(-s/tau)) with s = t - D, from rest; it settles after the end of the ramp."""
+    """y(t) = r (s - tau + tau exp(-s/tau)) with s = t - D, from rest; it settles after the ramp ends."""
     y = lagged(ramp().joints["hinge"], DELAY, tau)
     s = np.linspace(0, 1, 400)
-    assert y(s + DELAY) == pytest.approx(0.5 * (s - tau + tau * np.exp(-s / tau)), abs=1e-9)
+    assert y(s + DELAY) == pytest.approx(0.5 * (s - tau + tau * np.exp(-s / tau)), abs=2e-9)
     at_end = 0.5 * (1 - tau + tau * np.exp(-1 / tau))
     later = np.linspace(0, 3, 300)
     settled = 0.5 + (at_end - 0.5) * np.exp(-later / tau)
-    assert y(1 + DELAY + later) == pytest.approx(settled, abs=1e-9)
+    assert y(1 + DELAY + later) == pytest.approx(settled, abs=2e-9)
     assert y(np.array([-1.0, 0.0, DELAY])) == pytest.approx(0.0)
 
 
@@ -162,7 +162,7 @@ def test_a_lag_at_the_output_of_a_gear_moves_to_its_input() -> None:
     ]
     for at in ("hinge", "shaft"):
         run = simulate(geared.with_effect(DriveLag(at=at, time_constant=TAU)), drive)
-        assert run.joint_angle[:, 1] == pytest.approx(wanted, abs=1e-9)
+        assert run.joint_angle[:, 1] == pytest.approx(wanted, abs=2e-9)
 
 
 def test_what_cannot_lag_is_refused() -> None:

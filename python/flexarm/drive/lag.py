@@ -8,8 +8,8 @@ A piece of the drive is a polynomial p(s) of the time s since its begin. There (
 
 with C from the end of the piece before; at the start y rests at the drive's first value. The core takes
 polynomials: between knots, closer where the exponential is alive, (2) is put by the quintic that has its
-values, rates and accelerations at both ends. With knots half a time constant apart that is exact to
-(1/2)^6/46080 = 3e-7 of C.
+values, rates and accelerations at both ends. With knots a quarter of a time constant apart that is exact to
+(1/4)^6/46080 = 5e-9 of C.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from flexarm.arrays import Floats
     from flexarm.drive.drive import Drive
 
-APART = 0.5
+APART = 0.25
 """Distance of knots over the time constant where the exponential of (2) is alive."""
 GONE = 1e-12
 """Part of the drive's range below which it is not."""

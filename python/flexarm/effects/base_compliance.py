@@ -4,8 +4,8 @@ r"""A base that gives way: everything that stands on it turns about its origin.
 
 \psi [rad] is the angle about the axis of the first joint that turns (of the joints nearest to the base the
 first in the file, at q = 0), and M [N m] the moment of the arm about that axis through the base's origin.
-With two stiffnesses the base turns about its x and y instead, by (1) about each, as on a floor that gives.
-The base itself has no mass. Where the arm has one joint, at the base's origin, statics cannot tell this from a
+With two stiffnesses the base turns about its x and y instead, by (1) about each, as on soft ground. The base
+itself has no mass. Where the arm has one joint, at the base's origin, statics cannot tell this from a
 compliance of the joint by the tip; by what stands on the base beside the joint they can.
 """
 
@@ -70,7 +70,7 @@ class BaseCompliance(SpringEffect):
         one = cls.typical(at, arm)
         two = one.replace(stiffness=(one.softest, one.softest))
         if isinstance(stated, cls):
-            return [two if isinstance(stated.stiffness, tuple) else one]
+            return [stated if isinstance(stated.stiffness, tuple) else one]
         axis = base_axis(arm)
         if first_turning_joint(arm) is None:
             return [two]

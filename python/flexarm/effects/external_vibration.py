@@ -3,8 +3,8 @@ r"""Something shakes the base: a pump, a crane, traffic.
 .. math:: M(t) = A \sin(2 \pi f t + p)                                                               (1)
 
 M [N m] is a moment on the compliant base (`base_compliance`) about the axis of the arm's first joint; t is
-the time of the run, that of the records. It begins with the run: the equilibrium from which a motion starts is
-without it.
+the time of the run, that of the records. It begins with the run: the equilibrium from which a motion starts
+is without it.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ plane loads no bearing across it: there this changes nothing but the modes that 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from math import inf
 from typing import TYPE_CHECKING, ClassVar
 
@@ -21,6 +22,7 @@ from flexarm.tables import value_in
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
+    from flexarm.arm.effect import Effect, Trial
     from flexarm.assembly.machine import Machine
 
 
@@ -41,6 +43,9 @@ class JointTiltCompliance(SpringEffect):
     name: ClassVar[str] = "joint_tilt_compliance"
     leaves_plane = True
     always_turns = True
+    typical_stiffness = 2e5
+    hardly_softer: ClassVar[float] = 100.0
+    """Factor by which bearings are hardly softer than typical: a search does not try more."""
     stiffness: Stiffness = value_in("N m/rad", "stiffness of the bearing, or of both axes", inf)
     damping: Damping = value_in("N m s/rad", "damping of the bearing, or of both axes", 0.0)
 
@@ -48,6 +53,12 @@ class JointTiltCompliance(SpringEffect):
         """Put two hinges between the parent and the joint, eq. (1)."""
         axis = machine.arm.joint(self.at).axis
         machine.mounts[self.at] = self.hinges(across(axis))  # eq. (1)
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield softer and softer bearings."""
+        return super().trials(stated, arm, frequencies, [s for s in softer if s < self.hardly_softer])
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small bearings to large slewing rings; damping in proportion to the stiffness."""
@@ -57,7 +68,7 @@ class JointTiltCompliance(SpringEffect):
             "(bore of 400 mm), less in a light housing"
         )
         loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz"
-        spring = Prior(5e3, 1e7, 2e5, "log", "N m/rad", source)
+        spring = Prior(5e3, 1e7, self.typical_stiffness, "log", "N m/rad", source)
         damper = Prior(
             1e-4 * stiffness,
             1e-2 * stiffness,

@@ -29,8 +29,8 @@ def found(model, moved, quantity="joint_angle"):
     record = measure(simulate(model, drive), [tracker(rate_hz=50)], np.random.default_rng(0))
     told = {
         name: Signal(
-            name=name, quantity=quantity, joint=name, unit="rad", time=TIME, noise_std=0.0,
-            values=drive.joints[name](TIME), clock="clock", side="motor" if quantity == "joint_angle" else None,
+            name=name, quantity=quantity, joint=name, unit="rad", time=TIME, noise_std=0.0, clock="clock",
+            values=drive.joints[name](TIME), side="motor" if quantity == "joint_angle" else None,
         )
         for name in moved
     }  # fmt: skip
