@@ -7,6 +7,9 @@ if TYPE_CHECKING:
     from typing import Any
 
     from flexarm.arm import Arm
+    from flexarm.calibration.policy import CalibrationPolicy
+    from flexarm.calibration.result import Calibration
+    from flexarm.calibration.workflow import calibrate
     from flexarm.campaign import simulate_all
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
@@ -39,6 +42,8 @@ if TYPE_CHECKING:
 # A public name must not also be the name of a module, which would take its place once imported.
 _EXPORTS = {
     "Arm": "flexarm.arm",
+    "Calibration": "flexarm.calibration.result",
+    "CalibrationPolicy": "flexarm.calibration.policy",
     "Comparison": "flexarm.comparison",
     "Diagnosis": "flexarm.diagnosis.result",
     "Drive": "flexarm.drive",
@@ -61,6 +66,7 @@ _EXPORTS = {
     "Stepper": "flexarm.stepping",
     "SuperElement": "flexarm.superelement",
     "accept_matrices": "flexarm.superelement.foreign",
+    "calibrate": "flexarm.calibration.workflow",
     "compare": "flexarm.comparison",
     "config": "flexarm.configuration",
     "diagnose": "flexarm.diagnosis.workflow",
@@ -79,6 +85,8 @@ _EXPORTS = {
 
 __all__ = [
     "Arm",
+    "Calibration",
+    "CalibrationPolicy",
     "Comparison",
     "Diagnosis",
     "Drive",
@@ -101,6 +109,7 @@ __all__ = [
     "Stepper",
     "SuperElement",
     "accept_matrices",
+    "calibrate",
     "compare",
     "config",
     "diagnose",

@@ -201,6 +201,9 @@ ROW = Kind("a row of numbers", lambda value: _is_row(value) and _numpy().ndim(va
 POSITIVE = Kind(
     "a positive, finite number", lambda value: _is_number(value) and 0 < float(value) < _numpy().inf
 )
+SECONDS = Kind(
+    "a positive, finite number of seconds, or None", lambda value: value is None or POSITIVE.accepts(value)
+)
 SHARE = Kind("a number from 0 to 1", lambda value: _is_number(value) and 0 <= float(value) <= 1)
 ARRAY = Kind("an array of numbers", _is_array)
 ARRAYS = Kind("a dictionary of arrays of numbers by name", _by_name(_is_array))

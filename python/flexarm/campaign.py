@@ -6,7 +6,7 @@ The core computes without the interpreter's lock, so threads are enough: nothing
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from threading import Event
 from typing import Any
 
@@ -25,6 +25,7 @@ def simulate_all(
     *,
     jobs: int | None = None,
     progress: Progress = None,
+    stop: Callable[[], bool] | None = None,
     **options: Any,
 ) -> list[Simulation]:
     """Simulate several runs on several cores.
@@ -37,13 +38,15 @@ def simulate_all(
         Number of threads; default one a core.
     progress : bool or callable, optional
         As in `simulate`, for the whole. What a callable returns False for is the rest of the runs.
+    stop : callable, optional
+        Asked while runs are under way; once it returns True, those that are not finished are left out.
     **options
         Of every run: `step`, `alpha`, `end`, `forces`, `rotations`, `sensitivities`.
 
     Returns
     -------
     list of Simulation
-        In the order of `runs`; only those that were finished if `progress` said stop.
+        In the order of `runs`; only the first ones that were finished if `progress` or `stop` said so.
 
     Raises
     ------
@@ -55,12 +58,16 @@ def simulate_all(
     threads = jobs if jobs is not None else (os.cpu_count() or 1)
     found: list[Simulation] = []
     stopped, process = Event(), os.getpid()
-    options["progress"] = lambda done: not stopped.is_set()
+    ends = stop or (lambda: False)
+    options["progress"] = lambda done: not (stopped.is_set() or ends())
     with reported(progress, f"{len(wanted)} runs") as report, thread_pool(threads) as pool:
         waiting = [pool.submit(simulate, arm, drive, **options) for arm, drive in wanted]
         try:
             for each in waiting:
-                found.append(each.result())
+                run = each.result()
+                if ends():
+                    break
+                found.append(run)
                 if report is not None and report(len(found) / len(wanted)) is False:
                     break
                 if os.getpid() != process:

@@ -16,6 +16,7 @@ LOGS = {
     b"CDF\x05": "a NetCDF file",
     b"PAR1": "a Parquet file",
     b"ARROW1": "a Feather file",
+    b"FEA1": "a Feather file",
     b"TDSm": "a TDMS file",
     b"MDF     ": "an MDF file",
     b"UnFinMF ": "an MDF file",

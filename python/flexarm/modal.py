@@ -16,7 +16,8 @@ from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, joint_values
 from flexarm.errors import InvalidParameter
-from flexarm.netcdf import Contents
+from flexarm.netcdf import Contents, Variable
+from flexarm.pictures import drawn, viewed
 from flexarm.reading import reading, require
 from flexarm.result import Result, counts, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities, collected, varied
@@ -24,6 +25,8 @@ from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from flexarm.viewer import View
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,6 +45,10 @@ class Modes(Result):
         Translation and rotation of the points, base axes, unit modal mass [m, rad per sqrt(kg) m].
     solver : dict
         Backend and iterations.
+    drive_angle : ndarray, shape (joint,), or None
+        Where the drives are held [rad, m]; None in files of flexarm 0.1.0.
+    with_gravity : bool
+        Gravity deforms the arm.
     sensitivities : Sensitivities or None
         Derivatives of `frequency`, (mode, parameter) [Hz per unit], where they were asked for.
     """
@@ -52,6 +59,8 @@ class Modes(Result):
     damping_ratio: Floats
     shape: Floats
     solver: dict[str, Any]
+    drive_angle: Floats | None = None
+    with_gravity: bool = True
     sensitivities: Sensitivities | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -66,8 +75,14 @@ class Modes(Result):
     def contents(self) -> Contents:
         """Return the contents of the file: frequencies, damping, shapes, and their provenance."""
         number = np.arange(1, len(self.frequency_hz) + 1)
+        held: dict[str, Variable] = (
+            {}
+            if self.drive_angle is None
+            else {"drive_angle": (("joint",), self.drive_angle, {"units": "rad"})}
+        )
         contents = Contents(
             {
+                **held,
                 "frequency": (("mode",), self.frequency_hz, {"units": "Hz"}),
                 "damped_frequency": (("mode",), self.damped_frequency_hz, {"units": "Hz"}),
                 "damping_ratio": (("mode",), self.damping_ratio, {"units": "1"}),
@@ -77,8 +92,13 @@ class Modes(Result):
                     {"units": "m, rad", "scale": "unit modal mass"},
                 ),
             },
-            {"point": self.points, "component": ["x", "y", "z", "rx", "ry", "rz"]},
-            {"kind": "modes", **provenance(self.arm), **self.solver},
+            {"point": self.points, "joint": self.joints, "component": ["x", "y", "z", "rx", "ry", "rz"]},
+            {
+                "kind": "modes",
+                **provenance(self.arm),
+                **self.solver,
+                "with_gravity": int(self.with_gravity),
+            },
             {"mode": (("mode",), number, {})},
         )
         return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
@@ -105,23 +125,39 @@ class Modes(Result):
                 damping_ratio=data["damping_ratio"].values,
                 shape=data["shape"].values,
                 solver={k: data.attrs[k] for k in ("backend", "iterations")},
+                drive_angle=frozen(data["drive_angle"].values) if "drive_angle" in data else None,
+                with_gravity=bool(data.attrs.get("with_gravity", True)),
                 sensitivities=Sensitivities.stored(arm, data),
             )
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Plot frequencies as stems, labelled with damping ratios."""
-        import matplotlib.pyplot as plt
+    def plot(self, ax: Axes | None = None, mode: int | None = None) -> Axes:
+        """Draw mode shapes over the equilibrium, with frequency, damping, and what moves.
 
-        axes = plt.subplots()[1] if ax is None else ax
-        number = np.arange(1, len(self.frequency_hz) + 1)
-        axes.stem(number, self.frequency_hz)
-        for x, f, zeta in zip(number, self.frequency_hz, self.damping_ratio, strict=True):
-            axes.annotate(
-                f"{f:.4g} Hz\n{100 * zeta:.2g} %", (x, f), xytext=(4, 4), textcoords="offset points"
-            )
-        axes.set(xlabel="mode [-]", ylabel="frequency [Hz]", xticks=number)
-        axes.margins(0.15)
-        return axes
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw one shape; default: a figure with all of them, whose first axes are returned.
+        mode : int, optional
+            Which one, from 1; default: the first.
+        """
+        found: Axes = drawn(self, ax=ax, mode=mode)
+        return found
+
+    def view(self, urdf: str | Path | None = None) -> View:
+        """Show the moving mode shapes in three dimensions, slowed.
+
+        Parameters
+        ----------
+        urdf : str or Path, optional
+            The URDF file whose meshes rigid links are drawn with.
+
+        Returns
+        -------
+        View
+            One page without network; see `Arm.view`.
+        """
+        found: View = viewed(self, urdf=urdf)
+        return found
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""
@@ -193,6 +229,8 @@ def modes(
         damping_ratio=frozen(found.damping_ratio),
         shape=frozen(shape),
         solver={"backend": _core.build_info().solver, "iterations": found.iterations},
+        drive_angle=frozen(values),
+        with_gravity=gravity,
         sensitivities=_derivatives(arm, parameters(arm, sensitivities), system, equilibrium, count, at_rest),
     )
 

@@ -54,11 +54,18 @@ QUANTITIES: dict[str, Quantity] = {
     "payload_mass": Quantity(("kg",), ("payload",), only_static=True),
 }
 
+FRAMED = ("position", "orientation")
+"""Quantities that a frame of measurement places."""
+
+CURRENT, TORQUE = "motor_current", "motor_torque"
+"""A motor's current is told as its torque, by a torque constant."""
+
 QuantityName = Literal[
     "joint_angle",
     "joint_rate",
     "joint_command",
     "motor_torque",
+    "motor_current",
     "motor_voltage",
     "position",
     "orientation",

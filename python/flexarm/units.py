@@ -32,6 +32,7 @@ FACTORS: dict[str, dict[str, float]] = {
     "N m": {"N m": 1, "mN m": 1e-3, "kN m": 1e3},
     "N": {"N": 1, "mN": 1e-3, "kN": 1e3},
     "V": {"V": 1, "mV": 1e-3},
+    "A": {"A": 1, "mA": 1e-3},
     "Pa": {"Pa": 1, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "N/m2": 1},
     "kg/m3": {"kg/m3": 1, "g/cm3": 1e3, "t/m3": 1e3, "t/mm3": 1e12, "kg/mm3": 1e9},
     "kg": {"kg": 1, "g": 1e-3, "t": 1e3},

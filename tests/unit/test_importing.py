@@ -319,3 +319,9 @@ def test_a_wrong_key_is_named_with_its_place(tmp_path, change, told):
 def test_a_damaged_table_is_told_with_its_line(tmp_path, rows, told):
     said = problems(tmp_path, HINGE, log_csv=rows)
     assert told.replace(".0", "") in said[0].replace(".0", "")
+
+
+def test_a_joint_that_two_motors_move_is_their_sum(tmp_path):
+    text = HINGE.replace('["angle"]', '["angle", "x"]') + "sum = true\nscale = [-1.0, 0.5]\n"
+    signal = imported(tmp_path, text, log_csv="time,angle,x\n0,1,2\n1,3,8\n").signals["hinge"]
+    assert signal.values[:, 0].tolist() == [0, 1]

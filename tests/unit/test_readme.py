@@ -36,7 +36,18 @@ def tryout(tmp_path_factory):
 def test_every_command_that_names_a_file_was_typed(tryout):
     """The page has commands in blocks and in its prose; those left out only name a command."""
     typed = {shlex.split(line)[1] for line in [*SHELL, *IN_PROSE] if line.startswith("flexarm ")}
-    wanted = {"example", "check", "static", "simulate", "compare", "diagnose", "plan", "linearise", "reduce"}
+    wanted = {
+        "example",
+        "check",
+        "static",
+        "simulate",
+        "compare",
+        "diagnose",
+        "plan",
+        "linearise",
+        "reduce",
+        "view",
+    }
     assert typed == wanted
     made = {path.name for path in tryout.iterdir()}
     assert made >= {"run", "diagnosis", "arm.mat", "bracket.nc"}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
-from flexarm.arguments import PATH, TABLES, TEXT, takes
+from flexarm.arguments import PATH, TABLES, TEXT, VALUES, takes
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.consistency import inconsistencies, missing
 from flexarm.arm.controller import Controller
@@ -22,6 +22,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import flat_keys, sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.pictures import drawn, viewed
 from flexarm.tables import (
     FrozenDict,
     Inconsistent,
@@ -35,6 +36,11 @@ from flexarm.tables import (
     value_in,
 )
 from flexarm.tables.table import Label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.viewer import View
 
 Entry = TypeVar("Entry", Joint, Link, Payload, Point)
 AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(read_effect)]
@@ -225,6 +231,39 @@ class Arm(Table):
     def warnings(self) -> tuple[Problem, ...]:
         """Implausible values that are allowed, such as a wall that contradicts the area."""
         return tuple(validate(self))
+
+    # ----------------------------------------------------------------- pictures
+
+    @takes(joints=VALUES)
+    def view(self, joints: Mapping[str, float] | None = None, urdf: str | Path | None = None) -> View:
+        """Show the undeformed arm in three dimensions, and how each joint moves it.
+
+        Parameters
+        ----------
+        joints : dict of str to float, optional
+            Drive angles, output side [rad, m for a prismatic joint]; default 0.
+        urdf : str or Path, optional
+            The URDF file whose meshes rigid links are drawn with.
+
+        Returns
+        -------
+        View
+            One page without network: it shows itself in a notebook, `open()` shows it in the browser, and
+            `save(path)` writes it.
+
+        Raises
+        ------
+        InvalidParameter
+            If the extra `view` is not installed, once the page is needed.
+        """
+        found: View = viewed(self, joints=joints, urdf=urdf)
+        return found
+
+    @takes(joints=VALUES)
+    def plot(self, ax: Axes | None = None, joints: Mapping[str, float] | None = None) -> Axes:
+        """Draw the undeformed arm with Matplotlib, in the plane in which it reaches farthest."""
+        found: Axes = drawn(self, ax=ax, joints=joints)
+        return found
 
     # -------------------------------------------------------------------- text
 

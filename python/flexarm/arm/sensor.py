@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.errors import InvalidParameter
-from flexarm.quantities import QUANTITIES, Quantity, QuantityName, channel_names
+from flexarm.quantities import CURRENT, QUANTITIES, TORQUE, Quantity, QuantityName, channel_names
 from flexarm.tables import Inconsistent, Name, Number, Table, Vector2, value_in
 from flexarm.units import si_factor
 
@@ -49,6 +49,9 @@ class Measurement(Table):
         Default: "base", the base's own frame, and the reference clock.
     unit : str, optional
         Unit of the values, noise_std and step; default SI.
+    torque_constant : float, optional
+        Of a motor's current [N m/A], which it makes a torque: `motor_current` is `motor_torque` from then on.
+        With side "output" it is that of the output, the gear ratio included.
     noise_std : float, optional
         1 sigma per channel, in `unit`.
     jitter_std : float
@@ -70,10 +73,21 @@ class Measurement(Table):
     frame: Name = "base"
     clock: Name | None = None
     unit: str | None = None
+    torque_constant: Number | None = value_in("N m/A", "torque of the motor over its current", None, gt=0)
     noise_std: Number | None = value_in("unit", "1 sigma of the noise per channel", None, ge=0)
     jitter_std: Number = value_in("s", "1 sigma of the stamps", 0.0, ge=0)
     position: Number | None = value_in("m", "place along the link", None)
     fibre: Vector2 | None = value_in("m", "fibre [y, z] in the section", None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _current_as_torque(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or given.get("quantity") != CURRENT:
+            return given
+        if given.get("torque_constant") is None:
+            what = "is missing; motor_current needs the torque of the motor over its current [N m/A]"
+            raise Inconsistent((("torque_constant",), what))
+        return {"unit": "A", **given, "quantity": TORQUE}
 
     @model_validator(mode="after")
     def _check_measurement(self) -> Self:
@@ -98,6 +112,8 @@ class Measurement(Table):
     @property
     def si(self) -> tuple[str, float]:
         """SI unit of the values and the factor to it."""
+        if self.torque_constant is not None:
+            return self.spec.units[0], si_factor(self.unit or "A", ("A",))[1] * self.torque_constant
         return si_factor(self.unit if self.unit is not None else self.spec.units[0], self.spec.units)
 
     @property
@@ -139,6 +155,9 @@ class Measurement(Table):
                     f"{self.quantity} has no side; only joint_angle, joint_rate and motor_torque have",
                 )
             )
+        if self.torque_constant is not None and self.quantity != TORQUE:
+            what = f"makes a current a torque; {self.quantity} has none, only {CURRENT} has"
+            found.append((("torque_constant",), what))
         if self.spec.one_axis and len(self.axes) != 1:
             found.append((("axes",), f'{self.quantity} needs the one body axis it measures, such as ["x"]'))
         if self.axes and self.spec.channels is not None and not self.spec.one_axis:

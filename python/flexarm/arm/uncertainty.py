@@ -73,6 +73,17 @@ def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:
     return nominal, abs(nominal) * given
 
 
+def with_unit(key: str, unit: str) -> str:
+    """Return the key of an absolute uncertainty of a value in this unit.
+
+    >>> with_unit("effects.encoder_offset.se1.offset", "rad")
+    'effects.encoder_offset.se1.offset_rad'
+    """
+    return (
+        f"{key}_{next(suffix for suffix, known in _SUFFIXES.items() if known in (unit, '-' * (unit == '1')))}"
+    )
+
+
 def uncertainty_problems(arm: Arm) -> Iterable[tuple[Path, str]]:
     """Yield keys that mean nothing, and sigmas that are negative."""
     for key, sigma in arm.uncertainty.items():

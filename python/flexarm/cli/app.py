@@ -19,8 +19,10 @@ COMMANDS = (
     "simulate",
     "compare",
     "diagnose",
+    "calibrate",
     "plan",
     "reduce",
+    "view",
     "reproduce",
 )
 """In the order of the help. Each is a function in a module of its name."""
@@ -43,8 +45,10 @@ radians, joints on the output side (motor angle over ratio).
     flexarm simulate arm.toml --drive swing.csv --out run
     flexarm compare arm.toml measured               how far is the model off
     flexarm diagnose arm.toml measured --out why    what does the model lack
+    flexarm calibrate arm.toml measured --out fit   estimate what is uncertain
     flexarm plan arm.toml --drive swing.csv         what could an experiment tell
     flexarm reduce hub.inp --interface ...          a solid part as a link
+    flexarm view run                                see it move, in the browser
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted
 (Ctrl-C), 143 terminated (SIGTERM): nothing is written then.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Json, print_json, refuse, warn
+from flexarm.cli.options import AllowOutside, Json, MaxSeconds, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def check(
     ] = None,
     json: Json = False,
     allow_outside: AllowOutside = False,
+    max_seconds: MaxSeconds = None,
 ) -> None:
     """Say what a file is and what is wrong with it.
 
@@ -55,7 +56,7 @@ def check(
     faults: Faults = []
     try:
         if records:
-            told, lines, faults = _beside(path, records)
+            told, lines, faults = _beside(path, records, max_seconds)
             warnings: list[Problem] = []
         else:
             told, lines, warnings, wrong = _reader(path)(path)
@@ -73,7 +74,9 @@ def check(
     refuse(faults)
 
 
-def _beside(path: Path, records: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+def _beside(
+    path: Path, records: list[Path], max_seconds: float | None
+) -> tuple[dict[str, Any], list[str], Faults]:
     """Return records beside a model, and the sensors at fault.
 
     Raises
@@ -85,7 +88,7 @@ def _beside(path: Path, records: list[Path]) -> tuple[dict[str, Any], list[str],
         raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
     from flexarm.cli.check_records import check_records
 
-    return check_records(path, records)
+    return check_records(path, records, max_seconds)
 
 
 def _reader(path: Path) -> Callable[[Path], Told]:

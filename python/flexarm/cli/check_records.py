@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.cli.options import load_arm
+from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 from flexarm.errors import Problem
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 Faults = list[tuple[Path, Problem]]
 
 
-def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[str], Faults]:
+def check_records(
+    model: Path, paths: list[Path], max_seconds: float | None = None
+) -> tuple[dict[str, Any], list[str], Faults]:
     """Return the findings of the sensor check as a dictionary, as lines, and the faults.
 
     Raises
@@ -27,10 +30,15 @@ def check_records(model: Path, paths: list[Path]) -> tuple[dict[str, Any], list[
     arm = load_arm(model)
     files = record_names(paths)
     records = {name: load_record(path, arm) for name, path in files.items()}
+    from flexarm.budget import limited
     from flexarm.validation.sensor_check import check
 
-    with blame_one_of(model, files, records, arm):
-        found = check(arm, records)
+    with blame_one_of(model, files, records, arm), progress() as tell, limited(max_seconds):
+        found = check(
+            arm,
+            records,
+            progress=lambda done: tell(done, "simulating"),
+        )
     next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
     ready = found.usable and found.judged
     return _told(found), [found.summary(), *([next_step] if ready else [])], _faults(found, files)

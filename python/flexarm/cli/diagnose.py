@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, load_arm, refuse_step
+from flexarm.cli.options import AllowOutside, Force, MaxSeconds, Model, Out, Step, load_arm, refuse_step
 from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 
@@ -41,6 +41,7 @@ def diagnose(
     step: Step = 2e-3,
     force: Force = False,
     allow_outside: AllowOutside = False,
+    max_seconds: MaxSeconds = None,
 ) -> None:
     """Name the physical effect that a model lacks.
 
@@ -56,8 +57,8 @@ def diagnose(
     gaps.nc, and the figures; flexarm.Diagnosis.load reads them again in Python. Whatever the verdict, the
     exit code is 0: "verdict" in report.json tells programs.
 
-    That takes from seconds to minutes; Ctrl-C stops it with exit code 130, and nothing is written. Then see
-    what is left:
+    That takes from seconds to minutes; with --max-seconds the search ends then, and concludes from what it
+    has fitted. Ctrl-C stops it with exit code 130, and nothing is written. Then see what is left:
 
         flexarm compare diagnosis/updated.toml other_day
     """
@@ -73,7 +74,7 @@ def diagnose(
     inputs = input_files(model, arm, read)
     with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
         with blame_one_of(model, names, read, arm):
-            found = _diagnosed(arm, training, held_out, jobs, seed, step)
+            found = _diagnosed(arm, training, held_out, jobs, seed, step, max_seconds)
         traced = {"inputs_sha256": hashes(inputs)}
         found = replace(found, provenance={**found.provenance, **traced})
         found.write(directory)
@@ -82,13 +83,26 @@ def diagnose(
 
 
 def _diagnosed(
-    arm: Arm, records: dict[str, Record], held_out: Record | None, jobs: int | None, seed: int, step: float
+    arm: Arm,
+    records: dict[str, Record],
+    held_out: Record | None,
+    jobs: int | None,
+    seed: int,
+    step: float,
+    max_seconds: float | None,
 ) -> Diagnosis:
     """Return the diagnosis, which tells how far it is."""
     import flexarm
 
     with progress() as tell:
         found: Diagnosis = flexarm.diagnose(
-            arm, records, hold_out=held_out, jobs=jobs, seed=seed, step=step, progress=tell
+            arm,
+            records,
+            hold_out=held_out,
+            jobs=jobs,
+            seed=seed,
+            step=step,
+            max_seconds=max_seconds,
+            progress=tell,
         )
     return found

@@ -51,6 +51,23 @@ AllowOutside = Annotated[
         help="Read files that a record names outside its directory.",
     ),
 ]
+
+
+def _some_seconds(seconds: float | None) -> float | None:
+    if seconds is not None and not 0 < seconds < math.inf:
+        raise InvalidFile("command line", "--max-seconds", f"must be positive, got {seconds:g} s")
+    return seconds
+
+
+MaxSeconds = Annotated[
+    float | None,
+    typer.Option(
+        "--max-seconds",
+        callback=_some_seconds,
+        metavar="S",
+        help="Time for all simulations [s]: then the best so far is given, with a note on what was left out.",
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]
 
 

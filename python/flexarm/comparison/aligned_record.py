@@ -11,6 +11,7 @@ import numpy as np
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.align import align as align_to
 from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
+from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
@@ -112,6 +113,8 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
     """Simulate the record's drive up to the last stamp of a known clock."""
     from flexarm.simulation import simulate
 
+    if rings_freely(record):
+        return simulate_free_vibration(arm, record, step)
     quantities = {signal.quantity for signal in record.signals.values()}
     drive = Drive.from_record(record, arm)
     return simulate(

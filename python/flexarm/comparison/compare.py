@@ -14,6 +14,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.comparison.bands import alias
 from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.free_vibration import rings_freely
 from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
@@ -22,6 +23,7 @@ from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.comparison.simulated_record import SimulatedRecord
     from flexarm.record import Record
 
 
@@ -104,7 +106,20 @@ def compare(
         dict(simulated.skipped),
         modes_hz,
         (*unplaced, *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        _found_frames(simulated, aligned) if align else {},
     )
+
+
+def _found_frames(
+    simulated: SimulatedRecord, aligned: Alignment
+) -> dict[str, tuple[list[float], list[float]]]:
+    """Return poses of the frames of which the record knows nothing, with effects of the model on them."""
+    seen = {signal.frame: signal for signal in simulated.evidence.values()}
+    return {
+        name: simulated.frame(seen[name], aligned.placement).pose
+        for name, frame in simulated.record.frames.items()
+        if frame.unknown and name in seen
+    }
 
 
 def _notes(
@@ -162,7 +177,12 @@ def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
 def _about_drives(record: Record) -> list[str]:
     """Report causes of ringing of the model but not of the arm."""
     found = []
-    if record.initial == "moving":
+    if rings_freely(record):
+        found.append(
+            "nothing drives the arm: its modes ring freely about the equilibrium, from amplitudes that the "
+            "record shows"
+        )
+    elif record.initial == "moving":
         found.append(
             f"the record starts moving: the simulation comes from rest in {LEAD:g} s before it, and what the "
             "arm rang with is not known"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class Comparison:
         Frequencies of the arm that set the bands [Hz].
     notes : tuple of str
         Notes, such as on aliasing and undetermined parameters.
+    frames : dict of str to (list of float, list of float)
+        Found poses of frames that the record calls unknown: xyz [m] and rpy [rad] in the base.
     """
 
     arm: str
@@ -43,6 +45,7 @@ class Comparison:
     skipped: Mapping[str, str]
     modes_hz: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
+    frames: Mapping[str, tuple[list[float], list[float]]] = field(default_factory=dict)
 
     @property
     def evidence(self) -> dict[str, SignalGap]:
@@ -67,6 +70,7 @@ class Comparison:
                     self.aligned.parameters, self.aligned.values, self.aligned.std, strict=True
                 )
             ],
+            "frames": {name: {"xyz": xyz, "rpy": rpy} for name, (xyz, rpy) in self.frames.items()},
             "modes_hz": list(self.modes_hz),
             "skipped": dict(self.skipped),
             "notes": list(self.notes),
@@ -84,6 +88,7 @@ class Comparison:
                 f"({_sigma(u.sigma, 'unknown')}) {u.unit}"
                 for u, value, std in rows
             ]
+        lines += [frame_words(name, pose) for name, pose in self.frames.items()]
         lines += [f"not compared: {name}: {why}" for name, why in self.skipped.items()]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
@@ -136,6 +141,14 @@ class Comparison:
 
     def __repr__(self) -> str:
         return self.summary()
+
+
+def frame_words(name: str, pose: tuple[list[float], list[float]]) -> str:
+    """Return a found frame as text, as a record states one."""
+    xyz, rpy = (
+        ", ".join(f"{value:.{digits}f}" for value in part) for part, digits in zip(pose, (5, 6), strict=True)
+    )
+    return f"frame {name} found at xyz = [{xyz}] m, rpy = [{rpy}] rad in the base"
 
 
 def _finite(value: float) -> float | None:

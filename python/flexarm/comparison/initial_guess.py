@@ -4,8 +4,9 @@ A clock: the delay at which measured and simulated speeds correlate best,
 
     delay = argmax corr(|y(t_{i+1}) - y(t_i)|, |x(t_{i+1} - delay) - x(t_i - delay)|)                 (1)
 
-over all delays for which a quarter of the samples falls into the run, refined by the parabola through the
-best and its neighbours. Speeds do not depend on frames. A frame: the rigid motion that brings the measured
+over all delays for which a quarter of the samples falls into the run: every 0.05 s with as coarse samples,
+then from sample to sample about the best of these, last by the parabola through the best and its
+neighbours. Speeds do not depend on frames. A frame: the rigid motion that brings the measured
 points closest to the simulated ones [Kabsch1976],
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
@@ -19,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,6 +42,8 @@ OVERLAP = 0.25
 """Least share of the samples that must fall into the run."""
 FINEST = 0.05
 """Greatest spacing of the delays that are tried [s]; the alignment refines the best."""
+PEAKS = 3
+"""Number of coarse delays about which finer ones are tried [1]: sines correlate at every period."""
 
 
 def initial_guess(simulated: SimulatedRecord, start: Placement) -> Placement:
@@ -109,10 +113,10 @@ def _highest_snr(simulated: SimulatedRecord, clock: str) -> Signal | None:
 
 @dataclass(frozen=True)
 class _Speeds:
-    """Hold measured steps between stamps, and the simulated signal, both over the noise."""
+    """Hold measured values at their stamps, and the simulated signal, both over the noise."""
 
     stamps: Floats
-    steps: Floats
+    values: Floats
     time: Floats
     predicted: Floats
 
@@ -123,8 +127,18 @@ class _Speeds:
         keep = np.isfinite(values).all(axis=1)
         stamps, values = simulated.instants(signal, Placement())[keep], values[keep]
         time = np.asarray(simulated.simulation.time)
-        steps = np.linalg.norm(np.diff(values, axis=0), axis=1)
-        return cls(stamps, steps, time, read(simulated.simulation, signal, time) / noise)
+        return cls(stamps, values, time, read(simulated.simulation, signal, time) / noise)
+
+    @cached_property
+    def steps(self) -> Floats:
+        """Return measured steps between stamps."""
+        return np.asarray(np.linalg.norm(np.diff(self.values, axis=0), axis=1))
+
+    def thinned(self, spacing: float) -> _Speeds:
+        """Return the same over longer steps, of about this length [s]."""
+        every = max(1, round(spacing / float(np.median(np.diff(self.stamps)))))
+        kept = range(0, len(self.stamps), every)
+        return replace(self, stamps=self.stamps[kept], values=self.values[kept]) if len(kept) > 3 else self
 
     def pairs(self, delay: float) -> tuple[Floats, Floats] | None:
         """Return centred measured and simulated steps of (1) at one delay; None if too few lie in the run."""
@@ -150,10 +164,21 @@ def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> floa
             "Clocks that were set anew need names of their own",
             where=f"clocks.{clock}",
         )
+    delays, scores = _correlations([track.thinned(FINEST) for track in tracks], least, most, FINEST)
+    found = []
+    for peak in delays[np.argsort(-scores)[:PEAKS]]:
+        near = max(least, peak - FINEST), min(most, peak + FINEST)
+        delays, scores = _correlations(tracks, *near, step)
+        best = int(np.argmax(scores))
+        refined = delays[best] + step * _parabola_peak(scores[max(best - 1, 0) : best + 2])
+        found.append((float(scores[best]), float(refined)))
+    return max(found)[1]
+
+
+def _correlations(tracks: Sequence[_Speeds], least: float, most: float, step: float) -> tuple[Floats, Floats]:
+    """Return delays of a grid, and the correlation of (1) at each."""
     delays = np.arange(least, most + step, step)
-    scores = np.array([_correlation(tracks, delay) for delay in delays])
-    best = int(np.argmax(scores))
-    return float(delays[best] + step * _parabola_peak(scores[max(best - 1, 0) : best + 2]))
+    return delays, np.array([_correlation(tracks, delay) for delay in delays])
 
 
 def _correlation(tracks: Sequence[_Speeds], delay: float) -> float:

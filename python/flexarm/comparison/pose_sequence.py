@@ -22,9 +22,8 @@ from flexarm.statics.batch import StaticSolution
 if TYPE_CHECKING:
     from flexarm.arm import Arm
 
-KINEMATIC = ("position", "rotation", "link_angle")
-SEEN = (*KINEMATIC, "joint_torque", "section_forces")
-"""Arrays of an equilibrium that a sequence is made from; those before say where it stands."""
+SEEN = ("position", "rotation", "link_angle", "joint_torque", "section_forces")
+"""Arrays of an equilibrium that a sequence is made from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,18 +66,19 @@ def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
 def slopes_of(arm: Arm, run: PoseSequence, slopes: Mapping[str, Floats]) -> dict[str, Floats]:
     """Return derivatives of a sequence's arrays, parameters last, from those of `SEEN` and drive angles.
 
-    Where there are none of torques and forces, there are none of what follows from them.
+    Some of `SEEN` may lack; what follows from them lacks too.
     """
-    gravity, turning = np.asarray(arm.gravity), slopes["rotation"]
-    arrays = {
-        "position": slopes["position"],
-        "orientation": _turning(run.orientation, turning),
-        "acceleration": -np.einsum("nabck,b->nack", turning, gravity),
-        "joint_angle": slopes["link_angle"],
-        "drive_angle": slopes["drive_angle"],
+    names = {
+        "position": "position",
+        "joint_angle": "link_angle",
+        "drive_angle": "drive_angle",
+        "motor_torque": "joint_torque",
+        "section_forces": "section_forces",
     }
-    names = {"motor_torque": "joint_torque", "section_forces": "section_forces"}
-    arrays |= {name: slopes[made_of] for name, made_of in names.items() if made_of in slopes}
+    arrays = {name: slopes[made_of] for name, made_of in names.items() if made_of in slopes}
+    if (turning := slopes.get("rotation")) is not None:
+        arrays["orientation"] = _turning(run.orientation, turning)
+        arrays["acceleration"] = -np.einsum("nabck,b->nack", turning, np.asarray(arm.gravity))
     return {name: frozen(array) for name, array in arrays.items()}
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
-from flexarm.comparison.pose_sequence import KINEMATIC, SEEN, PoseSequence, sequence, slopes_of
+from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 FORCES = ("motor_torque", "motor_voltage", "force", "strain")
 """Quantities that see torques and forces."""
+NEEDED = {"position": ("position",), "acceleration": ("rotation",), "joint_angle": ("link_angle",)}
+"""Arrays of an equilibrium that a quantity is read from; of others it may be any."""
 
 
 def is_input(record: Record, signal: Signal) -> bool:
@@ -84,8 +86,9 @@ class _StaticModel:
         self.turned = {signal.joint for signal in drives if signal.joint} - self.at_link
         self.loaded = {s.point for s in signals if s.quantity == "force" and s.point is not None}
         self.true = self.readings(arm)
-        self.forces = any(signal.quantity in FORCES for signal in signals)
-        self.differentiated = (*KINEMATIC, *(SEEN[len(KINEMATIC) :] if self.forces else ()), "drive_angle")
+        read = (s for s in signals if not is_input(record, s))
+        needed = {name for signal in read for name in NEEDED.get(signal.quantity, SEEN)}
+        self.differentiated = tuple(name for name in SEEN if name in needed)
         self._arms: dict[tuple[tuple[str, float], ...], StaticsBatch] = {}
         self._turning = {
             parameter.key: [(self.readings(other), change) for other, change in neighbours(arm, parameter)]
@@ -155,7 +158,7 @@ class _StaticModel:
             carried = with_payload_masses(self.arm, inputs.masses)
             keys = [parameter.key for parameter in self.wanted]
             self._arms[load] = StaticsBatch(
-                carried, self.at_link, self.loaded, keys, self.turned, self.forces
+                carried, self.at_link, self.loaded, keys, self.turned, self.differentiated
             )
         return self._arms[load].at({**self.record.joints, **inputs.angles}, inputs.forces, turning)
 
@@ -164,7 +167,7 @@ def _sensitivities(model: _StaticModel, run: PoseSequence, found: list[StaticSol
     """Return derivatives of a sequence, also with respect to parameters of force sensors."""
     slopes = {
         name: np.stack([held.sensitivities[name] for held in found if held.sensitivities])
-        for name in model.differentiated
+        for name in (*model.differentiated, "drive_angle")
     }
     for k, parameter in enumerate(model.wanted):
         if model.quantity_read_by(parameter) == "force":
@@ -183,7 +186,7 @@ def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, F
         sides.append([bare.held(bare.inputs(pose, true)) for pose in model.record.poses])
     return {
         name: np.array([a.arrays[name] - b.arrays[name] for a, b in zip(*sides, strict=True)]) / (up - down)
-        for name in model.differentiated[:-1]
+        for name in model.differentiated
     }
 
 

@@ -21,6 +21,7 @@ from math import exp
 import numpy as np
 
 from flexarm.arm.effect import effect_class
+from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.cross_validation import predicts_better
@@ -108,6 +109,8 @@ def rivals_of(
     peer = _peer(best, tried)
     found = []
     for candidate in wanted:
+        if not allows("all alternatives were fitted"):
+            break
         try:
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
             if (alike := candidate.acting_as(chosen)) is not None:

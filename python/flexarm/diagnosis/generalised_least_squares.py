@@ -48,10 +48,11 @@ class NormalEquations:
     def of(
         cls, jacobian: Floats, prior: Floats, weight: Floats | None = None, unknown: float = UNKNOWN
     ) -> NormalEquations:
-        """From J of shape (n, m), the diagonals of Lambda and of W, all ones if not given."""
+        """From J of shape (n, m), Lambda or its diagonal, and the diagonal of W, all ones if not given."""
+        held = prior if prior.ndim == 2 else np.diag(prior)
         weighted = jacobian if weight is None else weight[:, None] * jacobian
-        scale = 1.0 / np.sqrt(np.maximum(np.sum(jacobian * weighted, axis=0) + prior, 1e-300))
-        hessian = (jacobian * scale).T @ (weighted * scale) + np.diag(prior * scale**2)
+        scale = 1.0 / np.sqrt(np.maximum(np.sum(jacobian * weighted, axis=0) + np.diag(held), 1e-300))
+        hessian = (jacobian * scale).T @ (weighted * scale) + held * np.outer(scale, scale)
         return cls(hessian, scale, unknown)
 
     def without(self, jacobian: Floats) -> NormalEquations:

@@ -27,6 +27,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.parameters import TransformedParameter, members_at, prior_rows
@@ -152,6 +153,8 @@ class LeastSquares:
         )
         if self._limit < inf:
             self._see_whether_near(self.objective_rows(z), found)
+        if not allows("all fits had come to rest"):
+            raise _FarOff
         return found
 
     def _see_whether_near(self, rows: Floats, jacobian: Floats) -> None:

@@ -184,7 +184,7 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
     found = []
     for key in arm.uncertainty:
         value, sigma = arm.sigma(key)
-        bare = _bare(arm, key)
+        bare = bare_key(arm, key)
         if _known(bare, records):
             continue
         there = parameters(arm, [bare])
@@ -199,7 +199,7 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
 
 def known_loads(arm: Arm, records: Mapping[str, Record]) -> list[str]:
     """Payloads whose mass has an uncertainty in the model and is known, as every record weighed it."""
-    return [bare.split(".")[1] for key in arm.uncertainty if _known(bare := _bare(arm, key), records)]
+    return [bare.split(".")[1] for key in arm.uncertainty if _known(bare := bare_key(arm, key), records)]
 
 
 def _known(key: str, records: Mapping[str, Record]) -> bool:
@@ -220,7 +220,7 @@ def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
     return False
 
 
-def _bare(arm: Arm, key: str) -> str:
+def bare_key(arm: Arm, key: str) -> str:
     """Return a key of `[uncertainty]` without the unit at its end."""
     from flexarm.arm.uncertainty import owner_of
 

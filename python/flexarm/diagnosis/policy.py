@@ -72,6 +72,10 @@ class SelectionPolicy:
     blocks: int = 24
     """Blocks a record [1] of cross-validation: shorter than a motion, longer than correlations."""
 
+    # Nuisance parameters
+    zero: float = 5e-3
+    """1 sigma [rad, m] of the zero of an encoder or inclinometer that is evidence: 0.3 degrees."""
+
     # Stopping
     most_effects: int = 3
     """Effects in a diagnosis, and swaps in a search [1]: more fit anything."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 
+from flexarm.budget import allows, current
 from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import above_noise
@@ -73,7 +74,7 @@ def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """Return a fit taken further until it leaves no less, and where it was found."""
     best, there, idle = fit, about, 0
     with suppress(*FIT_ERRORS):
-        while idle < IDLE and not _quiet(best, about):
+        while idle < IDLE and not (_quiet(best, about) or current().spent):
             ahead, at = further(best, there, anew=False)
             fell = objective(best) - objective(ahead)
             if fell < STILL * sigma_squared(best):
@@ -103,6 +104,8 @@ def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     with suppress(*FIT_ERRORS):
         here, at = linearised(fit, about)
         for _ in range(ROUNDS if fit.members else 0):
+            if not allows("all fits had come to rest"):
+                break
             ahead, there = linearised(*further(here, at))
             fell = objective(here) - objective(ahead)
             if fell > 0:

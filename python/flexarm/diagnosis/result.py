@@ -15,6 +15,7 @@ from flexarm.comparison.before_after import BeforeAfter
 from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
+from flexarm.pictures import viewed
 from flexarm.wording import scale, signed
 
 if TYPE_CHECKING:
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
 
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
+    from flexarm.record import Record
     from flexarm.residual_analysis.localisation import Localisation
+    from flexarm.viewer import View
 
 
 STILL = 1e-3
@@ -164,6 +167,12 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property
+    def frames(self) -> dict[str, dict[str, tuple[list[float], list[float]]]]:
+        """Return found poses of unknown frames by record of training, xyz [m] and rpy [rad] in the base."""
+        compared = self.after or self.before
+        return {name: dict(compared[name].frames) for name in self.training if name in compared}
+
+    @property
     def refinements(self) -> tuple[Refinement, ...]:
         """Return the refined values, each with the sigma that the nominal model states."""
         return tuple(Refinement(each, stated_sigma(self.arm, each.parameter)) for each in self.refined)
@@ -210,6 +219,28 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
         from flexarm.report.gap_curves import plot
 
         return plot(self, ax, record)
+
+    def view(self, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None) -> View:
+        """Show the updated model in three dimensions, along a record with its measured points.
+
+        The nominal model is beside it, at the click of a button.
+
+        Parameters
+        ----------
+        record : Record, optional
+            Which one; without it the model is shown at rest.
+        scale : float
+            Displacements from the rigid arm at the same drive angles are shown times it.
+        urdf : str or Path, optional
+            The URDF file whose meshes rigid links are drawn with.
+
+        Returns
+        -------
+        View
+            One page without network; see `Arm.view`.
+        """
+        found: View = viewed(self, record=record, scale=scale, urdf=urdf)
+        return found
 
     @classmethod
     @takes(path=PATH)

@@ -22,6 +22,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
@@ -79,6 +80,8 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
     probed = []
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
+            if not allows("all effects were screened"):
+                break
             try:
                 moves = in_proportion(candidate, estimator.nuisance.keys, estimator.jacobian)
                 if moves is None:

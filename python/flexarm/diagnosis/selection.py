@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
@@ -95,7 +96,7 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
     """Return the largest model of which each effect is accepted, and the estimator about it."""
     while not state.criteria.explains(best):
         count = causes(best.members, state.places)
-        if count >= most_effects(state, best):
+        if count >= most_effects(state, best) or not allows(f"effect {count + 1} was looked for"):
             break
         tell(f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1))
         larger = enlarged(state, best, about)
@@ -143,6 +144,8 @@ def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Es
     """Return the models that moves propose, those that the policy allows."""
     found: list[Fit] = []
     for name, move in moves.items():
+        if not allows("all moves of the search were made"):
+            break
         if name == "singles" or state.criteria.policy.allows(name):
             found += move(state, best, about, found)
     state.tried += found

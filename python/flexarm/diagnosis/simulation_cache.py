@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.comparison.aligned_record import end_of_simulation
+from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
@@ -86,6 +87,8 @@ class SimulationCache:
         if record.kind == "static":
             inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
             return pair_record(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+        if rings_freely(record):
+            return pair_record(simulate_free_vibration(arm, record, self.step), record, arm=arm)
         return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
 
     def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:

@@ -12,13 +12,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, takes
+from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
+from flexarm.budget import allows, current, limited
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
-from flexarm.diagnosis.design.next_experiment import next_experiment
+from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.homogeneity import constancy
 from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
@@ -45,6 +46,7 @@ from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
+from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
@@ -59,7 +61,15 @@ COARSE = 2.0
 
 
 @takes(
-    arm=ARM, records=RECORDS, hold_out=RECORD, jobs=JOBS, seed=COUNT, step=NUMBER, alpha=NUMBER, policy=POLICY
+    arm=ARM,
+    records=RECORDS,
+    hold_out=RECORD,
+    jobs=JOBS,
+    seed=COUNT,
+    step=NUMBER,
+    alpha=NUMBER,
+    policy=POLICY,
+    max_seconds=SECONDS,
 )
 def diagnose(
     arm: Arm,
@@ -71,6 +81,7 @@ def diagnose(
     step: float = 2e-3,
     alpha: float = -0.05,
     policy: SelectionPolicy | None = None,
+    max_seconds: float | None = None,
     progress: Progress = None,
 ) -> Diagnosis:
     """Name the physical effect that a model lacks, where it sits, and how sure that is.
@@ -92,6 +103,8 @@ def diagnose(
         Of all simulations [s], [-].
     policy : SelectionPolicy, optional
         Thresholds of the search; all have a default.
+    max_seconds : float, optional
+        Time for the search [s]: then it concludes from what was fitted, and remarks say what was left out.
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -111,6 +124,22 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
+    with limited(max_seconds):
+        return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, progress)
+
+
+def _diagnosis(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    hold_out: Record | None,
+    jobs: int | None,
+    seed: int,
+    step: float,
+    alpha: float,
+    policy: SelectionPolicy | None,
+    progress: Progress,
+) -> Diagnosis:
+    """Return the diagnosis, within the budget of time."""
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     given = named_records(records)
@@ -118,19 +147,21 @@ def diagnose(
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
     doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
-    remarks = (*doubts, *map(str, checked.outliers), *checked.remarks)
+    said = (remark for remark in checked.remarks if remark not in current().remarks)  # told at the end
+    remarks = (*doubts, *map(str, checked.outliers), *said)
     if checked.faults:
         return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
     held, borrowed = impute_noise(checked.records, held)
     parted = split(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
+    policy = policy or SelectionPolicy()
     problem = Problem(
-        arm,
+        with_zeros(arm, parted.training, policy),
         parted.training,
         step=COARSE * step,
         alpha=alpha,
         jobs=jobs or os.cpu_count() or 1,
-        policy=policy or SelectionPolicy(),
+        policy=policy,
     )
     allow_for_input_noise(problem, problem.arm)
     input_noise = input_noise_by_signal(problem)
@@ -145,14 +176,18 @@ def diagnose(
     tell(0.8, "intervals")
     found = _conclusion(choice, coarse, problem, seed)
     tell(0.83, "next experiment")
-    further = next_experiment(choice, problem, found.verdict == "unexplained")
+    further = NextExperiment()
+    if allows("the next experiment was sought"):
+        further = next_experiment(choice, problem, found.verdict == "unexplained")
     tell(0.85, "verifying")
     if out.any():
         parted = parted.without_strays(found.repaired, problem)
     bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
-    updated, refined = restore_unidentifiable(
-        arm, found.repaired, tuple(filter(moved, found.sizes.refined)), bench.in_training
-    )
+    updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
+    if not found.kept:
+        updated, refined = set_zeros(updated, refined, arm)
+    updated, refined = restore_unidentifiable(problem.arm, updated, refined, bench.in_training)
+    updated = without_idle_zeros(updated, arm)
     seen = verified(
         bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
     )
@@ -162,7 +197,7 @@ def diagnose(
         updated,
         found.effects,
         found.sizes.nuisances,
-        () if updated is problem.arm else refined,
+        refined,
         rejected(choice, problem),
         where=seen.located.where if seen.located else (),
         before=seen.before,
@@ -186,6 +221,7 @@ def diagnose(
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
             *swings(choice.best, problem),
             *seen.remarks,
+            *current().remarks,
         ),
         next_experiment=further.sentence,
         provenance=_provenance(seed, step, begun),
@@ -205,6 +241,7 @@ class _Conclusion:
     sizes: Estimates
     drifts: tuple[Mapping[str, Any], ...]
     repaired: Arm
+    kept: bool
     open_gap: bool
     ends: str
 
@@ -230,7 +267,7 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     keep = not unexplained or worth_keeping(choice, problem)
     model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
-    return _Conclusion(verdict, effects, sizes, drifts, model, open_gap, ends)
+    return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
 
 
 def _unusable(

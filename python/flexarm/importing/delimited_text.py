@@ -118,7 +118,8 @@ def layout(path: Path, dialect: Dialect) -> Layout:
             ),
             len(lines),
         )
-    names, units = _header(lines[:first], separator, count, comment)
+    above = [cells_of(line.strip("\r\n"), separator) for line in lines[:first] if line.strip()]
+    names, units = header_of(above, count, comment)
     if dialect.columns:
         if len(dialect.columns) != count:
             what = f"must name the {count} columns of the file, got {len(dialect.columns)}"
@@ -193,15 +194,14 @@ def _fits(cells: Sequence[str], numeric: Sequence[bool], decimal: str) -> bool:
     )
 
 
-def _header(lines: Sequence[str], separator: str, count: int, comment: str) -> tuple[list[str], list[str]]:
-    """Return names and units from the lines above the first row."""
+def header_of(above: Sequence[Sequence[str]], count: int, comment: str) -> tuple[list[str], list[str]]:
+    """Return names and units from the cells of the lines above the first row."""
+    marks = "".join({comment, "#", "%", "/"})
     rows: list[list[str]] = []
-    for line in reversed([line for line in lines if line.strip()]):
-        marks = "".join({comment, "#", "%", "/"})
-        cells = [cell.strip().lstrip(marks).strip() for cell in cells_of(line.strip("\r\n"), separator)]
+    for cells in reversed(above):
         if len(cells) < count - 1 or (count > 1 and len(cells) < 2) or len(rows) == 2:
             break
-        rows.append(cells)
+        rows.append([cell.strip().lstrip(marks).strip() for cell in cells])
     if not rows:
         return [], []
     bare = [cell.strip("[]()").lower() for cell in rows[0]]

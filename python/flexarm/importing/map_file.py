@@ -126,6 +126,8 @@ class SignalMap(Measurement):
         The value is the motor's own: divided, a torque multiplied, by the joint's gear ratio.
     scale, offset : float or list of float
         Value becomes scale x value + offset, in `unit`; a list has one number a column.
+    sum : bool
+        The columns, each with its scale and offset, are added: of a joint that several motors or joints move.
     noise_std : float, optional
         1 sigma per channel of the record's signal, in SI.
     quaternion : {"xyzw", "wxyz"}
@@ -149,6 +151,7 @@ class SignalMap(Measurement):
     before_gear: bool = False
     scale: Numbers = (1.0,)
     offset: Numbers = (0.0,)
+    sum: bool = False
     quaternion: Literal["xyzw", "wxyz"] = "xyzw"
     mount: Vector3 | None = value_in("rad", "roll, pitch, yaw of the sensor", None)
     csv: Dialect = Dialect()
@@ -160,6 +163,8 @@ class SignalMap(Measurement):
     def si(self) -> tuple[str, float]:
         """SI unit of the record's values and the factor to it."""
         unit = self.unit
+        if self.torque_constant is not None:
+            return super().si
         if isinstance(unit, Counts):
             turns = {"rad": 2 * pi, "rad/s": 2 * pi}
             si = self.spec.units[0]
@@ -177,7 +182,7 @@ class SignalMap(Measurement):
         wanted = self.spec.channels or len(self.directions)
         wanted = 3 if self.mount is not None else wanted
         found: list[tuple[tuple[str, ...], str]] = []
-        if len(self.columns) != wanted:
+        if len(self.columns) != wanted and not (self.sum and wanted == 1):
             what = f"axes = {list(self.directions)}" if self.directions else self.quantity
             what = "a sensor with a mount" if self.mount is not None else what
             found.append(

@@ -138,7 +138,11 @@ class _Importer:
             key = where if where.startswith("csv") else "source"
             self.found += [((*place, key), f"{error.file}: {problem}") for problem in error.problems]
         except InvalidParameter as error:
-            self.found += [(place, str(problem)) for problem in error.problems]
+            start = f"signals.{self.table.signals[index].name}."
+            self.found += [
+                (place, f"{source}: {problem.where.removeprefix(start)}: {problem.what}")
+                for problem in error.problems
+            ]
 
     def _arm(self) -> Arm | None:
         """Return the model; names that it has not become problems."""
@@ -277,6 +281,8 @@ def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
         values = values * np.array(table.scale)
     if table.offset != (0.0,):
         values = values + np.array(table.offset)
+    if table.sum:
+        values = values.sum(axis=1, keepdims=True)
     if (factor := table.si[1]) != 1.0:
         values = values * factor
     if table.quaternion == "wxyz":

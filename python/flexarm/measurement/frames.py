@@ -76,6 +76,20 @@ class Registration:
         """R(rotation), shape (3, 3)."""
         return rotation_matrix(np.asarray(self.rotation, dtype=float))
 
+    @property
+    def in_base(self) -> tuple[Floats, Floats]:
+        """Return R and x of p = R y + x, eq. (1) solved for a point p of the base, shapes (3, 3) and (3,)."""
+        back = self.error_rotation.T
+        return back @ self.frame_axes, back @ (np.asarray(self.origin) - np.asarray(self.translation))
+
+    @property
+    def pose(self) -> tuple[list[float], list[float]]:
+        """Return xyz [m] and rpy [rad] of the frame with its error, as a record states them."""
+        from scipy.spatial.transform import Rotation
+
+        turn, xyz = self.in_base
+        return xyz.tolist(), Rotation.from_matrix(turn).as_euler("xyz").tolist()
+
     def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
         """Return positions as measured, eq. (1), from those in the base, shape (n, 3); `elapsed` [s] is s."""
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))

@@ -10,8 +10,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.arm.sensor import Measurement
+from flexarm.quantities import FRAMED
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
-from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table
+from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, value_in
 
 
 def _as_clock(value: Any) -> Any:
@@ -62,6 +63,8 @@ class SignalTable(Measurement):
         Name of the column of poses, in a record of poses.
     channels : list of str
         Names of the columns of values.
+    zero_std : float, optional
+        1 sigma of the zero of the sensor, in the unit of the values; not of places and attitudes.
     """
 
     file: str = Field(description="name of a CSV file in the record's directory", min_length=1)
@@ -69,6 +72,7 @@ class SignalTable(Measurement):
     time_unit: str = "s"
     pose: str | None = None
     channels: Names = Field(description="names of the columns of values")
+    zero_std: Number | None = value_in("unit", "1 sigma of the zero of the sensor", None, ge=0)
 
     @model_validator(mode="after")
     def _check_channels(self) -> Self:
@@ -81,6 +85,9 @@ class SignalTable(Measurement):
                     f"must be {wanted} for {what}, got {len(self.channels)}: {list(self.channels)}",
                 )
             )
+        if self.zero_std is not None and self.quantity in FRAMED:
+            what = f"does not go with {self.quantity}, whose zero is that of its frame; state [frames]"
+            raise Inconsistent((("zero_std",), what))
         if len(set(self.channels)) < len(self.channels):
             raise Inconsistent((("channels",), f"a column is named twice: {list(self.channels)}"))
         return self

@@ -86,6 +86,7 @@ class _Reader:
             time=self._time(table) if motion else np.array([]),
             pose=None if motion else self._pose(table),
             noise_std=None if table.noise_std is None else table.noise_std * factor,
+            zero_std=None if table.zero_std is None else table.zero_std * factor,
             jitter_std=table.jitter_std,
             clock=table.clock or reference,
             frame=table.frame,

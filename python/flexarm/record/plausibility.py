@@ -32,8 +32,9 @@ DISTANT = 1000.0
 
 def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
     """Yield implausible values of a record; an arm tells the ratios of its gears."""
-    if record.kind == "motion" and not record.drive:
-        yield Problem("drive", "is not given: nothing drives the joints, all stand still")
+    if record.kind == "motion" and not record.drive and record.initial != "moving":
+        what = "is not given: nothing drives the joints, all stand still; of a tap, pluck or drop test say "
+        yield Problem("drive", what + 'initial = "moving"')
     yield from disjoint_clocks(record)
     if record.kind == "motion":
         yield from duration_problems(record)

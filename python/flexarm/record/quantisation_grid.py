@@ -12,10 +12,18 @@ FEW = 8
 """Least number of different readings that show a grid."""
 
 
-def quantisation_step(values: Floats) -> float:
-    """Return the step of (1); 0 if readings lie on no grid or are too few."""
+def quantisation_step(values: Floats, fewest: int = FEW) -> float:
+    """Return the step of (1); 0 if readings lie on no grid or are too few.
+
+    Parameters
+    ----------
+    values : ndarray
+        Readings; those that are not finite are left out.
+    fewest : int
+        Least number of different ones, at least 2.
+    """
     found = np.unique(np.round(values[np.isfinite(values)], 14))
-    if len(found) < FEW:
+    if len(found) < fewest:
         return 0.0
     step = float(np.diff(found).min())
     for _ in range(2):  # the first guess drifts over many steps

@@ -145,6 +145,7 @@ def _signal_table(signal: Signal, file: str) -> dict[str, Any]:
         "channels": list(signal.channels),
         "unit": signal.unit,
         "noise_std": signal.noise_std,
+        "zero_std": signal.zero_std,
         "jitter_std": signal.jitter_std or None,
         "clock": signal.clock,
     }

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexarm.arguments import ARRAY, NAME_TUPLE, NUMBER, NUMBERS, TEXT, holds
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
-from flexarm.quantities import QUANTITIES, Quantity, channel_names
+from flexarm.quantities import FRAMED, QUANTITIES, Quantity, channel_names
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 
@@ -22,6 +22,7 @@ from flexarm.tables.ranges import first_beyond, out_of_range, range_of
     time=ARRAY,
     unit=TEXT,
     noise_std=NUMBER,
+    zero_std=NUMBER,
     jitter_std=NUMBER,
     clock=TEXT,
     frame=TEXT,
@@ -53,6 +54,8 @@ class Signal:
         SI unit of the values.
     noise_std : float or None
         1 sigma per channel, in `unit`; None: not stated.
+    zero_std : float or None
+        1 sigma of the zero of the sensor, in `unit`; None: not stated.
     jitter_std : float
         1 sigma of the stamps [s].
     clock, frame : str
@@ -79,6 +82,7 @@ class Signal:
     time: Floats = None  # type: ignore[assignment]
     unit: str = ""
     noise_std: float | None = None
+    zero_std: float | None = None
     jitter_std: float = 0.0
     clock: str = ""
     frame: str = "base"
@@ -144,10 +148,17 @@ class Signal:
         least = range_of("s")[0]
         if np.any(rises < least):
             raise InvalidParameter(f"stamps must rise by {least:g} s", where=f"signals.{self.name}.time")
-        wrong = out_of_range(self.noise_std, "unit", size=True)
-        if self.noise_std is not None and (wrong or not self.noise_std >= 0):
-            wrong = wrong or f"must be at least 0, got {self.noise_std:g}"
-            raise InvalidParameter(wrong, where=f"signals.{self.name}.noise_std")
+        for name in ("noise_std", "zero_std"):
+            sigma = getattr(self, name)
+            wrong = out_of_range(sigma, "unit", size=True)
+            if sigma is not None and (wrong or not sigma >= 0):
+                wrong = wrong or f"must be at least 0, got {sigma:g}"
+                raise InvalidParameter(wrong, where=f"signals.{self.name}.{name}")
+        if self.zero_std is not None and self.quantity in FRAMED:
+            raise InvalidParameter(
+                f"does not go with {self.quantity}, whose zero is that of its frame; state [frames]",
+                where=f"signals.{self.name}.zero_std",
+            )
 
     @property
     def spec(self) -> Quantity:

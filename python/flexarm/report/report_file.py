@@ -16,6 +16,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from flexarm.report.sentences import foretold_sentence, remarks_beside
 
 if TYPE_CHECKING:
+    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis
 
 
@@ -31,11 +32,13 @@ Known = Annotated[float | None, BeforeValidator(_known)]
 Probability = Annotated[float, Field(ge=0, le=1)]
 
 
-class _Entry(BaseModel):
+class Entry(BaseModel):
+    """A table of a report's file; unknown keys are errors."""
+
     model_config = ConfigDict(extra="forbid")
 
 
-class ParameterEntry(_Entry):
+class ParameterEntry(Entry):
     """A fitted parameter with its 90 % interval."""
 
     name: str
@@ -46,7 +49,7 @@ class ParameterEntry(_Entry):
     unit: str
 
 
-class AlternativeEntry(_Entry):
+class AlternativeEntry(Entry):
     """An alternative that the data cannot exclude."""
 
     name: str
@@ -54,7 +57,7 @@ class AlternativeEntry(_Entry):
     probability: Probability
 
 
-class EffectEntry(_Entry):
+class EffectEntry(Entry):
     """A named effect."""
 
     name: str
@@ -66,7 +69,7 @@ class EffectEntry(_Entry):
     figures: list[str]
 
 
-class NuisanceEntry(_Entry):
+class NuisanceEntry(Entry):
     """A clock or frame that was fitted along."""
 
     name: str
@@ -74,7 +77,7 @@ class NuisanceEntry(_Entry):
     parameters: list[ParameterEntry]
 
 
-class WhereEntry(_Entry):
+class WhereEntry(Entry):
     """A place in direction, state and frequency where the gap exceeds the noise."""
 
     signal: str
@@ -85,7 +88,7 @@ class WhereEntry(_Entry):
     noise_rms: Known
 
 
-class RefinedEntry(_Entry):
+class RefinedEntry(Entry):
     """A nominal value that moved inside its stated uncertainty."""
 
     parameter: str
@@ -94,7 +97,7 @@ class RefinedEntry(_Entry):
     nominal: float
 
 
-class GapEntry(_Entry):
+class GapEntry(Entry):
     """Total of the main signal before and after, pooled over records."""
 
     before_rms: Known
@@ -104,7 +107,7 @@ class GapEntry(_Entry):
     after_max: Known
 
 
-class GapsEntry(_Entry):
+class GapsEntry(Entry):
     """The gap on what was fitted and on what was held back."""
 
     signal: str
@@ -113,7 +116,7 @@ class GapsEntry(_Entry):
     held_out: GapEntry
 
 
-class RejectedEntry(_Entry):
+class RejectedEntry(Entry):
     """A candidate that was not taken."""
 
     name: str
@@ -122,7 +125,7 @@ class RejectedEntry(_Entry):
     why: str
 
 
-class ProvenanceEntry(_Entry):
+class ProvenanceEntry(Entry):
     """Where the report comes from."""
 
     version: str
@@ -134,14 +137,21 @@ class ProvenanceEntry(_Entry):
     rejected: list[RejectedEntry]
 
 
-class StageEntry(_Entry):
+class StageEntry(Entry):
     """A model on the way to the repaired one."""
 
     label: str
     rms: dict[str, Known]
 
 
-class DetailsEntry(_Entry):
+class PoseEntry(Entry):
+    """A frame of measurement in the base."""
+
+    xyz: list[float]
+    rpy: list[float]
+
+
+class DetailsEntry(Entry):
     """Details of the page beside the agreed keys."""
 
     training: list[str]
@@ -152,6 +162,7 @@ class DetailsEntry(_Entry):
     remarks: list[str]
     stages: list[StageEntry]
     constancy: list[dict[str, Any]]
+    frames: dict[str, dict[str, PoseEntry]] = Field(default_factory=dict)
 
 
 class ReportFile(BaseModel):
@@ -180,12 +191,7 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         "nuisances": [asdict(nuisance) for nuisance in d.nuisances],
         "where": [{key: cell[key] for key in WhereEntry.model_fields} for cell in d.where],
         "refined": [{key: getattr(each, key) for key in RefinedEntry.model_fields} for each in d.refined],
-        "gap": {
-            "signal": d.main_signal,
-            "unit": d.unit,
-            "train": asdict(d.gap(d.training)),
-            "held_out": asdict(d.gap(d.held_out)),
-        },
+        "gap": gaps_of(d),
         "next_experiment": d.next_experiment,
         "provenance": {
             **provenance_of(d.provenance),
@@ -193,7 +199,17 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "details": _details(d),
     }
-    return ReportFile.model_validate(_plain(content)).model_dump(mode="json")
+    return ReportFile.model_validate(plain(content)).model_dump(mode="json")
+
+
+def gaps_of(d: BeforeAfter) -> dict[str, Any]:
+    """Return the gap of the main signal on what was fitted and on what was held back."""
+    return {
+        "signal": d.main_signal,
+        "unit": d.unit,
+        "train": asdict(d.gap(d.training)),
+        "held_out": asdict(d.gap(d.held_out)),
+    }
 
 
 def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -223,15 +239,20 @@ def _details(d: Diagnosis) -> dict[str, Any]:
         "remarks": [*filter(None, [foretold_sentence(d)]), *remarks_beside(d)],
         "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],
         "constancy": d.constancy,
+        "frames": {
+            record: {name: {"xyz": xyz, "rpy": rpy} for name, (xyz, rpy) in found.items()}
+            for record, found in d.frames.items()
+            if found
+        },
     }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return what JSON can hold: dictionaries, lists, plain numbers, null for those that are not finite."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):  # arrays and scalars of NumPy
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, Iterable) and not isinstance(value, str):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return _known(value) if isinstance(value, float) else value

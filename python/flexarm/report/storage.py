@@ -37,7 +37,7 @@ from flexarm.tables.toml import read_text
 if TYPE_CHECKING:
     import xarray as xr
 
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.comparison.before_after import BeforeAfter
 
 
 REPORT, MODEL, GAPS = "report.json", "updated.toml", "gaps.nc"
@@ -49,8 +49,8 @@ Entry = Mapping[str, Any]
 # ---------------------------------------------------------------------- writing
 
 
-def gap_contents(diagnosis: Diagnosis) -> Contents:
-    """Return what `gaps.nc` holds."""
+def gap_contents(diagnosis: BeforeAfter, kind: str = KIND) -> Contents:
+    """Return what `gaps.nc` of a kind of result holds."""
     variables: dict[str, Variable] = {}
     labels: dict[str, list[str]] = {}
     told: list[dict[str, Any]] = []
@@ -66,7 +66,7 @@ def gap_contents(diagnosis: Diagnosis) -> Contents:
                 variables[f"time_{k}"] = ((f"row_{k}",), gap.time, {})
                 variables[f"gap_{k}"] = ((f"row_{k}", f"direction_{k}"), values, {"units": gap.unit, **facts})
     attributes = {
-        "kind": KIND,
+        "kind": kind,
         "flexarm_version": version(),
         "model": toml_text(diagnosis.arm.to_dict()),
         "comparisons": json.dumps(told),
@@ -86,6 +86,7 @@ def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
         "unknowns": [[u.place, u.kind, u.axis, u.centre, u.sigma, u.step] for u in aligned.parameters],
         "values": [float(value) for value in aligned.values],
         "std": [float(value) for value in aligned.std],
+        "frames": comparison.frames,
     }
 
 
@@ -116,10 +117,8 @@ def stored(path: str | Path) -> dict[str, Any]:
     """
     directory = Path(path).parent if Path(path).suffix == ".json" else Path(path)
     told = _report(Path(path) if Path(path).suffix == ".json" else directory / REPORT)
-    dataset = load(directory / GAPS, KIND)
-    arm, details = model_of(dataset, directory / GAPS), told["details"]
-    with reading(directory / GAPS, "gaps of a diagnosis"):
-        comparisons = _comparisons(dataset)
+    arm, comparisons = stored_gaps(directory / GAPS, KIND)
+    details = told["details"]
     return {
         "verdict": told["verdict"],
         "arm": arm,
@@ -142,6 +141,19 @@ def stored(path: str | Path) -> dict[str, Any]:
         "next_experiment": told["next_experiment"],
         "provenance": {key: value for key, value in told["provenance"].items() if key != "rejected"},
     }
+
+
+def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Comparison]]]:
+    """Return the nominal model and the comparisons `before` and `after` in a file of gaps.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is missing, or is no such file.
+    """
+    dataset = load(path, kind)
+    with reading(path, f"gaps of a {kind}"):
+        return model_of(dataset, path), _comparisons(dataset)
 
 
 def _report(path: Path) -> dict[str, Any]:
@@ -208,6 +220,7 @@ def _comparisons(dataset: xr.Dataset) -> dict[str, dict[str, Comparison]]:
             told["skipped"],
             tuple(told["modes_hz"]),
             tuple(told["notes"]),
+            {name: (xyz, rpy) for name, (xyz, rpy) in told.get("frames", {}).items()},
         )
     return found
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+from flexarm.comparison.comparison import frame_words
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.sentences import (
     foretold_sentence,
@@ -96,7 +97,11 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
     for nuisance in diagnosis.nuisances:
         lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
         lines += [f"  {_row(each)}" for each in nuisance.parameters]
-    return lines
+    return lines + [
+        f"  {record}: {frame_words(name, pose)}"
+        for record, found in diagnosis.frames.items()
+        for name, pose in found.items()
+    ]
 
 
 def _gaps(diagnosis: Diagnosis) -> list[str]:

@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 
 from flexarm.arguments import NUMBERS, PATH, TEXT, takes
 from flexarm.arm import Arm
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
+from flexarm.pictures import viewed
 from flexarm.result import Result
 from flexarm.sensitivity import Sensitivities
 from flexarm.simulation.energies import Energies
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from flexarm.netcdf import Contents
+    from flexarm.record import Record
+    from flexarm.viewer import View
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -171,10 +175,25 @@ class Simulation(Result):
 
         return cls(**stored(path))
 
-    def plot(self, ax: Axes | None = None, point: str | None = None) -> Axes:
-        """Draw the coordinates of a point (default: the last) against time; without points joint angles."""
+    def plot(self, point: str | None = None, ax: Axes | None = None) -> Axes:
+        """Draw the coordinates of a point against time.
+
+        Parameters
+        ----------
+        point : str, optional
+            Its name; default: the last. Without points joint angles are drawn.
+        ax : matplotlib Axes, optional
+            Where to draw.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such point.
+        """
         import matplotlib.pyplot as plt
 
+        if point is not None and point not in self.points:
+            raise InvalidParameter(missing("point", str(point), self.points), where="point")
         axes = plt.subplots()[1] if ax is None else ax
         if self.points:
             name = self.points[-1] if point is None else point
@@ -187,6 +206,26 @@ class Simulation(Result):
             axes.set(xlabel="time [s]", ylabel="joint angle [rad]")
         axes.legend()
         return axes
+
+    def view(self, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None) -> View:
+        """Show the run in three dimensions, at true speed, with a slider.
+
+        Parameters
+        ----------
+        record : Record, optional
+            Its measured points are shown beside the predicted ones, clocks and frames aligned.
+        scale : float
+            Displacements from the rigid arm at the same drive angles are shown times it.
+        urdf : str or Path, optional
+            The URDF file whose meshes rigid links are drawn with.
+
+        Returns
+        -------
+        View
+            One page without network; see `Arm.view`.
+        """
+        found: View = viewed(self, record=record, scale=scale, urdf=urdf)
+        return found
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "no instants"

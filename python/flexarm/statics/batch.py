@@ -21,6 +21,9 @@ from flexarm.assembly import assemble, joint_values, point_loads
 from flexarm.sensitivity import Sensitivities, collected, varied
 from flexarm.statics.backlash_derivative import require_backlash_derivative
 
+SEEN = ("position", "rotation", "link_angle", "joint_torque", "section_forces", "base_wrench")
+"""Arrays of an equilibrium."""
+
 
 @dataclass(frozen=True, eq=False)
 class StaticSolution:
@@ -78,8 +81,8 @@ class StaticsBatch:
         Keys of parameters by which the arrays are differentiated.
     turned : collection of str
         Joints whose drives parameters turn; the others are locked.
-    forces : bool
-        True if torques and forces are differentiated too, not only places and angles.
+    differentiated : collection of str
+        Arrays of which derivatives are taken.
 
     Raises
     ------
@@ -94,12 +97,12 @@ class StaticsBatch:
         loaded: Iterable[str] = (),
         sensitivities: Iterable[str] = (),
         turned: Collection[str] = (),
-        forces: bool = True,
+        differentiated: Collection[str] = SEEN,
     ) -> None:
         held = {_input_of(arm, name): _core.DriveKind.motor_angle for name in turned}
         held |= {name: _core.DriveKind.link_angle for name in at_link}
         points = tuple(loaded)
-        self.arm, self.seen = arm, (*_KINEMATIC, *(_FORCES if forces else ()))
+        self.arm, self.differentiated = arm, tuple(differentiated)
         self.system = assemble(arm, held, points)
         self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
         self._beside, self._places = varied(arm, self.parameters, lambda other: assemble(other, held, points))
@@ -131,7 +134,7 @@ class StaticsBatch:
         values = joint_values(self.arm, joints)
         loads = _core.Loads(gravity=np.array(self.arm.gravity), points=point_loads(self.arm, forces or {}))
         equilibrium = _core.static_equilibrium(self.system, values, loads)
-        arrays = _seen(self.arm, self.system, equilibrium.state, loads, (*_KINEMATIC, *_FORCES))
+        arrays = _seen(self.arm, self.system, equilibrium.state, loads, SEEN)
         if not self.parameters:
             return StaticSolution(values, equilibrium, arrays, None)
         slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})
@@ -160,10 +163,16 @@ class StaticsBatch:
             moving,
             lambda other: _core.static_equilibrium(other, values, loads),
         )
-        found = {name: np.zeros((*arrays[name].shape, len(beside))) for name in self.seen}
+        found = {name: np.zeros((*arrays[name].shape, len(beside))) for name in self.differentiated}
         for k, pair in enumerate(beside):
             up, down = (
-                _seen(self.arm, system, _core.moved(self.system, state, moving, k, change), loads, self.seen)
+                _seen(
+                    self.arm,
+                    system,
+                    _core.moved(self.system, state, moving, k, change),
+                    loads,
+                    self.differentiated,
+                )
                 for system, change in ((pair.plus, pair.up), (pair.minus, pair.down))
             )
             for name, array in up.items():
@@ -199,10 +208,6 @@ def _input_of(arm: Arm, joint: str) -> str:
 def positions(system: _core.System, state: _core.State, count: int) -> Floats:
     """Return places of the first `count` points [m], shape (count, 3)."""
     return np.array([system.point_frame(state, i).x for i in range(count)]).reshape(count, 3)
-
-
-_KINEMATIC = ("position", "rotation", "link_angle")
-_FORCES = ("joint_torque", "section_forces", "base_wrench")
 
 
 def _seen(

@@ -61,9 +61,10 @@ def contents(found: Statics) -> Contents:
                 {"units": "N, N m", "axes": "of the section"},
             ),
             "base_wrench": (("wrench",), found.base_wrench, {"units": "N, N m"}),
+            **({} if found.force is None else {"force": (("point", "axis"), found.force, {"units": "N"})}),
         },
         {**labels(found), "body_axis": AXES},
-        {"kind": "statics", **provenance(found.arm), **found.solver},
+        {"kind": "statics", **provenance(found.arm), **found.solver, "at_link": " ".join(found.at_link)},
     )
     return whole if found.sensitivities is None else found.sensitivities.add_to(whole)
 
@@ -94,5 +95,7 @@ def stored(path: str | Path) -> dict[str, Any]:
                 name: PartShape(*(frozen(data[f"{name}_{what}"].values) for what, _, _ in _PART_VARIABLES))
                 for name in parts
             },
+            "force": frozen(data["force"].values) if "force" in data else None,
+            "at_link": tuple(str(data.attrs.get("at_link", "")).split()),
             "sensitivities": Sensitivities.stored(arm, data),
         }

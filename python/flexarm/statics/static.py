@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
@@ -66,6 +67,8 @@ def static(
             "residual_N": found.equilibrium.residual,
         },
         parts=_parts(arm, held.system, found.equilibrium.state),
+        force=_forces(arm, forces) if forces else None,
+        at_link=tuple(at_link),
         sensitivities=found.sensitivities,
     )
 
@@ -77,6 +80,10 @@ def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
     plain = _core.System(core_arm(arm, nominal=True), kinds)
     return positions(plain, plain.rigid_state(values), len(arm.points))
+
+
+def _forces(arm: Arm, forces: Mapping[str, ArrayLike]) -> Floats:
+    return frozen([np.asarray(forces.get(point.name, np.zeros(3)), dtype=float) for point in arm.points])
 
 
 def _parts(arm: Arm, system: _core.System, state: _core.State) -> dict[str, PartShape]:

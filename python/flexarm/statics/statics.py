@@ -11,6 +11,7 @@ import numpy as np
 from flexarm.arguments import PATH, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.pictures import drawn, viewed
 from flexarm.result import Result
 from flexarm.sensitivity import Sensitivities
 from flexarm.statics.part_shape import PartShape
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from flexarm.netcdf import Contents
+    from flexarm.viewer import View
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,6 +45,10 @@ class Statics(Result):
         Backend, iterations, load steps, largest unbalanced force left.
     parts : dict of str to PartShape
         Where each super-element is and how it is deformed.
+    force : ndarray, shape (point, 3), or None
+        Forces at the points, base axes [N]; None where there were none.
+    at_link : tuple of str
+        Joints whose drive angle is the link's.
     sensitivities : Sensitivities or None
         Derivatives of the arrays by parameters of the model, where they were asked for.
     """
@@ -58,6 +64,8 @@ class Statics(Result):
     base_wrench: Floats
     solver: dict[str, Any]
     parts: dict[str, PartShape] = field(default_factory=dict)
+    force: Floats | None = None
+    at_link: tuple[str, ...] = ()
     sensitivities: Sensitivities | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -86,20 +94,36 @@ class Statics(Result):
 
         return cls(**stored(path))
 
-    def plot(self, ax: Axes | None = None, scale: float = 1.0) -> Axes:
-        """Rigid and deformed places of the points in the x-z plane, displacements times `scale`."""
-        import matplotlib.pyplot as plt
+    def plot(self, ax: Axes | None = None, scale: float | None = None) -> Axes:
+        """Draw the deformed arm over the rigid one, in the plane in which it reaches farthest.
 
-        axes = plt.subplots()[1] if ax is None else ax
-        rigid = self.position - self.displacement
-        shown = rigid + scale * self.displacement
-        axes.plot(rigid[:, 0], rigid[:, 2], "o", mfc="none", color="0.5", label="rigid arm")
-        axes.plot(shown[:, 0], shown[:, 2], "o", color="C0", label=f"equilibrium, displacement x{scale:g}")
-        for i, name in enumerate(self.points):
-            axes.annotate(name, (shown[i, 0], shown[i, 2]), xytext=(6, 4), textcoords="offset points")
-        axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
-        axes.legend()
-        return axes
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        scale : float, optional
+            Displacements are drawn times it; default: so that they show.
+        """
+        found: Axes = drawn(self, ax=ax, scale=scale)
+        return found
+
+    def view(self, scale: float | None = None, urdf: str | Path | None = None) -> View:
+        """Show the deformed arm in three dimensions, with the rigid one.
+
+        Parameters
+        ----------
+        scale : float, optional
+            Displacements are shown times it; default: so that they show.
+        urdf : str or Path, optional
+            The URDF file whose meshes rigid links are drawn with.
+
+        Returns
+        -------
+        View
+            One page without network; see `Arm.view`.
+        """
+        found: View = viewed(self, scale=scale, urdf=urdf)
+        return found
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""

@@ -14,12 +14,14 @@ from numpy.typing import ArrayLike
 from flexarm.arguments import ARRAY, FLAG, NAMES, PATH, POSITIVE, SHARE, TABLES, TEXT, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.pictures import viewed
 from flexarm.reading import reading
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
 from flexarm.superelement.shape import VARIABLES, problems_of_shape
 
 if TYPE_CHECKING:
     from flexarm.solids import SolidMesh
+    from flexarm.viewer import View
 
 
 @holds(
@@ -254,6 +256,22 @@ class SuperElement:
         from flexarm.superelement.stress import von_mises
 
         return von_mises(self, mesh, coordinates)
+
+    def view(self, mesh: SolidMesh | str | Path | None = None) -> View:
+        """Show the part in three dimensions: mesh, interfaces and centre of mass.
+
+        Parameters
+        ----------
+        mesh : SolidMesh, str or Path, optional
+            The mesh that it was reduced from; without it sticks join the interfaces.
+
+        Returns
+        -------
+        View
+            One page without network; see `Arm.view`.
+        """
+        found: View = viewed(self, mesh=mesh)
+        return found
 
     def summary(self) -> str:
         """Return the mass, interfaces, modes, quality and origin in lines."""

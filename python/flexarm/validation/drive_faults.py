@@ -2,7 +2,8 @@
 
 A wrong drive moves the model wrongly everywhere. Each hypothesis of `validation.drive_hypotheses` is put on
 the drive's signal as an effect, which takes the fault back, and is simulated. It wins if all channels
-together, each under its best hypothesis, then cost less (`validation.finding`, eq. (2)). Similar factors all
+together, each under its best hypothesis, then cost less (`validation.finding`, eq. (2)). Only those are
+simulated with which the rigid arm alone explains more (`validation.rigid_motion`). Similar factors all
 leave the channels in order. The first one that does is compared with the others, and its factor f is
 corrected by the gains s of the channels that the drive moves,
 
@@ -16,17 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, log
+from math import exp, inf, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.budget import allows
 from flexarm.effects import UnitError
+from flexarm.errors import InvalidParameter
 from flexarm.validation.drive_hypotheses import (
     Hypothesis,
     describe_hypothesis,
     drive_hypotheses,
     is_moved_by,
+    relative_range,
     similar_factors,
     unit_factors,
 )
@@ -34,6 +38,7 @@ from flexarm.validation.finding import ChannelFinding, total_cost
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import simulate_records
 from flexarm.validation.policy import POLICY
+from flexarm.validation.rigid_motion import kinematic_signals, rigid_record
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -123,6 +128,40 @@ class _DriveTest:
         price = total_cost(rest) - POLICY.prior_log_odds + POLICY.clear_log_odds * (len(hypothesis) - 1)
         return _TestedHypothesis(hypothesis, rest, price, bool(repairs))
 
+    def screened(self, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+        """Return the hypotheses that are worth a simulation, the likely ones first.
+
+        Kinematic signals that a drive moves must cost the rigid arm less. A drive that moves none of them,
+        while others are moved, is at fault only if it goes beyond the usual range of joints.
+        """
+        as_recorded = self.rigid_cost(())
+        if as_recorded is None:
+            return list(hypotheses)
+        shown = kinematic_signals(self.record).values()
+        costs: list[tuple[float, Hypothesis]] = []
+        for hypothesis in hypotheses:
+            drives = [self.record.signals[effect.at] for effect in hypothesis]
+            if not any(is_moved_by(self.arm, str(d.joint), signal) for d in drives for signal in shown):
+                if any(relative_range(drive, self.arm) > 1 for drive in drives):
+                    costs.append((-inf, hypothesis))
+                continue
+            cost = self.rigid_cost(hypothesis)
+            if cost is not None and cost < as_recorded:
+                costs.append((cost, hypothesis))
+        costs.sort(key=lambda each: each[0])
+        best = min((cost for cost, _ in costs if cost > -inf), default=inf)
+        return [each for cost, each in costs if cost <= best + POLICY.decisive_log_odds]
+
+    def rigid_cost(self, hypothesis: Hypothesis) -> float | None:
+        """Return the cost of the kinematic channels of the rigid arm, or None if there are none."""
+        repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
+        try:
+            simulated = rigid_record(repaired, self.record)
+        except InvalidParameter:
+            return None
+        found = find_channel_faults(self.name, simulated) if simulated is not None else []
+        return total_cost(found) + POLICY.clear_log_odds * (len(hypothesis) - 1) if found else None
+
     def log_bayes(self, trial: _TestedHypothesis) -> float:
         """Return the log Bayes factor against the best explanation without the hypothesis."""
         before = total_cost(self.channels) if self.channels is not None else np.inf
@@ -143,8 +182,28 @@ class _DriveTest:
         return DriveFault(values, trial.hypothesis[0].name, self.log_bayes(trial), said, trial.channels)
 
 
+def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
+    """Return drives beyond the usual range of joints that the rigid arm does not follow, but a fault of them.
+
+    A simulation along them could take minutes, or not end.
+    """
+    wild = {drive for drive in record.drive if relative_range(record.signals[drive], arm) > 1}
+    test = _DriveTest(arm, name, record, None, 0.0)
+    as_recorded = test.rigid_cost(()) if wild else None
+    if as_recorded is None:
+        return set()
+    best = test.screened(drive_hypotheses(arm, record, None))[:1]
+    costs = [cost for each in best if (cost := test.rigid_cost(each)) is not None]
+    return wild if any(cost < as_recorded - POLICY.decisive_log_odds for cost in costs) else set()
+
+
 def find_drive_fault(
-    arm: Arm, name: str, record: Record, channels: Sequence[ChannelFinding] | None, step: float, alpha: float
+    arm: Arm,
+    name: str,
+    record: Record,
+    channels: Sequence[ChannelFinding] | None,
+    step: float,
+    alpha: float,
 ) -> DriveFault | None:
     """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
 
@@ -155,10 +214,12 @@ def find_drive_fault(
     """
     test = _DriveTest(arm, name, record, channels, alpha)
     best: _TestedHypothesis | None = None
-    for hypothesis in drive_hypotheses(arm, record, channels):
+    for hypothesis in test.screened(drive_hypotheses(arm, record, channels)):
         plain = best is not None and best.all_in_order and test.log_bayes(best) > POLICY.decisive_log_odds
         if plain and best is not None and not similar_factors(hypothesis, best.hypothesis):
             continue
+        if not allows(f"all wrong units and signs of the drives of {name} were tried"):
+            break
         best = _choose(best, test.simulate(hypothesis, POLICY.coarse_step))
     for _ in range(POLICY.max_corrections):
         other = _corrected(arm, record, best)

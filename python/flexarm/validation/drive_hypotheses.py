@@ -61,7 +61,7 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
         found += _unit_hypotheses(turning, arm, FACTORS[:6])
     beyond = implausible_drives(arm, record)
     found = [each for each in found if beyond <= unit_factors(each).keys()]
-    wild = {signal.name for signal in drives if _relative_range(signal, arm) > 1}
+    wild = {signal.name for signal in drives if relative_range(signal, arm) > 1}
     return sorted(found, key=lambda each: not wild <= {effect.at for effect in each})
 
 
@@ -78,7 +78,7 @@ def implausible_drives(arm: Arm, record: Record) -> set[str]:
 def is_implausible(signal: Signal, arm: Arm) -> bool:
     """Return True if a drive turns its joint beyond `implausible_angle`, and faster than joints do."""
     turns = signal.unit == "rad" and signal.joint is not None and signal.pose is None
-    if not turns or FARTHEST * _relative_range(signal, arm) <= POLICY.implausible_angle:
+    if not turns or FARTHEST * relative_range(signal, arm) <= POLICY.implausible_angle:
         return False
     motion = motion_of(signal.name, signal.time, signal.values[:, 0], signal.unit)
     return motion.rate > LIVELY * shaft_ratio(signal.joint, arm.gears)
@@ -97,7 +97,7 @@ def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float
     return [
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
         for each in [*alike, *own]
-        if all(_relative_range(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
+        if all(relative_range(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
         and any(
             np.nanstd(signal.values) / f > POLICY.min_drive_motion
             for signal, f in zip(drives, each, strict=True)
@@ -118,7 +118,7 @@ def unit_factors(hypothesis: Hypothesis) -> dict[str, float]:
     }
 
 
-def _relative_range(signal: Signal, arm: Arm) -> float:
+def relative_range(signal: Signal, arm: Arm) -> float:
     """Return the range of a drive relative to the usual range of joints."""
     most = FARTHEST * shaft_ratio(signal.joint, arm.gears) if signal.unit == "rad" else LONGEST
     return float(np.nanmax(np.abs(signal.values), initial=0.0)) / most

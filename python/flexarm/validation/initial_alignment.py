@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.budget import allows, current
 from flexarm.campaign import simulate_all
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import solve_poses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
@@ -70,8 +72,14 @@ def simulate_records(
     failed: dict[str, str] = {}
     empty: dict[str, str] = {}
     for name, record in records.items():
+        if name not in runs and not allows(f"the simulation of {name}"):
+            failed[name] = f"not within {current().seconds:g} s"
+            continue
         try:
-            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha, None)[name]
+            mine = runs[name] if name in runs else _simulations(arm, {name: record}, step, alpha)[name]
+        except KeyError:
+            failed[name] = f"not within {current().seconds:g} s"
+            continue
         except (InvalidParameter, NotConverged) as error:
             failed[name] = str(error)
             continue
@@ -83,14 +91,24 @@ def simulate_records(
 
 
 def _simulations(
-    arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress
+    arm: Arm,
+    records: Mapping[str, Record],
+    step: float,
+    alpha: float,
+    progress: Progress = None,
 ) -> dict[str, Any]:
     """Simulate motions in parallel and poses one after the other."""
-    moving = {name: record for name, record in records.items() if record.kind == "motion"}
+    moving = {
+        name: record
+        for name, record in records.items()
+        if record.kind == "motion" and not rings_freely(record)
+    }
     seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
+    budget = current()
     runs = simulate_all(
         [(arm, record) for record in moving.values()],  # `simulate` applies the record
         progress=progress,
+        stop=lambda: budget.spent,
         step=step,
         alpha=alpha,
         rotations=bool(seen & set(NEEDS_ROTATIONS)),
@@ -100,4 +118,6 @@ def _simulations(
     for name, record in records.items():
         if record.kind == "static":
             found[name] = solve_poses(record.applied_to(arm), record)
+        elif rings_freely(record):
+            found[name] = simulate_free_vibration(record.applied_to(arm), record, step)
     return found

@@ -57,6 +57,7 @@ class ValidationPolicy:
     min_plateau_rows: int = 5  # [-] fewest rows of a plateau
     plateau_motion: float = 0.2  # [std] of the prediction within a plateau
     noisy_plateau_motion: float = 1.0  # [std] the same for a noisy plateau inside the range
+    plateau_steps: float = 3.0  # [grid steps] the prediction moves within a plateau of counts
     lost_share: float = (
         0.1  # [-] share of rows that are lost from which on it is said, or the channel is dead
     )

@@ -13,8 +13,9 @@ of its motion and by more than models miss. An arm that friction holds at the en
 the model leaves it by little.
 
 A frozen channel repeats a value. p counts in (1) only while a drive moves, as a model without damping may
-ring on at rest. Stiction holds a joint but not its noise. A noisy plateau is frozen only for places and
-angles, and only where p moves by `noisy_plateau_motion`.
+ring on at rest. Counts of a coarse grid repeat while the arm moves slowly, so that p must move by
+`plateau_steps` of theirs. Stiction holds a joint but not its noise. A noisy plateau is frozen only for places
+and angles, and only where p moves by `noisy_plateau_motion`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.policy import POLICY
@@ -114,7 +116,7 @@ def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
     noise = channel.signal.noise_std or 0.0
     found = []
     for side in (1.0, -1.0):
-        cut = _cut(side * y, side * p, noise, channel.model_error)
+        cut = _cut(side * y, side * p, noise, channel.model_error, _steps(channel))
         if cut is not None:
             found.append((side, *cut))
     if not found:
@@ -137,7 +139,7 @@ def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
     return ChannelFinding(channel, "saturation", bayes, price, values, sentence), at
 
 
-def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float] | None:
+def _cut(y: Floats, p: Floats, noise: float, floor: float, steps: float = 0.0) -> tuple[Rows, float] | None:
     """Return the rows at the upper end and its level if (2) holds there, else None."""
     at, level, width = _end(y, noise)
     inner = ~at & ~_end(-y, noise)[0]
@@ -151,7 +153,7 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float) -> tuple[Rows, float]
     shift, left = _centre_and_scatter(y[inner] - p[inner], floor)
     moving = float(np.std(p))
     least = max(10 * noise, POLICY.plateau_motion * moving, floor) if width else max(5 * noise, 0.02 * moving)
-    enough = max(least, 3 * left)
+    enough = max(least, 3 * left, steps)
     goes_on = np.ptp(p[at]) >= enough and np.quantile(p[at] + shift - level, 0.8) >= enough / 2
     within = np.mean(p[~at] + shift <= level + max(3 * left, 5 * noise)) > 0.95
     return (at, level) if goes_on and within else None
@@ -199,13 +201,21 @@ def _rms_of(rest: Channel) -> float:
     return rest.fit_at_gain(1.0).rms if len(rest.rows) else 0.0
 
 
+def _steps(channel: Channel) -> float:
+    """Return the least motion of a prediction beside counts that stand still; 0 for readings on no grid.
+
+    Channels of one sensor have one grid: one that shows a single count does not tell it.
+    """
+    return POLICY.plateau_steps * max(quantisation_step(y, fewest=2) for y in channel.signal.values.T)
+
+
 def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
     """Return the rows where the channel repeats a value while the prediction moves, and a sentence."""
     noise = channel.signal.noise_std or 0.0
     y, p = channel.measured, channel.predicted
     at = np.zeros(len(y), dtype=bool)
     rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
-    for run in plateaus(y, p, channel.driven, noise, rounding):
+    for run in plateaus(y, p, channel.driven, noise, max(rounding, _steps(channel))):
         part = slice(*run)
         far = (
             moved(p, channel.driven, run) >= POLICY.noisy_plateau_motion * float(np.std(p))

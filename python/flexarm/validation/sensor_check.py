@@ -17,13 +17,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from flexarm.budget import current
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
-from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault
+from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RemovedOutliers, ValidationResult
 from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_unstated_frames
@@ -37,6 +38,7 @@ from flexarm.validation.record_remarks import (
     remarks_on_few_poses,
     remarks_on_skipped,
 )
+from flexarm.validation.shared_places import remarks_on_shared_clocks, remarks_on_shared_frames
 from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
 
 if TYPE_CHECKING:
@@ -88,7 +90,10 @@ def check(
         named[name], removed, notes = _prepare(arm, name, record, step)
         outliers += removed
         remarks += notes
-    implausible = {name: implausible_drives(arm, record) for name, record in named.items()}
+    implausible = {
+        name: implausible_drives(arm, record) or refuted_drives(arm, name, record)
+        for name, record in named.items()
+    }
     plausible = {name: record for name, record in named.items() if not implausible[name]}
     simulations, failed, empty = (
         simulate_records(arm, plausible, step, alpha, progress) if plausible else ({}, {}, {})
@@ -128,6 +133,7 @@ def check(
     if not faults:
         remarks += [*remarks_on_clocks(simulations), *remarks_on_frames(simulations)]
         remarks += remarks_on_unstated_frames(simulations)
+        remarks += [*remarks_on_shared_frames(simulations), *remarks_on_shared_clocks(simulations)]
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
     }
@@ -136,7 +142,7 @@ def check(
         named,
         faults,
         tuple(outliers),
-        tuple(remarks),
+        (*remarks, *current().remarks),
         {**compared, **dict.fromkeys(empty, ())},
         (*plausibility_doubts(arm, named, sure), *doubts),
     )
@@ -232,7 +238,12 @@ def _prepare(
 
 
 def _judge(
-    arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
+    arm: Arm,
+    name: str,
+    record: Record,
+    simulated: SimulatedRecord | None,
+    step: float,
+    alpha: float,
 ) -> RecordFindings:
     """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:

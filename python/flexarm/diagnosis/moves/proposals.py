@@ -21,6 +21,7 @@ import numpy as np
 
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
@@ -147,7 +148,7 @@ def _fitted(
     """
     before, found = found, []
     for share in wanted:
-        if len(found) == most:
+        if len(found) == most or not allows("all proposals were fitted"):
             break
         done = any(criteria.explains(f) for f in found)
         if done and share.share < criteria.policy.faint * wanted[0].share:

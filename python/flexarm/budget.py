@@ -1,0 +1,71 @@
+"""Budget of time for long work: what no time is left for is left out, and said.
+
+with limited(60.0) as budget:
+    ...                            # which asks `allows("the next step")` before its steps
+print(*budget.remarks)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from math import inf
+from time import monotonic
+
+
+class Budget:
+    """Seconds that work may take, from now on.
+
+    Attributes
+    ----------
+    seconds : float
+        Wall-clock time [s]; infinite by default.
+    left_out : list of str
+        Work that no time was left for.
+    """
+
+    def __init__(self, seconds: float | None = None) -> None:
+        self.seconds = inf if seconds is None else float(seconds)
+        self.left_out: list[str] = []
+        self._begun = monotonic()
+
+    @property
+    def spent(self) -> bool:
+        """Return True if no time is left."""
+        return monotonic() - self._begun >= self.seconds
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Return a sentence on what was left out; none if all was done."""
+        done = f"the budget of {self.seconds:g} s ended before {', '.join(self.left_out)}"
+        return (done,) if self.left_out else ()
+
+
+CURRENT: ContextVar[Budget] = ContextVar("budget")
+"""Budget of the work under way; threads that it starts have none of their own."""
+
+
+@contextmanager
+def limited(seconds: float | None) -> Iterator[Budget]:
+    """Limit the work of a block to some seconds; None: no limit."""
+    budget = Budget(seconds)
+    token = CURRENT.set(budget)
+    try:
+        yield budget
+    finally:
+        CURRENT.reset(token)
+
+
+def current() -> Budget:
+    """Return the budget of the work under way, endless outside of `limited`."""
+    return CURRENT.get(Budget())
+
+
+def allows(work: str) -> bool:
+    """Return True if time is left; else note that this work is left out."""
+    budget = current()
+    spent = budget.spent
+    if spent and work not in budget.left_out:
+        budget.left_out.append(work)
+    return not spent

@@ -1,0 +1,305 @@
+r"""Maximum a posteriori estimates of all free parameters together, and their covariance.
+
+With residuals r over their noise, weights W of the rows and the normal prior of u,
+
+.. math:: \min_u \; r(u)^T W r(u) + (u - c)^T P (u - c)                                                (1)
+
+is solved by Levenberg-Marquardt steps [Marquardt1963]. Each takes all derivatives J of the model at hand, or
+those of the step before where they foretold it,
+
+.. math:: (H + \lambda \, \mathrm{diag} H) \Delta u = -(J^T W r + P (u - c)), \quad H = J^T W J + P   (2)
+
+with lambda = 0 first, and ends the estimation where it moves nothing by more than a fifth of its sigma. The
+covariance is H^-1. W is one over the variance inflation of each channel (`diagnosis.evidence`): where a gap
+stays, rows count for as much as they leave, priors count as they should, and intervals widen by what is left.
+
+A family is fitted with one shared size first: du = A dv, with a column of A for the family and one for each
+other parameter. Its spread is estimated along with the members after that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.parameter import with_value
+from flexarm.arrays import Floats
+from flexarm.calibration.families import Family
+from flexarm.calibration.parameters import FreeParameter
+from flexarm.calibration.policy import CalibrationPolicy
+from flexarm.diagnosis.evidence import variance_inflation
+from flexarm.diagnosis.fit import FIT_ERRORS, Projection
+from flexarm.diagnosis.generalised_least_squares import NormalEquations
+from flexarm.diagnosis.problem import Problem
+
+Tell = Callable[[str], object]
+
+
+@dataclass(eq=False)
+class Estimation:
+    """A model with free parameters beside records.
+
+    Attributes
+    ----------
+    problem : Problem
+        The records.
+    arm : Arm
+        The model, which has all effects that parameters belong to.
+    parameters : tuple of FreeParameter
+        In the order of u.
+    families : tuple of Family
+        Some of the parameters, by family.
+    policy : CalibrationPolicy
+        When an estimate is at rest.
+    """
+
+    problem: Problem
+    arm: Arm
+    parameters: tuple[FreeParameter, ...]
+    families: tuple[Family, ...]
+    policy: CalibrationPolicy
+
+    def model(self, u: Floats) -> Arm:
+        """Return the arm with these values."""
+        arm = self.arm
+        for parameter, x in zip(self.parameters, u, strict=True):
+            if not parameter.of_record:
+                arm = with_value(arm, parameter.key, parameter.value(float(x)))
+        return arm
+
+    @property
+    def centre(self) -> Floats:
+        """Return c of (1)."""
+        found = np.array([parameter.centre for parameter in self.parameters])
+        for family in self.families:
+            found[self.columns(family)] = family.hyperprior[0]
+        return found
+
+    def precision(self) -> Floats:
+        """Return P of (1)."""
+        found = np.diag([1 / parameter.sigma**2 for parameter in self.parameters])
+        for family in self.families:
+            columns = self.columns(family)
+            found[np.ix_(columns, columns)] = family.precision()
+        return found
+
+    def columns(self, family: Family) -> list[int]:
+        """Return the places of a family's members in u."""
+        keys = [parameter.key for parameter in self.parameters]
+        return [keys.index(member.key) for member in family.members]
+
+    def tied(self) -> Floats:
+        """Return A, with one shared size a family."""
+        shared = [self.columns(family) for family in self.families if family.shared]
+        taken = {k for columns in shared for k in columns}
+        groups = [*shared, *([k] for k in range(len(self.parameters)) if k not in taken)]
+        found = np.zeros((len(self.parameters), len(groups)))
+        for j, columns in enumerate(groups):
+            found[columns, j] = 1.0
+        return found
+
+    def linearised(self, u: Floats) -> Point:
+        """Return residual and derivatives about u."""
+        arm = self.model(u)
+        steps = {p.key: p.step for p in self.parameters if p.step is not None}
+        jacobian = self.problem.jacobian(arm, [parameter.key for parameter in self.parameters], steps)
+        jacobian *= [parameter.slope(float(x)) for parameter, x in zip(self.parameters, u, strict=True)]
+        return Point(u, self.residual(u, jacobian), jacobian)
+
+    def residual(self, u: Floats, jacobian: Floats) -> Floats:
+        """Return r of (1), with what time steps miss, and what belongs to records in proportion."""
+        arm = self.model(u)
+        own = [k for k, parameter in enumerate(self.parameters) if parameter.of_record]
+        found: Floats = self.problem.residual(arm) + self.problem.correction(arm)
+        return found + jacobian[:, own] @ (u - self.centre)[own]
+
+    def with_spreads(self, u: Floats, variance: Floats) -> Estimation:
+        """Return the same with spreads of families about estimates with these variances."""
+        places = [self.columns(family) for family in self.families]
+        families = (
+            family.with_spread(u[columns], variance[columns], self.policy)
+            for family, columns in zip(self.families, places, strict=True)
+        )
+        return replace(self, families=tuple(families))
+
+    def weights(self, residual: Floats) -> Floats:
+        """Return W of (1), shape (n,)."""
+        inflation = variance_inflation(residual, self.problem)
+        found = np.empty(len(residual))
+        for each, where in self.problem.channels():
+            found[where] = 1.0 / inflation[each.record, each.signal, each.channel]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A linearisation: u, r and J of (2); J may be that of a model nearby."""
+
+    u: Floats
+    residual: Floats
+    jacobian: Floats
+    exact: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Estimates and their covariance, a normal posterior about the most probable values.
+
+    Attributes
+    ----------
+    estimation : Estimation
+        With the families' spreads as estimated.
+    point : Point
+        Where (1) is least.
+    weight : ndarray, shape (n,)
+        W of (1).
+    covariance : ndarray, shape (m, m)
+        Of u.
+    last_move : ndarray, shape (m,)
+        Of the last step, in sigmas.
+    iterations : int
+        Number of linearisations.
+    """
+
+    estimation: Estimation
+    point: Point
+    weight: Floats
+    covariance: Floats
+    last_move: Floats
+    iterations: int
+
+    @property
+    def settled(self) -> bool:
+        """Return True if the last step moved nothing by more than a fifth of its sigma."""
+        return float(np.abs(self.last_move).max(initial=0.0)) < self.estimation.policy.settled
+
+
+def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
+    """Return u with the shared sizes of families at the best of some tried ones, one after the other.
+
+    All else is fitted along to first order.
+    """
+    for family in (family for family in estimation.families if family.shared):
+        tell(f"sizes of {family.effect}")
+        columns = estimation.columns(family)
+        others = [k for k in range(len(u)) if k not in columns]
+        jacobian = estimation.linearised(u).jacobian
+        sigma = np.array([estimation.parameters[k].sigma for k in others])
+        projection = Projection(jacobian[:, others], sigma)
+        beyond = estimation.policy.beyond
+        sizes = np.geomspace(family.prior.low / beyond, family.prior.high * beyond, estimation.policy.sizes)
+        tried = []
+        for size in np.log(sizes):
+            there = u.copy()
+            there[columns] = size
+            try:
+                left = projection.project(estimation.residual(there, jacobian))
+            except FIT_ERRORS:
+                continue
+            tried.append((float(left @ left), there))
+        u = min(tried, key=lambda each: each[0], default=(0.0, u))[1]
+    return u
+
+
+def estimate(
+    estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None, settled: float | None = None
+) -> Posterior:
+    """Return where (1) is least, from u on.
+
+    Parameters
+    ----------
+    estimation : Estimation
+        The problem.
+    u : ndarray, shape (m,)
+        The start.
+    tell : callable
+        Gets what is being done.
+    basis : ndarray, shape (m, k), optional
+        Steps are combinations of its columns, and spreads stay; default: all steps.
+    settled : float, optional
+        Greatest move at rest [sigma]; default that of the policy.
+
+    Raises
+    ------
+    NotConverged, InvalidParameter
+        If the start cannot be simulated.
+    """
+    policy, centre = estimation.policy, estimation.centre
+    A = np.eye(len(u)) if basis is None else basis
+    rest = policy.settled if settled is None else settled
+    point = estimation.linearised(u)
+    for count in range(1, policy.iterations + 1):
+        P = estimation.precision()
+        weight = estimation.weights(point.residual)
+        ahead = _step(point, weight, P, centre, A, 0.0)
+        weight = estimation.weights(point.residual + point.jacobian @ ahead)
+        normal = NormalEquations.of(point.jacobian @ A, A.T @ P @ A, weight)
+        covariance = A @ normal.inverse() @ A.T
+        move, there = _descent(estimation, point, weight, P, centre, A)
+        sigmas = move / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+        found = Posterior(estimation, point, weight, covariance, sigmas, count)
+        largest = float(np.abs(sigmas).max(initial=0.0))
+        left = float(np.sqrt(np.mean(point.residual**2)))
+        tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
+        if largest < rest and point.exact:
+            break
+        foretold = point.residual + point.jacobian @ move
+        missed = float(np.sum((there - foretold) ** 2))
+        close = missed < (policy.foretold**2) * float(np.sum((there - point.residual) ** 2))
+        if close and largest >= rest:
+            point = Point(point.u + move, there, point.jacobian, False)
+        else:
+            point = estimation.linearised(point.u + move)
+        if basis is None:
+            estimation = estimation.with_spreads(point.u, np.diag(covariance))
+    return found
+
+
+def _step(point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats, damping: float) -> Floats:
+    """Return du of (2)."""
+    jacobian = point.jacobian @ A
+    held = A.T @ P @ A
+    if damping > 0:
+        diagonal = np.sum(weight[:, None] * jacobian**2, axis=0) + np.diag(held)
+        held = held + damping * np.diag(diagonal)
+    gradient = jacobian.T @ (weight * point.residual) + A.T @ (P @ (point.u - centre))
+    return -A @ NormalEquations.of(jacobian, held, weight).solved(gradient)
+
+
+def _descent(
+    estimation: Estimation, point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats
+) -> tuple[Floats, Floats]:
+    """Return the least damped step of (2) that does not lead up, and r after it; none where all do."""
+    policy = estimation.policy
+    logarithmic = np.array([parameter.scale == "log" for parameter in estimation.parameters])
+
+    def cost(u: Floats, residual: Floats) -> float:
+        return float(weight @ residual**2 + (u - centre) @ P @ (u - centre))
+
+    here, damping = cost(point.u, point.residual), 0.0
+    for _ in range(policy.trials):
+        step = _step(point, weight, P, centre, A, damping)
+        longest = float(np.abs(step[logarithmic]).max(initial=0.0))
+        step *= min(1.0, policy.longest / max(longest, 1e-300))
+        with suppress(*FIT_ERRORS):
+            residual = estimation.residual(point.u + step, point.jacobian)
+            if cost(point.u + step, residual) <= here:
+                return step, residual
+        damping = 10 * damping or policy.damping
+    return np.zeros_like(point.u), point.residual
+
+
+def shared_first(estimation: Estimation, u: Floats, tell: Tell) -> list[Posterior]:
+    """Return the estimate with one shared size a family, if there are families, and that of all members."""
+    found: list[Posterior] = []
+    if any(family.shared for family in estimation.families):
+        u = start_sizes(estimation, u, tell)
+        tied, rest = estimation.tied(), estimation.policy.settled_first
+        found.append(estimate(estimation, u, lambda what: tell(f"shared sizes, {what}"), tied, rest))
+        u = found[-1].point.u
+    found.append(estimate(estimation, u, tell))
+    return found

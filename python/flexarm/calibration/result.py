@@ -1,0 +1,278 @@
+"""The outcome of a calibration: parameters with intervals, families, correlations, and the updated model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from flexarm.arguments import PATH, takes
+from flexarm.arrays import Floats
+from flexarm.calibration.policy import CalibrationPolicy
+from flexarm.comparison.before_after import BeforeAfter
+from flexarm.output import SavedAsDirectory
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.arm import Arm
+    from flexarm.comparison.comparison import Comparison
+
+
+@dataclass(frozen=True)
+class Range:
+    """A value with its 90 % interval [its unit]."""
+
+    value: float
+    low90: float
+    high90: float
+
+
+@dataclass(frozen=True)
+class CalibratedParameter:
+    """An estimate.
+
+    Attributes
+    ----------
+    name : str
+        Key of the model's parameter.
+    kind : {"family", "nominal", "clock", "frame", "base"}
+        What it is.
+    value, std, low90, high90 : float
+        Posterior mode, 1 sigma and 90 % interval [unit].
+    unit : str
+        Of all values.
+    prior : Range
+        What was known before.
+    identifiability : float
+        Share of the prior variance that the data removed [-], 0 to 1; of a member of a family, of its spread.
+    family : str
+        Effect of its family; empty without one.
+    """
+
+    name: str
+    kind: str
+    value: float
+    std: float
+    low90: float
+    high90: float
+    unit: str
+    prior: Range
+    identifiability: float
+    family: str = ""
+
+    @property
+    def determined(self) -> bool:
+        """Return True if the data removed most of the prior variance."""
+        return self.identifiability > CalibrationPolicy.known
+
+
+@dataclass(frozen=True)
+class CalibratedFamily:
+    """A family of effects.
+
+    Attributes
+    ----------
+    effect, parameter, unit : str
+        The effect, one of its parameters, and that one's unit.
+    at : tuple of str
+        Its places.
+    shared : Range or None
+        Size that the members share; None for errors of either sign.
+    spread : float
+        Of the members about it: of their logarithms [-], or of errors of either sign [unit].
+    """
+
+    effect: str
+    parameter: str
+    unit: str
+    at: tuple[str, ...]
+    shared: Range | None
+    spread: float
+
+
+@dataclass(frozen=True)
+class CalibratedFrame:
+    """Pose of a frame of measurement in the base, as it was found: xyz [m], and roll, pitch, yaw [rad]."""
+
+    name: str
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ChiSquare:
+    """Goodness of fit on the training.
+
+    Attributes
+    ----------
+    value : float
+        Sum of squared residuals over their stated noise [-].
+    rows : int
+        Number of residuals.
+    parameters : float
+        Effective number of parameters that the data determine: sum of identifiabilities of directions [-].
+    inflation : dict of str to float
+        By signal: variance of what is left over that of the noise, by which intervals are widened [-].
+    """
+
+    value: float
+    rows: int
+    parameters: float
+    inflation: Mapping[str, float]
+
+    @property
+    def reduced(self) -> float:
+        """Chi-square over its degrees of freedom [-]; 1 of a model that leaves noise."""
+        return self.value / max(self.rows - self.parameters, 1.0)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(BeforeAfter, SavedAsDirectory):
+    """The result of `calibrate`.
+
+    Attributes
+    ----------
+    arm, updated : Arm
+        The nominal model; the model with the estimates, without clocks and frames.
+    parameters : tuple of CalibratedParameter
+        Families first, then nominal values, clocks and frames.
+    correlations : ndarray, shape (m, m)
+        Of the parameters, in their order.
+    families : tuple of CalibratedFamily
+        In the order asked for.
+    frames : tuple of CalibratedFrame
+        Frames of measurement as found.
+    chi_square : ChiSquare
+        Goodness of fit.
+    before, after : dict of str to Comparison
+        By record, held-out ones too: the gap of the nominal and of the updated model, aligned.
+    training, held_out : tuple of str
+        Names of the records. Without a held-out one, blocks were held back.
+    hold_out_kind : str
+        "repetition", "interpolation" or "extrapolation" of the training, or "blocks".
+    main_signal : str
+        The signal of the report's `gap`.
+    remarks : tuple of str
+        What the reader should know.
+    provenance : dict
+        version, git, inputs_sha256, seconds.
+    """
+
+    arm: Arm
+    updated: Arm
+    parameters: tuple[CalibratedParameter, ...]
+    correlations: Floats
+    families: tuple[CalibratedFamily, ...]
+    frames: tuple[CalibratedFrame, ...]
+    chi_square: ChiSquare
+    before: Mapping[str, Comparison]
+    after: Mapping[str, Comparison]
+    training: tuple[str, ...]
+    held_out: tuple[str, ...]
+    hold_out_kind: str
+    main_signal: str
+    remarks: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def parameter(self, name: str) -> CalibratedParameter:
+        """Return the estimate of a parameter.
+
+        Raises
+        ------
+        InvalidParameter
+            If it was not estimated.
+        """
+        from flexarm.arm.consistency import missing
+        from flexarm.errors import InvalidParameter
+
+        for each in self.parameters:
+            if each.name == name:
+                return each
+        raise InvalidParameter(missing("parameter", name, [each.name for each in self.parameters]))
+
+    @property
+    def confounded(self) -> list[tuple[str, str, float]]:
+        """Pairs of determined parameters of high correlation, the highest first."""
+        known = [k for k, each in enumerate(self.parameters) if each.determined]
+        pairs = [
+            (self.parameters[i].name, self.parameters[j].name, float(self.correlations[i, j]))
+            for a, i in enumerate(known)
+            for j in known[a + 1 :]
+            if abs(self.correlations[i, j]) > CalibrationPolicy.correlated
+        ]
+        return sorted(pairs, key=lambda pair: -abs(pair[2]))
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return the object of `calibration.json`, checked against its format."""
+        from flexarm.report.calibration_file import calibration_dict
+
+        return calibration_dict(self)
+
+    def summary(self) -> str:
+        """Estimates with 90 % intervals, correlations and gaps, as text."""
+        from flexarm.report.calibration_summary import summary
+
+        return summary(self)
+
+    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
+        """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        record : str, optional
+            Which one; default: the first held-out one, or the first of training.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such record, or nothing in it was compared.
+        """
+        from flexarm.report.gap_curves import plot
+
+        return plot(self, ax, record)
+
+    @classmethod
+    @takes(path=PATH)
+    def load(cls, path: str | Path) -> Self:
+        """Return what `save` or `flexarm calibrate` wrote.
+
+        Parameters
+        ----------
+        path : str or Path
+            The directory, or the calibration.json in it; updated.toml and gaps.nc are beside it.
+
+        Raises
+        ------
+        InvalidFile
+            If a file is missing, or is not what a calibration wrote.
+
+        Examples
+        --------
+        >>> flexarm.Calibration.load("calibrated").plot(record="other_day")  # doctest: +SKIP
+        """
+        from flexarm.calibration.storage import stored
+
+        return cls(**stored(path))
+
+    def write(self, directory: Path) -> None:
+        """Write calibration.json, report.html, updated.toml, gaps.nc and figures into a directory that is
+        there.
+        """
+        from flexarm.report.calibration import write
+
+        write(self, directory)
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+
+def matrix(values: Any) -> Floats:
+    """Return correlations as a square array."""
+    found = np.asarray(values, dtype=float)
+    return found.reshape(len(found), len(found))

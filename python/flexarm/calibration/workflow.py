@@ -1,0 +1,257 @@
+"""The calibration: clean -> split -> families -> shared sizes -> all parameters -> verify."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from math import exp
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, takes
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.calibration.estimation import Estimation, Posterior, shared_first
+from flexarm.calibration.families import Family, with_families
+from flexarm.calibration.parameters import FreeParameter
+from flexarm.calibration.policy import CalibrationPolicy
+from flexarm.calibration.result import (
+    CalibratedFamily,
+    CalibratedFrame,
+    CalibratedParameter,
+    Calibration,
+    ChiSquare,
+    Range,
+)
+from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
+from flexarm.configuration import version
+from flexarm.diagnosis.noise_model import allow_for_input_noise, impute_noise, weighted_by_input_noise
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.split import Split, named_hold_out, split
+from flexarm.diagnosis.verification import Bench, main_signal
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.effects_of import effects_of
+from flexarm.validation.sensor_check import clean_records, named_records
+from flexarm.wording import listed
+
+if TYPE_CHECKING:
+    from flexarm.record import Record
+
+Progress = Callable[[float, str], object] | None
+
+NORMAL90 = 1.6448536269514722
+"""Half of a 90 % interval over 1 sigma."""
+
+
+@takes(arm=ARM, records=RECORDS, families=NAMES, hold_out=RECORD, jobs=JOBS, step=NUMBER, alpha=NUMBER)
+def calibrate(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    families: Sequence[str] = (),
+    hold_out: Record | None = None,
+    *,
+    jobs: int | None = None,
+    step: float = 2e-3,
+    alpha: float = -0.05,
+    policy: CalibrationPolicy | None = None,
+    progress: Progress = None,
+) -> Calibration:
+    """Estimate all that is uncertain in a model, and families of effects, also where a gap stays.
+
+    Parameters
+    ----------
+    arm : Arm
+        The nominal model, with `[uncertainty]` where values are uncertain.
+    records : dict of str to Record, or sequence of Record
+        What is fitted, all together.
+    families : sequence of str
+        Effects, each at all places where it can act, such as "joint_compliance".
+    hold_out : Record, optional
+        Never used for fitting. Without one, blocks of time, or poses, are held back.
+    jobs : int, optional
+        Number of simulations at once; default one a core.
+    step, alpha : float
+        Of all simulations [s], [-].
+    policy : CalibrationPolicy, optional
+        Priors of families, and when an estimate is at rest.
+    progress : callable, optional
+        Gets the share done and what is being done.
+
+    Returns
+    -------
+    Calibration
+
+    Raises
+    ------
+    InvalidParameter
+        If records and model do not fit each other, nothing is uncertain, or a family can act nowhere.
+    NotConverged
+        If the nominal model cannot be simulated.
+
+    Examples
+    --------
+    >>> found = flexarm.calibrate(arm, [poses], families=["joint_compliance"])  # doctest: +SKIP
+    >>> found.save("calibrated")  # doctest: +SKIP
+    """
+    begun, rules = time.monotonic(), policy or CalibrationPolicy()
+    tell = progress or (lambda done, what: None)
+    given = named_records(records)
+    held = named_hold_out(arm, hold_out, given)
+    tell(0.0, "reading")
+    clean = clean_records(arm, given, step=step, alpha=alpha)
+    held, borrowed = impute_noise(clean.records, held)
+    parted = split(arm, clean, clean_records(arm, held, step=step, alpha=alpha))
+    workers = jobs or os.cpu_count() or 1
+    problem = Problem(arm, parted.training, step=step, alpha=alpha, jobs=workers)
+    allow_for_input_noise(problem, arm)
+    problem = weighted_by_input_noise(problem)
+    estimation = _estimation(problem, families, rules)
+    posterior = shared_first(estimation, estimation.centre, lambda what: tell(0.3, what))[-1]
+    tell(0.9, "verifying")
+    updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
+    bench = Bench(parted.training, parted.held_out, step, alpha, workers)
+    before, after = bench.in_all(arm), bench.in_all(updated)
+    order = _order(posterior)
+    std = np.sqrt(np.diag(posterior.covariance))
+    return Calibration(
+        arm,
+        updated,
+        tuple(_parameter(posterior, k) for k in order),
+        (posterior.covariance / np.outer(std, std))[np.ix_(order, order)],
+        tuple(_family(posterior, family) for family in posterior.estimation.families),
+        _frames(posterior),
+        _chi_square(posterior),
+        before,
+        after,
+        tuple(parted.training),
+        tuple(parted.held_out),
+        parted.kind,
+        main_signal(parted.training, before),
+        (*map(str, clean.outliers), *clean.remarks, *borrowed, *_remarks(posterior, parted)),
+        {"version": version(), "step": step, "seconds": time.monotonic() - begun},
+    )
+
+
+def _estimation(problem: Problem, families: Sequence[str], policy: CalibrationPolicy) -> Estimation:
+    """Return the estimation of what is uncertain and of the families."""
+    nuisance = nuisance_model(problem)
+    arm, found = with_families(problem, nuisance.arm, families, policy)
+    members = {member.key for family in found for member in family.members}
+    free = [FreeParameter.of_nuisance(each) for each in nuisance.parameters if each.key not in members]
+    if not found and not any(each.kind == "nominal" for each in free):
+        raise InvalidParameter(
+            "there is nothing to calibrate: give values an [uncertainty] in the model, or name a family "
+            'such as "joint_compliance"',
+            where="families",
+        )
+    everything = (*free, *(member for family in found for member in family.members))
+    return Estimation(problem, arm, everything, tuple(found), policy)
+
+
+def _without_registrations(model: Arm, nominal: Arm, posterior: Posterior) -> Arm:
+    """Return a model whose clocks and frames are as the nominal one states them."""
+    keys = (each.key for each in posterior.estimation.parameters if each.kind in ("clock", "frame"))
+    for name, at in dict.fromkeys((key.split(".")[1], key.split(".")[2]) for key in keys):
+        stated = nominal.effect(name, at)
+        model = model.without_effect(name, at) if stated is None else model.with_effect(stated)
+    return model
+
+
+def _order(posterior: Posterior) -> list[int]:
+    """Return the places of the parameters in the result: families, nominal values, clocks and frames."""
+    kinds = ("family", "nominal", "clock", "frame", "base")
+    parameters = posterior.estimation.parameters
+    return [k for kind in kinds for k, parameter in enumerate(parameters) if parameter.kind == kind]
+
+
+def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
+    estimation = posterior.estimation
+    free, u = estimation.parameters[k], float(posterior.point.u[k])
+    sigma = float(np.sqrt(posterior.covariance[k, k]))
+    prior = float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
+    family = next((each for each in estimation.families if k in estimation.columns(each)), None)
+    alone = prior if family is None else family.spread  # what the others tell is no news of this one
+    found = _range(free, u, sigma)
+    return CalibratedParameter(
+        free.key,
+        free.kind,
+        found.value,
+        sigma * free.slope(u),
+        found.low90,
+        found.high90,
+        free.unit,
+        _range(free, float(estimation.centre[k]), prior),
+        float(np.clip(1.0 - (sigma / alone) ** 2, 0.0, 1.0)),
+        "" if family is None else family.effect,
+    )
+
+
+def _range(free: FreeParameter, u: float, sigma: float) -> Range:
+    low, high = (free.value(u + sign * NORMAL90 * sigma) for sign in (-1, 1))
+    return Range(free.value(u), low, high)
+
+
+def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
+    """Return the shared size of the members, with its uncertainty given theirs."""
+    estimation, shared = posterior.estimation, None
+    if family.shared:
+        columns = estimation.columns(family)
+        u = posterior.point.u[columns]
+        mu, n = family.shared_value(u), len(u)
+        weight = n / family.spread**2 + 1 / family.hyperprior[1] ** 2
+        mean = np.full(n, 1 / family.spread**2 / weight)
+        sigma = float(np.sqrt(1 / weight + mean @ posterior.covariance[np.ix_(columns, columns)] @ mean))
+        shared = Range(exp(mu), exp(mu - NORMAL90 * sigma), exp(mu + NORMAL90 * sigma))
+    return CalibratedFamily(
+        family.effect, family.parameter, family.prior.unit, family.places, shared, family.spread
+    )
+
+
+def _frames(posterior: Posterior) -> tuple[CalibratedFrame, ...]:
+    """Return the poses of the frames: those of the records, corrected by the registration that was found."""
+    problem, model = posterior.estimation.problem, posterior.estimation.model(posterior.point.u)
+    found: dict[str, CalibratedFrame] = {}
+    for each in problem.rows:
+        record = problem.records[each.record]
+        signal = record.signals[each.signal]
+        if signal.frame in record.frames and signal.quantity in SEEN_IN_FRAMES:
+            frame = effects_of(model, signal).registration(problem.placement[each.record].frame(signal))
+            xyz, rpy = frame.pose
+            found.setdefault(signal.frame, CalibratedFrame(signal.frame, tuple(xyz), tuple(rpy)))
+    return tuple(found.values())
+
+
+def _chi_square(posterior: Posterior) -> ChiSquare:
+    point, problem = posterior.point, posterior.estimation.problem
+    weighted = posterior.weight[:, None] * point.jacobian
+    effective = float(np.sum(posterior.covariance * (point.jacobian.T @ weighted)))
+    inflation: dict[str, Floats] = {}
+    for each, where in problem.channels():
+        inflation.setdefault(each.signal, np.array([]))
+        inflation[each.signal] = np.append(inflation[each.signal], 1.0 / posterior.weight[where])
+    return ChiSquare(
+        float(point.residual @ point.residual),
+        len(point.residual),
+        effective,
+        {signal: float(np.mean(values)) for signal, values in inflation.items()},
+    )
+
+
+def _remarks(posterior: Posterior, parted: Split) -> list[str]:
+    found: list[str] = [*parted.remarks]
+    if not posterior.settled:
+        k = int(np.argmax(np.abs(posterior.last_move)))
+        found.append(
+            f"the estimates are not at rest after {posterior.iterations} steps: the last one moves "
+            f"{posterior.estimation.parameters[k].key} by {abs(posterior.last_move[k]):.2g} sigma"
+        )
+    loud = [name for name, size in _chi_square(posterior).inflation.items() if size > 2.0]
+    if loud:
+        found.append(
+            f"a gap stays in {listed(loud)}: intervals are widened by it, and hold if what is left is "
+            "not like what the parameters do"
+        )
+    return found

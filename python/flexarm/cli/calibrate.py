@@ -1,0 +1,107 @@
+"""`flexarm calibrate`: estimates of what is uncertain in a model, and of families of effects."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flexarm.cli.diagnose import HoldOut, Jobs
+from flexarm.cli.options import (
+    AllowOutside,
+    Force,
+    Json,
+    Model,
+    Out,
+    Step,
+    load_arm,
+    print_json,
+    refuse_step,
+)
+from flexarm.cli.progress import progress
+from flexarm.cli.records import blame_one_of, load_record, record_names
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.calibration.result import Calibration
+    from flexarm.record import Record
+
+
+def calibrate(
+    model: Model,
+    records: Annotated[
+        list[Path], typer.Argument(metavar="RECORD...", help="Directories with record.toml: what is fitted.")
+    ],
+    out: Out,
+    family: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="EFFECT",
+            help="An effect at all its places, such as joint_compliance or encoder_offset; repeat it.",
+        ),
+    ] = None,
+    hold_out: HoldOut = None,
+    jobs: Jobs = None,
+    step: Step = 2e-3,
+    json: Json = False,
+    force: Force = False,
+    allow_outside: AllowOutside = False,
+) -> None:
+    """Estimate all that is uncertain in a model, and families of effects.
+
+    Fits every value with an [uncertainty] in the model, clocks and frames of the records, and each family:
+    one effect at all places where it can act, first with one shared size, then one each. Members that the
+    data hardly know stay near the shared size. Unlike diagnose it chooses nothing, and it also fits where a
+    gap stays: intervals then widen by what is left.
+
+        flexarm calibrate arm.toml poses --family joint_compliance --out calibrated
+        flexarm calibrate arm.toml poses --family encoder_offset --family joint_compliance \
+            --hold-out other_poses --out calibrated
+
+    Writes report.html for you, calibration.json for programs (values, 90 % intervals, priors, correlations,
+    gaps), updated.toml, the calibrated model, gaps.nc and figures; flexarm.Calibration.load reads them again
+    in Python. Then see what is left:
+
+        flexarm compare calibrated/updated.toml other_poses
+        flexarm diagnose calibrated/updated.toml poses --out why
+    """
+    refuse_step(step)
+    arm = load_arm(model)
+    names = record_names([*records, *([] if hold_out is None else [hold_out])])
+    read = {name: load_record(path, arm) for name, path in names.items()}
+    held_out = None if hold_out is None else list(read.values())[-1]
+    training = dict(list(read.items())[: len(records)])
+    from flexarm.input_files import hashes, input_files
+    from flexarm.output import output_directory
+
+    inputs = input_files(model, arm, read)
+    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
+        with blame_one_of(model, names, read, arm):
+            found = _calibrated(arm, training, family or [], held_out, jobs, step)
+        found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
+        found.write(directory)
+    if json:
+        print_json(found.to_json_dict())
+    else:
+        print(found.summary())
+        print(f"\nwritten to {out}: open {out / 'report.html'}")
+
+
+def _calibrated(
+    arm: Arm,
+    records: dict[str, Record],
+    families: list[str],
+    held_out: Record | None,
+    jobs: int | None,
+    step: float,
+) -> Calibration:
+    """Return the calibration, which tells how far it is."""
+    import flexarm
+
+    with progress() as tell:
+        found: Calibration = flexarm.calibrate(
+            arm, records, families, held_out, jobs=jobs, step=step, progress=tell
+        )
+    return found

@@ -1,0 +1,217 @@
+"""Columns of logs with their values and stamps, as a guess looks at them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidFile
+from flexarm.importing.formats import reader_of
+from flexarm.importing.guess.words import Meaning, is_stamp, meaning_of, unit_in
+from flexarm.importing.map_file import Dialect
+from flexarm.importing.source import LOG, Array, Group, Request, Source, Unreadable
+from flexarm.importing.stamps import CALENDAR
+from flexarm.reading import reading
+from flexarm.units import factor_to
+
+USUAL_INTERVAL = (1e-5, 2.0)
+"""Intervals at which logs are sampled [s], from 0.5 Hz to 100 kHz."""
+
+
+@dataclass(frozen=True)
+class Stamped:
+    """Stamps of a table as a guess takes them.
+
+    Attributes
+    ----------
+    column : str or int or None
+        As the map names them; None: there are none.
+    unit : str or None
+        Unit for the map; None: the source says it.
+    seconds : ndarray
+        The stamps [s], from the first.
+    start : float
+        The first [s].
+    why, unknown : str
+        The reason; what is not known.
+    """
+
+    column: str | int | None
+    unit: str | None
+    seconds: Floats
+    start: float
+    why: str
+    unknown: str = ""
+
+    @property
+    def of_calendar(self) -> bool:
+        """True if the stamps count from a date."""
+        return self.start > CALENDAR
+
+
+@dataclass(frozen=True)
+class Logged:
+    """One column of a log.
+
+    Attributes
+    ----------
+    file : str
+        As the map names it.
+    topic : str or None
+        Its topic.
+    column : str or int
+        As the map names it.
+    values : ndarray
+        Its numbers.
+    time : Stamped
+        Its stamps.
+    meaning : Meaning
+        What it seems to be.
+    """
+
+    file: str
+    topic: str | None
+    column: str | int
+    values: Floats
+    time: Stamped
+    meaning: Meaning
+
+
+def logged(path: Path, named: str) -> list[Logged]:
+    """Return the columns of numbers of a log.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, or holds no numbers.
+    """
+    found: list[Logged] = []
+    with reading(path, "a log"):
+        source = reader_of(path)(path, Dialect(), [])
+        groups = source.groups()
+        shared = _shared_stamps(source, groups)
+        for group in groups:
+            found += _of_group(source, group, named, shared)
+    if not found:
+        raise InvalidFile(path, "file", "holds no columns of numbers")
+    return found
+
+
+def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array] | None) -> list[Logged]:
+    arrays: dict[str | int, Array] = {}
+    names = _columns(group)
+    if group.time is not None and group.kind:  # messages: all fields at once
+        with suppress(Unreadable):
+            samples = source.read(Request(group.topic, tuple(group.names), group.time))
+            arrays = dict(zip(group.names, samples.values.T, strict=True))
+            stamps = _seconds(group.time, samples.time, samples.time_unit, "")
+    else:
+        for column in names:
+            with suppress(Unreadable):
+                arrays[column] = source.read(Request(group.topic, (column,))).values[:, 0]
+        stamps = _stamps(source, group, arrays, shared)
+    units = dict(zip(names, group.units, strict=False))
+    return [
+        Logged(named, group.topic, column, values, stamps, _meaning(group, column, units.get(column, "")))
+        for column, values in arrays.items()
+        if column != stamps.column and len(values) == len(stamps.seconds) and np.isfinite(values).any()
+    ]
+
+
+def _columns(group: Group) -> list[str | int]:
+    """Return columns as a map names them: by number where the name is missing or stands there twice."""
+    names = list(group.names)
+    return [
+        name if name and names.count(name) == 1 and name != "" else number
+        for number, name in enumerate(names, 1)
+    ]
+
+
+def _meaning(group: Group, column: str | int, unit: str) -> Meaning:
+    name = column if isinstance(column, str) else ""
+    inside = group.topic.rpartition("/")[2] if group.topic and not group.kind else ""
+    found = meaning_of(name, unit, group.kind)
+    if not found.quantity and inside:
+        found = meaning_of(f"{inside}_{name}", unit, group.kind)
+    return found
+
+
+def _shared_stamps(source: Source, groups: Sequence[Group]) -> tuple[str, Array] | None:
+    """Return path and values of the only stamps of a tree of arrays, which its other groups share."""
+    found = []
+    for group in groups:
+        for name in group.names:
+            if is_stamp(name) and group.topic is not None and not group.kind and group.time is None:
+                with suppress(Unreadable):
+                    values = source.read(Request(group.topic, (name,))).values[:, 0]
+                    separator = getattr(source, "separator", "")
+                    if separator and np.all(np.diff(values) > 0):
+                        found.append((f"{group.topic}{separator}{name}", values))
+    return found[0] if len(found) == 1 else None
+
+
+def _stamps(
+    source: Source, group: Group, arrays: dict[str | int, Array], shared: tuple[str, Array] | None
+) -> Stamped:
+    rising = [c for c, v in arrays.items() if len(v) > 1 and np.isfinite(v).all() and (np.diff(v) > 0).all()]
+    by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
+    if by_name or (rising and group.time is None and shared is None):
+        column = (by_name or rising)[0]
+        request = Request(group.topic, (column,), column)
+        samples = source.read(request)
+        said = dict(zip(_columns(group), group.units, strict=False)).get(column, "")
+        hint = unit_in(str(column), said)
+        why = "its name" if by_name else "the first column that rises throughout"
+        return _seconds(column, samples.time, samples.time_unit, hint, why, "" if by_name else "stamps")
+    if group.time == LOG:
+        with suppress(Unreadable):
+            time, unit = source.log_time(group.topic, [0])
+            return _seconds(LOG, time, unit, "", "the time that the file itself gives")
+    if shared is not None:
+        return _seconds(shared[0], shared[1], None, unit_in(shared[0]), "the only stamps of the file")
+    count = max((len(values) for values in arrays.values()), default=0)
+    return Stamped(None, None, np.arange(count, dtype=float), 0.0, "", "stamps: no column rises throughout")
+
+
+def _seconds(
+    column: str | int, raw: Array | None, said: str | None, hint: str, why: str = "", unknown: str = ""
+) -> Stamped:
+    """Return stamps with their unit: as the source or the name says it, else by their size and interval."""
+    time = np.array([]) if raw is None else np.asarray(raw, dtype=float)
+    unit, reason = said, "the source says its unit"
+    if said is None:
+        unit = hint if hint and factor_to("s", hint) is not None else ""
+        reason = "its name says the unit"
+    if not unit:
+        unit, reason = _unit_by_size(time)
+        unknown = unknown or "" if reason else "unit of the stamps"
+    seconds = time * float(factor_to("s", unit or "s") or 1.0)
+    steps = np.diff(np.unique(seconds))  # messages of several senders may share their stamps
+    rate = 1 / float(np.median(steps)) if len(steps) else 0.0
+    told = "; ".join(part for part in (why, reason, f"{rate:.4g} Hz") if part)
+    start = float(seconds[0]) if len(seconds) else 0.0
+    return Stamped(column, None if said else unit, seconds - start, start, told, unknown)
+
+
+def _unit_by_size(time: Floats) -> tuple[str, str]:
+    """Return a unit and why; without a reason where several fit."""
+    interval = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
+        if CALENDAR < time[:1].sum() * factor < 1e2 * CALENDAR:
+            return unit, f"as {unit} it counts from 1970"
+    fitting = [
+        unit
+        for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
+        if USUAL_INTERVAL[0] <= interval * factor <= USUAL_INTERVAL[1]
+    ]
+    whole = bool(np.all(time == np.round(time)))
+    if "s" in fitting and not whole:
+        return "s", "decimals at an interval of a sensor"
+    if whole and fitting and "s" not in fitting:
+        return fitting[0], f"whole numbers at an interval of {interval:g}"
+    return (fitting[-1] if whole and fitting else "s"), ""

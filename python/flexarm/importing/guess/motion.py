@@ -1,0 +1,114 @@
+"""How well columns agree with the motion of the model: of its rigid arm, along the joints' columns.
+
+A point's speed does not depend on the frame in which it is measured. So columns are compared by the size of
+the motion and by the correlation of speeds over all lags,
+
+    s = |x(t + h) - x(t)| / h,     r = max_lag corr(s_measured(t + lag), s_model(t))                     (1)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.kinematics import link_pose
+from flexarm.arrays import Floats
+
+ROWS = 4000
+"""Instants of the grid on which motions are compared."""
+OVERLAP = 0.5
+"""Least share of the shorter motion that a lag must leave."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """A motion: stamps [s] from the start, and values of one or more channels."""
+
+    time: Floats
+    values: Floats
+
+    @classmethod
+    def of(cls, time: Floats, columns: Sequence[Floats]) -> Track:
+        """Return the rows that hold values and whose stamps rise."""
+        values = np.stack(columns, axis=1)
+        keep = np.isfinite(values).all(axis=1) & np.isfinite(time)
+        time, values = time[keep], values[keep]
+        if len(time) > 1:
+            latest = np.maximum.accumulate(time)
+            rising = np.concatenate([[True], latest[1:] > latest[:-1]])
+            time, values = time[rising], values[rising]
+        return cls(time, values)
+
+    def at(self, time: Floats) -> Floats:
+        """Return values at instants, between the stamps by straight lines."""
+        return np.stack([np.interp(time, self.time, column) for column in self.values.T], axis=1)
+
+    @property
+    def size(self) -> float:
+        """Root mean square of the distance from the mean."""
+        away = self.values - self.values.mean(axis=0)
+        return float(np.sqrt(np.mean(np.sum(away**2, axis=1))))
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How a measured motion goes with one of the model: (1), the lag [s], and the model's size over it."""
+
+    correlation: float
+    lag: float
+    ratio: float
+
+
+def rigid_track(arm: Arm, point: str, joints: Mapping[str, Track], axes: Sequence[int]) -> Track:
+    """Return the motion of a point of the rigid arm along the tracks of its joints [m]."""
+    start = max(track.time[0] for track in joints.values())
+    end = min(track.time[-1] for track in joints.values())
+    time = np.linspace(start, end, ROWS)
+    values = {name: track.at(time)[:, 0] for name, track in joints.items()}
+    place = arm.point(point)
+    seen = link_pose(arm, place.link, values).of_point(np.asarray(place.position))
+    seen = np.broadcast_to(seen, (len(time), 3))
+    return Track(time, np.array(seen)[:, list(axes)])
+
+
+def agreement(measured: Track, predicted: Track) -> Agreement:
+    """Return how a measured motion goes with one of the model."""
+    ratio = predicted.size / measured.size if measured.size > 0 else 0.0
+    step = max(measured.time[-1], predicted.time[-1]) / ROWS
+    one, other = (_speeds(track, step) for track in (measured, predicted))
+    if min(len(one), len(other)) < 8 or one.std() == 0 or other.std() == 0:
+        return Agreement(0.0, 0.0, ratio)
+    best, lag = -1.0, 0
+    most = int((1 - OVERLAP) * min(len(one), len(other)))
+    for k in range(-most, most + 1 + abs(len(one) - len(other))):
+        a, b = one[max(k, 0) :], other[max(-k, 0) :]
+        n = min(len(a), len(b))
+        if n < OVERLAP * min(len(one), len(other)):
+            continue
+        a, b = a[:n] - a[:n].mean(), b[:n] - b[:n].mean()
+        size = float(np.linalg.norm(a) * np.linalg.norm(b))
+        found = float(a @ b) / size if size > 0 else -1.0
+        if found > best:
+            best, lag = found, k
+    return Agreement(best, lag * step, ratio)
+
+
+def _speeds(track: Track, step: float) -> Floats:
+    """Return speeds on a grid that starts with the motion."""
+    grid = np.arange(track.time[0], track.time[-1], step)
+    values = track.at(grid)
+    speeds: Floats = np.linalg.norm(np.diff(values, axis=0), axis=1) / step
+    return speeds
+
+
+def white_noise(values: Floats) -> float:
+    """Return 1 sigma of white noise by third differences, the median over pieces; 0 if it shows none."""
+    values = values[np.isfinite(values)]
+    if len(values) < 8:
+        return 0.0
+    third = np.diff(values, 3)
+    pieces = np.array_split(third, max(1, min(20, len(third) // 20)))
+    return float(np.median([np.sqrt(np.mean(piece**2)) for piece in pieces]) / np.sqrt(20))

@@ -1,0 +1,119 @@
+"""The text of a proposed map: each key with its reason, and what is not known."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexarm.importing.guess.logged import Logged
+from flexarm.importing.map_file import FORMAT
+
+if TYPE_CHECKING:
+    from flexarm.importing.guess.proposal import Proposal
+
+MOST_LISTED = 40
+"""Columns that are not taken and listed one by one."""
+
+
+def map_text(
+    model: str,
+    drives: Sequence[Proposal],
+    proposals: Sequence[Proposal],
+    left: Sequence[Logged],
+    frames: Mapping[str, str],
+) -> str:
+    """Return the map: clocks and frames, signals, and the columns that are not taken."""
+    lines = [
+        "# Proposed from names, rates, ranges and the model's motion. Read every line, above all those that",
+        '# say "unknown", before you trust what comes out.',
+        f"format = {_value(FORMAT)}",
+        f"model = {_value(model)}",
+    ]
+    if drives:
+        lines.append(f"drive = {_value([p.name for p in drives])}  # angles or commands of the joints")
+    else:
+        lines.append("# unknown: drive; no column is the angle or command of a joint")
+    files = list(dict.fromkeys(p.first.file for p in [*drives, *proposals] if not p.out))
+    clocks = {file: clock_name(file, files) for file in files}
+    lines += ["", "[clocks]", *_clocks(clocks, proposals)] if files else []
+    if frames:
+        lines += ["", "[frames]"]
+        lines += [f"{name} = {_value('unknown')}  # {why}" for name, why in frames.items()]
+    for proposal in proposals:
+        body = list(_signal(proposal, clocks))
+        lines += ["", *(f"# {line}".rstrip() for line in body)] if proposal.out else ["", *body]
+    lines += ["", *_left(left)] if left else []
+    return "\n".join(lines) + "\n"
+
+
+def clock_name(file: str, files: Sequence[str]) -> str:
+    """Return the name of a file's clock."""
+    plain = re.sub(r"[^\w-]+", "_", Path(file).stem).strip("_") or "log"
+    alike = [other for other in files if Path(other).stem == Path(file).stem]
+    return plain if len(alike) == 1 else f"{plain}_{alike.index(file) + 1}"
+
+
+def _clocks(clocks: Mapping[str, str], proposals: Sequence[Proposal]) -> Iterator[str]:
+    calendar = {p.first.file: p.first.time.of_calendar for p in proposals}
+    for k, (file, name) in enumerate(clocks.items()):
+        if k == 0:
+            yield f"{name} = 0.0  # the reference: stamps of {file}"
+            continue
+        both = calendar.get(file) and calendar.get(next(iter(clocks)))
+        why = "both count from 1970: if they were synchronised, write 1 sigma [s]" if both else "another file"
+        yield f"{name} = {_value('unknown')}  # unknown: how late its stamps are; {why}"
+
+
+def _signal(proposal: Proposal, clocks: Mapping[str, str]) -> Iterator[str]:
+    first, time = proposal.first, proposal.first.time
+    kind, place = proposal.place
+    keys: dict[str, Any] = {"name": proposal.name, "source": first.file}
+    if first.topic is not None:
+        keys["topic"] = first.topic
+    keys["time"] = time.column if time.column is not None else {"rate_hz": 1.0}
+    if time.unit not in (None, "s"):
+        keys["time_unit"] = time.unit
+    keys["columns"] = [column.column for column in proposal.columns]
+    keys["quantity"] = proposal.quantity
+    keys[kind] = place or "unknown"
+    keys |= proposal.keys
+    if first.file in clocks:
+        keys["clock"] = clocks[first.file]
+    why = {"time": time.why, **proposal.why}
+    unknown = dict(proposal.unknown)
+    if time.unknown:
+        unknown["time"] = time.unknown
+    if time.column is None:
+        unknown["time"] = "the rate; 1 Hz stands for it"
+    yield "[[signals]]"
+    for key, value in keys.items():
+        if key in unknown:
+            yield f"# unknown: {key}: {unknown.pop(key)}"
+        reason = f"  # {why[key]}" if why.get(key) else ""
+        yield f"{key} = {_value(value)}{reason}"
+    for key, what in unknown.items():
+        yield f"# unknown: {key}: {what}"
+
+
+def _left(left: Sequence[Logged]) -> Iterator[str]:
+    yield "# Columns that are not taken:"
+    for column in left[:MOST_LISTED]:
+        topic = f", {column.topic}" if column.topic is not None else ""
+        what = f"may be {column.meaning.quantity}" if column.meaning.quantity else "unknown"
+        yield f"# {column.file}{topic}: {_value(column.column)}: {what}".replace("\n", " ")
+    if len(left) > MOST_LISTED:
+        yield f"# and {len(left) - MOST_LISTED} more"
+
+
+def _value(value: Any) -> str:
+    """Return a value as TOML."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

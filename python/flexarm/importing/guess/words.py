@@ -1,0 +1,143 @@
+"""The meaning of a column from its name, its unit and the type of its message."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flexarm.units import factor_to
+
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+STAMPS = ("t", "time", "timestamp", "stamp", "sec", "secs", "seconds", "tstamp", "clock")
+AXES = "xyzw"
+
+Rule = tuple[str, tuple[str, ...], tuple[str, ...]]
+RULES: tuple[Rule, ...] = (
+    ("joint_command", ("ref", "cmd", "des", "goal"), ("refer", "command", "desired", "setpoint", "target")),
+    ("motor_voltage", (), ("volt",)),
+    ("motor_torque", ("tau", "trq"), ("torque", "effort")),
+    ("current", ("iq", "amp", "amps"), ("current",)),
+    ("acceleration", ("acc",), ("accel",)),
+    ("angular_rate", (), ("gyro", "angularveloc")),
+    ("joint_rate", ("vel", "qd", "dq"), ("veloc", "speed", "rate")),
+    ("orientation", ("quat", "quaternion", "qx", "qy", "qz", "qw"), ("orientation", "rotation")),
+    ("force", ("fx", "fy", "fz"), ("force",)),
+    ("strain", (), ("strain",)),
+    ("deflection", (), ("deflection",)),
+    ("joint_angle", ("q", "pos", "phi", "enc"), ("angle", "encoder", "theta", "joint", "position")),
+)
+"""Quantity, words that are it, and parts of words that are; the first that fits counts."""
+OF_UNIT = {
+    "rad": "joint_angle",
+    "rad/s": "joint_rate",
+    "N m": "motor_torque",
+    "N": "force",
+    "V": "motor_voltage",
+    "m/s2": "acceleration",
+}
+"""Quantities of columns whose names say nothing and whose units do."""
+NO_READINGS = ("err", "error", "diff", "residual", "dev", "deviation")
+"""Words of columns that were computed from others."""
+VECTORS = ("position", "orientation", "acceleration", "angular_rate", "force")
+"""Quantities whose columns are axes of one signal."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column seems to be.
+
+    Attributes
+    ----------
+    quantity : str
+        Of a record, or `current`, or "" where nothing is known.
+    axis : str
+        One of x, y, z, w; empty for a scalar.
+    stem : str
+        The name without axis and unit, the same for the columns of one vector.
+    unit : str
+        Unit that the name or the file gives; empty if none.
+    why : str
+        The reason, for a person.
+    """
+
+    quantity: str
+    axis: str
+    stem: str
+    unit: str
+    why: str
+
+
+def words_of(name: str) -> list[str]:
+    """Return the words of a name in lower case.
+
+    >>> words_of("act_posMot[2]")
+    ['act', 'pos', 'mot', '2']
+    """
+    return [word.lower() for word in WORD.findall(name)]
+
+
+def unit_in(name: str, said: str = "") -> str:
+    """Return the unit of a column, by the file or by the end of its name."""
+    name = re.sub(r"\[\d+\]$", "", name)
+    brackets = re.findall(r"[\[(]([^\])]+)[\])]\s*$", name)
+    per = re.search(r"_([A-Za-z]+)_per_([A-Za-z]+2?)$", name)
+    tail = f"{per[1]}/{per[2]}" if per else name.rpartition("_")[2]
+    tail = "N m" if tail == "nm" else tail
+    ends = [part.rpartition(" in ")[2] for part in brackets]
+    for given in (said, *brackets, *ends, tail):
+        text: str = given.strip().replace("rads/s", "rad/s").replace("Nm", "N m").replace("degrees", "deg")
+        if text in ("A", "count", "counts"):
+            return text
+        # One letter at the end of a name is a unit only where something stands before it.
+        if text and text != name and any(factor_to(si, text) is not None for si in (*OF_UNIT, "m", "s")):
+            return text
+    return ""
+
+
+def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
+    """Return what a column seems to be."""
+    unit = unit_in(name, said_unit)
+    words = [word for word in words_of(name) if word != unit.lower()]
+    axis = next((w for w in reversed(words) if w in AXES), "")
+    axis = axis or next((w[1] for w in words if len(w) == 2 and w[0] in "qf" and w[1] in AXES), "")
+    stem = " ".join(w for w in words if w != axis and not (len(w) == 2 and w[0] in "qf" and w[1:] == axis))
+    joined = "".join(words)
+    found, why = "", ""
+    if any(word in NO_READINGS for word in words):
+        return Meaning("", "", stem, unit, "")
+    for quantity, whole, parts in RULES:
+        hit = next((w for w in words if w in whole), "") or next((p for p in parts if p in joined), "")
+        if hit and not (quantity == "joint_angle" and axis):
+            found, why = quantity, f"{hit!r} in the name"
+            break
+    if not found and re.fullmatch(r"q\d+", joined):
+        found, why = "joint_angle", "the name"
+    si = next((si for si in (*OF_UNIT, "m") if unit and factor_to(si, unit) is not None), "")
+    if axis and axis != "w" and (not found or found == "joint_angle") and si in ("", "m"):
+        found, why = "position", f"coordinate {axis} of a point"
+    if not found and si in OF_UNIT:
+        found, why = OF_UNIT[si], f"its unit {unit}"
+    if found == "angular_rate" and not axis:
+        found = "joint_rate"
+    if "JointState" in kind and not axis:
+        field = name.partition("[")[0]
+        known = {"position": "joint_angle", "velocity": "joint_rate", "effort": "motor_torque"}
+        found, why = known.get(field, ""), f"{field} of a JointState"
+    return Meaning(found, axis, stem, unit, why)
+
+
+def is_stamp(name: str) -> bool:
+    """Return True if a name says that a column holds stamps."""
+    return any(word in STAMPS for word in words_of(name)[:2])
+
+
+def matched(name: str, known: Sequence[str]) -> str:
+    """Return the longest of known names that stands in a name; empty if none does.
+
+    >>> matched("position[left_shoulder]", ["shoulder", "left_shoulder"])
+    'left_shoulder'
+    """
+    plain = "".join(words_of(name))
+    found = [each for each in known if (text := "".join(words_of(each))) and text in plain and len(text) > 1]
+    return max(found, key=len, default="")

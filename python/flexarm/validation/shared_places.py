@@ -1,0 +1,202 @@
+"""Frames and clocks that several records share by name: whether the data bear it out.
+
+Positions y of a frame with the pose (R, x) in the base, and their predictions p, leave
+
+    g = y - R^T (p - x)                                                                                (1)
+
+on the measured axes. One pose for two records and one for each are fitted to the rms of (1) by Gauss and
+Newton, about the same pose, so that what the data do not determine stays. The frame is not the same one in
+both if one pose leaves `unusual_ratio` times as much, and the places that the two poses tell differ by more
+than `min_shift` of the reach and `min_sigmas` of a stated registration.
+
+The delay of a clock in one record follows from the regression of `validation.regression`,
+
+    d = v . e / v . v,     sigma = rms(e - d v) sqrt(n / m) / |v|                                      (2)
+
+v is minus the rate of the prediction and e the gap, both without what the other regressors explain, m the
+number of `independent_samples`. Two records contradict each other beyond `min_clock_step` and `min_sigmas`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arm.sizes import reach
+from flexarm.arrays import Floats
+from flexarm.comparison.alignment_parameters import drive_clock
+from flexarm.measurement.frames import rotation_matrix
+from flexarm.measurement.sampling import columns
+from flexarm.measurement.tracker import base_position
+from flexarm.validation.channel import QUASI_STATIC, channels
+from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.policy import POLICY
+from flexarm.wording import with_unit
+
+if TYPE_CHECKING:
+    from flexarm.comparison.simulated_record import Placement, SimulatedRecord
+
+STEPS = 10
+"""Most steps of Gauss and Newton; turns of a radian take five."""
+WEAK = 0.02
+"""Part of the greatest singular value below which the data do not determine a motion of the frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Sightings:
+    """Positions seen in a frame, NaN along axes that are not measured, and predicted in the base [m]."""
+
+    measured: Floats
+    predicted: Floats
+
+    def and_of(self, other: _Sightings) -> _Sightings:
+        """Return those of both."""
+        return _Sightings(
+            np.concatenate([self.measured, other.measured]), np.concatenate([self.predicted, other.predicted])
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Pose:
+    """A pose of a frame in the base: p = R y + x."""
+
+    R: Floats
+    x: Floats
+
+    def seen(self, places: Floats) -> Floats:
+        """Return places of the base as seen in the frame."""
+        found: Floats = (places - self.x) @ self.R
+        return found
+
+    def rms(self, sightings: _Sightings) -> float:
+        """Return the rms of (1), over places."""
+        gap = sightings.measured - self.seen(sightings.predicted)
+        return float(np.sqrt(np.nanmean(np.nansum(gap**2, axis=1))))
+
+    def fitted(self, sightings: _Sightings) -> _Pose:
+        """Return the pose nearby that leaves the least of (1)."""
+        pose, centre = self, sightings.predicted.mean(axis=0)
+        arms = sightings.predicted - centre
+        for _ in range(STEPS):
+            gap = sightings.measured - pose.seen(sightings.predicted)
+            turning = -np.cross(np.eye(3)[None], arms[:, None])  # of a place about each axis, backwards
+            rows = np.concatenate([np.broadcast_to(-np.eye(3), (len(arms), 3, 3)), turning], axis=1) @ pose.R
+            known = np.isfinite(gap)
+            jacobian = np.swapaxes(rows, 1, 2)[known]
+            change = np.linalg.lstsq(jacobian, gap[known], rcond=WEAK)[0]
+            turn = rotation_matrix(np.asarray(change[3:], dtype=float))
+            pose = _Pose(turn @ pose.R, centre + turn @ (pose.x - centre) + change[:3])
+            if np.abs(change).max() < 1e-9:
+                break
+        return pose
+
+
+def remarks_on_shared_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
+    """Report frames of one name that are not the same in two records."""
+    placements = {name: initial_alignment(simulated) for name, simulated in simulations.items()}
+    names = dict.fromkeys(name for simulated in simulations.values() for name in simulated.record.frames)
+    for frame in names:
+        seen = {
+            name: sightings
+            for name, simulated in simulations.items()
+            if (sightings := _sightings(simulated, placements[name], frame)) is not None
+        }
+        for one, other in combinations(seen, 2):
+            pair = [(simulations[name], seen[name]) for name in (one, other)]
+            start = _Pose(*placements[one].frames[frame].in_base)
+            if (apart := _apart(pair, start, frame)) is not None:
+                yield f"{one} and {other} do not share the frame {frame}: {apart}"
+
+
+def _sightings(simulated: SimulatedRecord, placement: Placement, frame: str) -> _Sightings | None:
+    """Return the positions seen in a frame, or None if there are too few."""
+    measured, predicted = [], []
+    for signal in simulated.evidence.values():
+        if signal.frame != frame or signal.quantity != "position":
+            continue
+        full = np.full((len(signal), 3), np.nan)
+        full[:, columns(signal.axes)] = simulated.effects(signal).true(signal.values)
+        places = base_position(simulated.simulation, signal, simulated.instants(signal, placement))
+        keep = np.isfinite(full).any(axis=1) & np.isfinite(places).all(axis=1)
+        measured.append(full[keep])
+        predicted.append(places[keep])
+    if sum(map(len, measured)) < POLICY.min_rows:
+        return None
+    return _Sightings(np.concatenate(measured), np.concatenate(predicted))
+
+
+def _apart(pair: Sequence[tuple[SimulatedRecord, _Sightings]], start: _Pose, frame: str) -> str | None:
+    """Return how far two records have a frame apart, in words; None if one pose serves both."""
+    both = pair[0][1].and_of(pair[1][1])
+    shared = start.fitted(both)
+    own = [shared.fitted(sightings) for _, sightings in pair]
+    moved = own[0].seen(both.predicted) - own[1].seen(both.predicted)
+    shift = float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))
+    size = reach(pair[0][0].arm)
+    stated = [simulated.record.frames[frame] for simulated, _ in pair]
+    sigma = 0.0 if any(f.unknown for f in stated) else max(f.translation + size * f.rotation for f in stated)
+    together = shared.rms(both)
+    alone = float(
+        np.sqrt(
+            np.average(
+                [p.rms(s) ** 2 for p, (_, s) in zip(own, pair, strict=True)],
+                weights=[len(s.measured) for _, s in pair],
+            )
+        )
+    )
+    least = max(POLICY.min_shift * size, POLICY.min_sigmas * sigma)
+    if shift <= least or together <= POLICY.unusual_ratio * alone:
+        return None
+    turn = own[0].R.T @ own[1].R
+    angle = float(np.arctan2(np.linalg.norm(turn - turn.T) / np.sqrt(8), (np.trace(turn) - 1) / 2))
+    return (
+        f"on the model it stands {with_unit(angle, 'rad', 2)} apart, and tells places "
+        f"{with_unit(shift, 'm', 2)} apart; one pose for both leaves {with_unit(together, 'm', 2)} rms, one "
+        f"for each {with_unit(alone, 'm', 2)}, and gaps told record by record do not show that. If the "
+        "station or the base was moved, give the frame two names, or state how the base stood in [base]"
+    )
+
+
+def remarks_on_shared_clocks(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
+    """Report clocks of one name whose delays in two records differ."""
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    for name, simulated in simulations.items():
+        if simulated.record.kind != "motion":
+            continue
+        placement, own = initial_alignment(simulated), drive_clock(simulated.record)
+        seen: dict[str, list[tuple[float, float]]] = {}
+        for channel in channels(name, simulated, placement):
+            if channel.signal.clock != own and channel.signal.quantity in QUASI_STATIC:
+                seen.setdefault(channel.signal.clock, []).append(
+                    _delay(channel.measured, channel.predicted, channel.regressors)
+                )
+        for clock, delays in seen.items():
+            delay, sigma = min(delays, key=lambda each: each[1])
+            stated = placement.clocks[clock].delay
+            found.setdefault(clock, {})[name] = stated + delay, sigma
+    for clock, records in found.items():
+        for (one, (a, std_a)), (other, (b, std_b)) in combinations(records.items(), 2):
+            step, sigma = abs(a - b), float(np.hypot(std_a, std_b))
+            if step > max(POLICY.min_clock_step, POLICY.min_sigmas * sigma):
+                yield (
+                    f"{one} and {other} do not share the clock {clock}: on the model its offset is "
+                    f"{with_unit(a, 's', 3)} in the one and {with_unit(b, 's', 3)} in the other, "
+                    f"+- {with_unit(sigma, 's', 1)}; if it was set anew, give it two names"
+                )
+
+
+def _delay(measured: Floats, predicted: Floats, regressors: Floats) -> tuple[float, float]:
+    """Return the delay (2) of a channel and its sigma [s]; an infinite sigma if it does not move."""
+    A = np.column_stack([predicted, regressors[:, :-1]])
+    Q = np.linalg.qr(A[:, np.any(A != 0, axis=0)])[0]
+    e, v = (each - Q @ (Q.T @ each) for each in (measured, regressors[:, -1]))
+    square = float(v @ v)
+    if square <= 0:
+        return 0.0, np.inf
+    delay = float(v @ e) / square
+    left = float(np.sum((e - delay * v) ** 2))
+    return delay, float(np.sqrt(left / min(len(e), POLICY.independent_samples) / square))

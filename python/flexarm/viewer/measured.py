@@ -1,0 +1,61 @@
+"""Measured positions of points beside a run: what was measured minus what the model predicts, base axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.comparison.aligned_record import AlignedRecord
+
+APART = 2.5
+"""Median intervals between rows beyond which nothing is drawn between them."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One position signal.
+
+    Attributes
+    ----------
+    name, point : str
+        Of the signal, and the point that it sees.
+    time : ndarray, shape (n,)
+        Instants of the run [s].
+    away : ndarray, shape (n, 3)
+        Measured minus predicted along base axes; 0 along axes that were not measured, NaN at drop-outs [m].
+    note : str
+        What was not measured.
+    """
+
+    name: str
+    point: str
+    time: Floats
+    away: Floats
+    note: str = ""
+
+    def gap(self, time: Floats) -> Floats:
+        """Return it at other instants [m], shape (m, 3): joined by lines, NaN where rows are missing."""
+        known = np.isfinite(self.away).all(axis=1)
+        at, away = self.time[known], self.away[known]
+        if len(at) < 2:
+            return np.full((len(time), 3), np.nan)
+        found = np.stack([np.interp(time, at, column, np.nan, np.nan) for column in away.T], axis=1)
+        after = np.clip(np.searchsorted(at, time), 1, len(at) - 1)
+        found[at[after] - at[after - 1] > APART * float(np.median(np.diff(at)))] = np.nan
+        return found
+
+
+def measured_points(pair: AlignedRecord) -> list[Measured]:
+    """Return the position signals of a record, clocks and frames as aligned."""
+    placement, found = pair.aligned.placement, []
+    for name, signal in pair.simulated.evidence.items():
+        if signal.quantity != "position" or signal.point is None:
+            continue
+        axes = pair.simulated.axes(signal, placement)
+        away = pair.simulated.residual(signal, placement) @ axes.T
+        missing = [axis for axis in "xyz" if axis not in (signal.axes or "xyz")]
+        note = f"{name} was not measured along {', '.join(missing)}" if missing else ""
+        found.append(Measured(name, signal.point, pair.simulated.instants(signal, placement), away, note))
+    return found

@@ -1,0 +1,157 @@
+"""Plain pictures of the same scenes: the arm in the plane of the base axes in which it reaches farthest."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter
+from flexarm.modal import Modes
+from flexarm.statics import Statics
+from flexarm.viewer.bodies import OF_LINKS
+from flexarm.viewer.scene import STYLE, Scene, placed
+from flexarm.viewer.solids import Skin
+from flexarm.viewer.stages import of_arm, of_modes, of_statics
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+GHOSTS = ("rigid arm", "equilibrium")
+NAMED = ("joints", "payloads", "points")
+COLUMNS = 3
+"""Of a figure of several modes."""
+WIDEST = 48
+"""Line of a title, in letters."""
+
+
+def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
+    """Draw an arm, an equilibrium or modes with Matplotlib.
+
+    Parameters
+    ----------
+    of : Arm, Statics or Modes
+        What is drawn.
+    ax : matplotlib Axes, optional
+        Where to draw.
+    **options
+        As of its method `plot`.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is nothing of these.
+    """
+    if isinstance(of, Statics):
+        return _one(of_statics(of, **options), 0, ax)
+    if isinstance(of, Modes):
+        return _modes(of, ax, **options)
+    if isinstance(of, Arm):
+        return _one(of_arm(of, **options), 0, ax)
+    raise InvalidParameter(f"must be an Arm, Statics or Modes, got {type(of).__name__}", where="draw")
+
+
+def _modes(found: Modes, ax: Axes | None, mode: int | None = None) -> Axes:
+    import matplotlib.pyplot as plt
+
+    scene, count = of_modes(found), len(found.frequency_hz)
+    if mode is not None and not 1 <= mode <= count:
+        raise InvalidParameter(f"must lie between 1 and {count}, got {mode}", where="mode")
+    if ax is not None or mode is not None or count == 1:
+        return _one(scene, (mode or 1) - 1, ax)
+    rows, columns = -(-count // COLUMNS), min(count, COLUMNS)
+    _, panels = plt.subplots(
+        rows, columns, figsize=(4.2 * columns, 3.6 * rows), squeeze=False, layout="constrained"
+    )
+    for i, panel in enumerate(panels.flat):
+        if i < count:
+            _one(scene, i, panel, names=False)
+        else:
+            panel.set_axis_off()
+    first: Axes = panels[0, 0]
+    return first
+
+
+def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
+    """Draw one motion where it is farthest from its start."""
+    import matplotlib.pyplot as plt
+
+    axes = plt.subplots(figsize=(6.4, 5.2), layout="constrained")[1] if ax is None else ax
+    shown = scene.clips[clip]
+    moved = np.linalg.norm(shown.poses.x - shown.poses.x[:1], axis=-1).max(axis=1)
+    frame = int(np.argmax(moved))
+    # An arm at rest is drawn in the plane in which its joints move it.
+    moves = scene.clips if len(shown.time) == 1 else (shown,)
+    first, second = _plane(np.concatenate([clip.poses.x for clip in moves]))
+    for skin in scene.skins:
+        corners = placed(skin, shown.poses, frame)[:, [first, second]]
+        if skin.layer in GHOSTS:
+            _fill(axes, skin, corners, 0.35, zorder=1)
+        elif skin.layer in (*OF_LINKS, "joints", "points", "base", "gravity") and skin.faces.shape[1] == 3:
+            _fill(axes, skin, corners, 1.0, zorder=3 if skin.layer in ("joints", "points") else 2)
+    if names:
+        _names(axes, scene, shown.poses.R[frame], shown.poses.x[frame], (first, second))
+    ghost = next((layer for layer in scene.layers if layer.name in GHOSTS), None)
+    if ghost is not None:
+        axes.plot([], [], color=STYLE.ghost, alpha=0.5, lw=4, label=ghost.text)
+        axes.legend(loc="best", fontsize="small", frameon=False)
+    several = len(scene.clips) > 1
+    said = f"{shown.name.partition(':')[0]}: {shown.text.partition(';')[0]}" if several else scene.title
+    axes.set_title(_wrapped("\n".join([said, *(() if several else scene.notes[:1])])), fontsize=9)
+    axes.set(xlabel=f"{'xyz'[first]} [m]", ylabel=f"{'xyz'[second]} [m]")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    return axes
+
+
+def _plane(x: Floats) -> tuple[int, int]:
+    """Return the axes that are drawn: poses (m, bone, 3) are looked at along the least extent and motion."""
+    extent = np.ptp(x[0], axis=0) + 10 * np.abs(x - x[0]).max(axis=(0, 1))
+    extent += 1e-9 * extent.max() * np.array([1, 0, 2])  # among equals x and z are shown
+    least = int(np.argmin(extent))
+    first, second = (k for k in range(3) if k != least)
+    return first, second
+
+
+def _fill(axes: Axes, skin: Skin, corners: Floats, opacity: float, zorder: float) -> None:
+    from matplotlib.collections import PolyCollection
+
+    surface = PolyCollection(
+        list(corners[skin.faces]), facecolor=skin.colour, edgecolor=skin.colour, linewidth=0.6, zorder=zorder
+    )
+    if opacity < 1:  # overlapping faces must not add up
+        surface.set(facecolor="#d3d6da", edgecolor="#d3d6da")
+    axes.add_collection(surface)
+
+
+def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int]) -> None:
+    taken: dict[tuple[int, int], int] = {}
+    size = max(float(np.ptp(x, axis=0).max()), 1e-9)
+    for label in scene.labels:
+        if label.layer not in NAMED:
+            continue
+        place = np.array(label.place)
+        at = place if label.bone < 0 else x[label.bone] + R[label.bone] @ place
+        u, v = at[list(plane)]
+        cell = (round(12 * u / size), round(12 * v / size))
+        down = taken.get(cell, 0)
+        taken[cell] = down + 1
+        colour = {"joints": STYLE.axis, "payloads": "#9a5a0a"}.get(label.layer, STYLE.points)
+        axes.annotate(
+            label.text,
+            (u, v),
+            xytext=(8, 4 - 11 * down),
+            textcoords="offset points",
+            fontsize=8,
+            color=colour,
+            bbox={"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.5},
+            zorder=5,
+        )
+
+
+def _wrapped(text: str) -> str:
+    from textwrap import fill
+
+    return "\n".join(fill(line, WIDEST) for line in text.splitlines())

@@ -1,0 +1,177 @@
+"""Calibration: families with hierarchical priors, estimates of all that is uncertain, and their files."""
+
+import json
+from math import log, pi
+
+import numpy as np
+import pytest
+from pytest import approx
+
+import flexarm
+from flexarm import Arm, InvalidFile, InvalidParameter, Record, Signal
+from flexarm.arm.prior import Prior
+from flexarm.calibration.families import Family
+from flexarm.calibration.parameters import FreeParameter
+from flexarm.calibration.policy import CalibrationPolicy
+from flexarm.comparison.poses import solve_poses
+from flexarm.effects.encoder_offset import EncoderOffset
+from flexarm.effects.joint_compliance import JointCompliance
+from flexarm.record import Frame
+
+NOISE = 2e-4
+JOINTS = tuple(f"j{k}" for k in range(1, 7))
+STIFFNESS = dict(zip(JOINTS, (4e4, 3e4, 2e4, 8e3, 6e3, 5e3), strict=True))
+ZEROS = dict(zip(JOINTS, (0.0, 2e-3, -3e-3, 1e-3, -2e-3, 1e-3), strict=True))
+TWISTS = ((0, 0, 1), (0, 1, 0), (0, 1, 0), (1, 0, 0), (0, 1, 0), (1, 0, 0))
+LENGTHS = (0.4, 0.6, 0.5, 0.2, 0.15, 0.1)
+
+
+def robot() -> Arm:
+    """A rigid arm of six joints whose tip is known to 2 mm."""
+    joints, links, parent, reach = [], [], "base", 0.0
+    for name, axis, length in zip(JOINTS, TWISTS, LENGTHS, strict=True):
+        joints.append({"name": name, "type": "revolute", "parent": parent, "child": f"l{name}",
+                       "origin": {"xyz": [reach, 0, 0]}, "axis": axis})  # fmt: skip
+        links.append({"name": f"l{name}", "type": "rigid", "mass": 30 * length, "com": [length / 2, 0, 0.05]})
+        parent, reach = f"l{name}", length
+    tip = {"name": "tip", "link": "lj6", "position": [0.1, 0.05, 0.1]}
+    return Arm.from_dict({"format": "flexarm-arm/1", "name": "robot", "joints": joints, "links": links,
+                          "points": [tip], "uncertainty": {"points.tip.position_m": 2e-3}})  # fmt: skip
+
+
+def truth() -> Arm:
+    """The same with soft joints and encoders whose zeros are off."""
+    arm = robot()
+    for name in JOINTS:
+        arm = arm.with_effect(JointCompliance(at=name, stiffness=STIFFNESS[name]))
+        arm = arm.with_effect(EncoderOffset(at=name, offset=ZEROS[name]))
+    return arm
+
+
+def record(seed: int, poses: int = 40, still: tuple[str, ...] = ()) -> Record:
+    """Poses of the true arm, seen by a tracker of which nobody knows where it stands."""
+    rng = np.random.default_rng(seed)
+    names = np.array([str(k) for k in range(poses)])
+    drives = [
+        Signal(name=joint, quantity="joint_angle", joint=joint, side="motor", pose=names, file="joints.csv",
+               values=np.zeros((poses, 1)) if joint in still else rng.uniform(-1.5, 1.5, (poses, 1)))
+        for joint in JOINTS
+    ]  # fmt: skip
+    tip = Signal(name="tip", quantity="position", point="tip", values=np.zeros((poses, 3)), pose=names,
+                 frame="tracker", noise_std=NOISE, file="tip.csv")  # fmt: skip
+    bare = Record(
+        kind="static", signals=[*drives, tip], drive=JOINTS, frames={"tracker": Frame(unknown=True)}
+    )
+    places = solve_poses(truth(), bare).position[:, 0]
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    seen = (places - [1.0, 2.0, 0.5]) @ turn + NOISE * rng.standard_normal((poses, 3))
+    return bare.replace(signals=[*drives, tip.replace(values=seen)])
+
+
+@pytest.fixture(scope="module")
+def found():
+    return flexarm.calibrate(
+        robot(), {"poses": record(1)}, ["encoder_offset", "joint_compliance"], record(2, 15), jobs=1
+    )
+
+
+def test_true_stiffnesses_and_zeros_lie_within_their_intervals(found):
+    """Of ten 90 % intervals at least seven hold the truth, and none is off by 4 sigma."""
+    inside, pulls = 0, []
+    for joint in JOINTS[1:]:
+        k = found.parameter(f"effects.joint_compliance.{joint}.stiffness")
+        inside += k.low90 < STIFFNESS[joint] < k.high90
+        pulls.append(log(k.value / STIFFNESS[joint]) / (k.std / k.value))
+    for joint in JOINTS[1:]:
+        zero = found.parameter(f"effects.encoder_offset.{joint}.offset")
+        inside += zero.low90 < ZEROS[joint] < zero.high90
+        pulls.append((zero.value - ZEROS[joint]) / zero.std)
+    assert inside >= 7
+    assert np.abs(pulls).max() < 4.0
+
+
+def test_held_out_poses_are_left_with_noise(found):
+    gap = found.gap(found.held_out)
+    assert gap.before_rms > 20 * NOISE
+    assert gap.after_rms < 1.3 * np.sqrt(3) * NOISE
+    assert found.chi_square.reduced == approx(1.0, abs=0.35)
+
+
+def test_the_frame_of_the_tracker_is_found(found):
+    [frame] = found.frames
+    assert frame.xyz == approx([1.0, 2.0, 0.5], abs=5e-3)
+    assert frame.rpy == approx([0.0, 0.0, pi / 2], abs=5e-3)
+
+
+def test_a_first_joint_about_the_vertical_stays_near_the_shared_size(found):
+    """No gravity turns it, so that its stiffness is that of the family, as uncertain as members differ."""
+    first = found.parameter("effects.joint_compliance.j1.stiffness")
+    family = next(each for each in found.families if each.effect == "joint_compliance")
+    assert family.shared is not None
+    assert abs(log(first.value / family.shared.value)) < 0.2 * family.spread
+    assert not first.determined
+    assert first.low90 < STIFFNESS["j1"] < first.high90
+
+
+def test_files_are_read_again(found, tmp_path):
+    found.save(tmp_path / "out")
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"calibration.json", "report.html", "updated.toml", "gaps.nc", "correlations.png"} <= names
+    told = json.loads((tmp_path / "out" / "calibration.json").read_text())
+    assert told["format"] == "flexarm-calibration/1"
+    assert len(told["correlations"]["matrix"]) == len(told["parameters"])
+    again = flexarm.Calibration.load(tmp_path / "out")
+    assert again.to_json_dict() == {**found.to_json_dict()}
+    assert again.summary() == found.summary()
+    assert again.plot().lines
+    with pytest.raises(InvalidFile, match="no report of a calibration"):
+        (tmp_path / "out" / "calibration.json").write_text("{}")
+        flexarm.Calibration.load(tmp_path / "out")
+
+
+def test_the_updated_model_has_the_estimates_and_no_registration(found):
+    assert found.updated.effect("frame_registration", "tracker") is None
+    spring = found.updated.effect("joint_compliance", "j2")
+    assert spring.stiffness == found.parameter("effects.joint_compliance.j2.stiffness").value
+
+
+@pytest.mark.parametrize(
+    ("families", "said"),
+    [
+        (["joint_complience"], "did you mean 'joint_compliance'"),
+        (["dead_channel"], "fault of a sensor"),
+        (["backlash"], "needs joint_compliance there"),
+        (["link_stiffness"], "can act nowhere"),
+    ],
+)
+def test_families_that_cannot_be_are_refused(families, said):
+    with pytest.raises(InvalidParameter, match=said):
+        flexarm.calibrate(robot(), {"poses": record(1, 6)}, families, jobs=1)
+
+
+def test_nothing_uncertain_is_refused():
+    with pytest.raises(InvalidParameter, match="nothing to calibrate"):
+        flexarm.calibrate(robot().replace(uncertainty={}), {"poses": record(1, 6)}, jobs=1)
+
+
+def family(spread: float) -> Family:
+    prior = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
+    members = tuple(FreeParameter.of_family(f"k{k}", prior, spread, None) for k in range(3))
+    return Family("joint_compliance", "stiffness", prior, members, ("a", "b", "c"), spread, spread)
+
+
+def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():
+    """Eq. (1): variance of a member s^2 + tau^2, covariance of two s^2."""
+    each = family(0.5)
+    covariance = np.linalg.inv(each.precision())
+    s = each.hyperprior[1]
+    assert covariance[0, 0] == approx(s**2 + 0.25)
+    assert covariance[0, 1] == approx(s**2)
+
+
+def test_the_spread_is_between_its_prior_and_that_of_the_members():
+    """Eq. (3) with nu = 2, tau_0 = 0.5 and members at -1, 0 and 1 about a shared size that is free."""
+    policy = CalibrationPolicy()
+    u = log(1e4) + np.array([-1.0, 0.0, 1.0])
+    found = family(0.5).with_spread(u, np.zeros(3), policy).spread
+    assert found**2 == approx((2 * 0.25 + 2.0) / 5)

@@ -1,0 +1,225 @@
+"""Claims about logs of every format: written by the formats' own libraries, read back by a map."""
+
+import sys
+
+import numpy as np
+import pytest
+from log_files import (
+    ANGLE,
+    TIME,
+    TIP,
+    N,
+    c3d,
+    excel,
+    feather,
+    hdf5,
+    matlab_5,
+    matlab_73,
+    mdf,
+    netcdf_3,
+    netcdf_4,
+    optitrack,
+    parquet,
+    parquet_with_lists,
+    ros_1,
+    ros_2_mcap,
+    ros_2_sqlite,
+    single_mcap,
+    tdms,
+)
+
+import flexarm
+from flexarm import InvalidFile
+
+
+def keys(columns, time, topic=None):
+    lines = [f"columns = {columns}", f"time = {time}"]
+    return "\n".join(lines + ([f'topic = "{topic}"'] if topic else []))
+
+
+XYZ, STAMPS, LOG = '["x", "y", "z"]', '"time"', '"log"'
+JOINTS = keys('["position[shoulder]"]', '"header.stamp"', "/joint_states")
+POSE = keys('["pose.position.x", "pose.position.y", "pose.position.z"]', '"header.stamp"', "/tip")
+MATLAB = (
+    keys('["rec.pos_deg[2]"]', '"rec.time"'),
+    keys('["[1]", "[2]", "[3]"]', '"rec.time"', "rec.tip.mm"),
+)
+TABLE = (keys('["angle"]', STAMPS), keys(XYZ, STAMPS))
+ROWS = '["tip[1]", "tip[2]", "tip[3]"]'
+FORMATS = {
+    "v5.mat": (matlab_5, *MATLAB),
+    "v73.mat": (matlab_73, *MATLAB),
+    "log.h5": (
+        hdf5,
+        keys('["robot/joints[2]"]', '"/robot/stamp"'),
+        keys('["xyz[1]", "xyz[2]", "xyz[3]"]', '"t"', "/tracker"),
+    ),
+    "log4.nc": (netcdf_4, keys('["angle"]', STAMPS), keys(ROWS, STAMPS)),
+    "log3.nc": (netcdf_3, keys('["angle"]', '"stamp"'), keys("[1, 2, 3]", '"stamp"', "tip")),
+    "log.parquet": (parquet, *TABLE),
+    "lists.parquet": (parquet_with_lists, keys('["angle"]', STAMPS), keys(ROWS, STAMPS)),
+    "log.feather": (feather, *TABLE),
+    "log.xlsx": (excel, keys('["angle"]', STAMPS, "run"), keys("[3, 4, 5]", "1", "run")),
+    "log.tdms": (tdms, keys('["angle"]', LOG, "robot"), keys(XYZ, '"t"', "tracker")),
+    "log.mf4": (
+        mdf,
+        keys('["angle"]', LOG, "robot"),
+        keys('["tip_x", "tip_y", "tip_z"]', LOG),
+    ),
+    "log.c3d": (c3d, keys('["angle"]', LOG, "analog"), keys('["tip.x", "tip.y", "tip.z"]', LOG)),
+    "motive.csv": (
+        optitrack,
+        keys('["wrist.Rotation.X"]', '"Time (Seconds)"'),
+        keys('["tip.Position.X", "tip.Position.Y", "tip.Position.Z"]', '"Time (Seconds)"'),
+    ),
+    "log.bag": (ros_1, JOINTS, POSE),
+    "ros2_mcap": (ros_2_mcap, JOINTS, POSE),
+    "ros2_sqlite": (ros_2_sqlite, JOINTS, POSE),
+    "log.mcap": (
+        single_mcap,
+        JOINTS,
+        keys(
+            str([f"transforms[tool.tip].transform.translation.{axis}" for axis in "xyz"]).replace("'", '"'),
+            '"log"',
+            "/tf",
+        ),
+    ),
+}
+
+
+def map_of(name, joint, tip):
+    return f"""
+format = "flexarm-map/1"
+drive = "shoulder"
+[[signals]]
+name = "shoulder"
+source = "{name}"
+quantity = "joint_angle"
+joint = "shoulder"
+side = "output"
+unit = "deg"
+{joint}
+[[signals]]
+name = "tip"
+source = "{name}"
+quantity = "position"
+point = "tip"
+unit = "mm"
+{tip}
+"""
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_log_of_every_format_comes_in(name, tmp_path):
+    write, joint, tip = FORMATS[name]
+    write(tmp_path / name)
+    (tmp_path / "run.toml").write_text(map_of(name, joint, tip))
+    record = flexarm.import_record(tmp_path / "run.toml")
+    shoulder, seen = record.signals["shoulder"], record.signals["tip"]
+    late = 0.002 if name == "log.mcap" else 0.0
+    rtol = 1e-6 if name == "log.c3d" else 1e-12  # C3D holds single precision
+    np.testing.assert_allclose(shoulder.values[:, 0], np.radians(ANGLE), rtol=rtol, atol=1e-12)
+    np.testing.assert_allclose(seen.values, TIP / 1000, rtol=rtol, atol=1e-12)
+    np.testing.assert_allclose(shoulder.time, TIME, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(seen.time, TIME + late, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_columns_that_are_not_there_are_named_with_those_that_are(name, tmp_path):
+    write, joint, tip = FORMATS[name]
+    write(tmp_path / name)
+    lines = joint.splitlines()
+    lines[0] = 'columns = ["nonsense"]'
+    (tmp_path / "run.toml").write_text(map_of(name, "\n".join(lines), tip))
+    with pytest.raises(InvalidFile) as caught:
+        flexarm.import_record(tmp_path / "run.toml")
+    (line,) = caught.value.lines()
+    assert "signals.shoulder.columns" in line
+    assert "'nonsense'" in line
+    assert "there are" in line
+
+
+left_open = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+"""Some libraries leave a damaged file open until it is cleared away."""
+
+
+@left_open
+@pytest.mark.parametrize("name", [name for name in FORMATS if not name.startswith("ros2")])
+@pytest.mark.parametrize("share", [0.02, 0.5, 0.97])
+def test_a_file_cut_short_is_an_error_or_a_shorter_record(name, share, tmp_path):
+    """Never another exception: some formats can be read as far as they go."""
+    write, joint, tip = FORMATS[name]
+    write(tmp_path / name)
+    whole = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(whole[: int(share * len(whole))])
+    (tmp_path / "run.toml").write_text(map_of(name, joint, tip))
+    try:
+        record = flexarm.import_record(tmp_path / "run.toml")
+    except InvalidFile as error:
+        assert name in str(error)
+    else:
+        assert len(record.signals["shoulder"]) <= N
+
+
+@left_open
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", [name for name in FORMATS if not name.startswith("ros2")])
+def test_a_damaged_file_is_an_error_or_a_record(name, seed, tmp_path):
+    write, joint, tip = FORMATS[name]
+    write(tmp_path / name)
+    rng = np.random.default_rng(seed)
+    raw = np.frombuffer((tmp_path / name).read_bytes(), dtype=np.uint8).copy()
+    raw[rng.integers(len(raw), size=8)] = rng.integers(256, size=8)
+    (tmp_path / name).write_bytes(raw.tobytes())
+    (tmp_path / "run.toml").write_text(map_of(name, joint, tip))
+    try:
+        flexarm.import_record(tmp_path / "run.toml")
+    except InvalidFile as error:
+        assert name in str(error)
+
+
+BINARY = [name for name in FORMATS if not name.endswith((".csv", ".nc"))]
+
+
+@pytest.mark.parametrize("name", BINARY)
+def test_other_commands_say_what_a_log_is(name, tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    FORMATS[name][0](tmp_path / name)
+    assert run(["check", str(tmp_path / name)]) == 2
+    said = capsys.readouterr().err
+    assert "flexarm import" in said
+    kinds = ("bag", "MCAP", "MATLAB", "HDF5", "Parquet", "Feather", "Excel", "TDMS", "MDF", "C3D")
+    assert any(kind in said for kind in kinds)
+
+
+@pytest.mark.parametrize(
+    ("name", "package"),
+    [("log.bag", "rosbags"), ("log.parquet", "pyarrow"), ("log.xlsx", "python_calamine"),
+     ("log.tdms", "nptdms"), ("log.mf4", "asammdf"), ("log.c3d", "ezc3d")],
+)  # fmt: skip
+def test_a_missing_package_is_told_with_the_command_that_installs_it(name, package, tmp_path, monkeypatch):
+    write, joint, tip = FORMATS[name]
+    write(tmp_path / name)
+    for module in [each for each in sys.modules if each.partition(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, package, None)
+    (tmp_path / "run.toml").write_text(map_of(name, joint, tip))
+    with pytest.raises(InvalidFile, match=r"pip install 'flexarm\[import\]'"):
+        flexarm.import_record(tmp_path / "run.toml")
+
+
+def test_missing_topics_stamps_and_numbers_of_a_bag_are_told(tmp_path):
+    ros_1(tmp_path / "log.bag")
+    wrong = {
+        JOINTS.replace("/joint_states", "/joints"): "there is no topic '/joints'; there are /joint_states",
+        JOINTS.replace("header.stamp", "stamp"): '"log" is the time at which',
+        JOINTS.replace('"position[shoulder]"', "1"): "fields of messages have names",
+        JOINTS.replace("position", "name"): "name[shoulder]: must be a number, got 'shoulder'",
+        JOINTS.replace('topic = "/joint_states"', ""): "topic (line",
+    }
+    for joint, told in wrong.items():
+        (tmp_path / "run.toml").write_text(map_of("log.bag", joint, POSE))
+        with pytest.raises(InvalidFile) as caught:
+            flexarm.import_record(tmp_path / "run.toml")
+        assert told in str(caught.value) or "topic: log.bag: is missing" in str(caught.value)

@@ -1,0 +1,231 @@
+"""Claims about proposed maps: logs of a known motion, and what the proposal makes of them."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from log_files import single_mcap
+from scipy.spatial.transform import Rotation
+
+import flexarm
+from flexarm import Arm
+from flexarm.arm.kinematics import link_pose
+from flexarm.cli.run import run
+from flexarm.importing.guess.logged import _unit_by_size
+from flexarm.importing.guess.motion import Track, agreement, white_noise
+from flexarm.importing.guess.words import matched, meaning_of
+
+MODEL = """
+format = "flexarm-arm/1"
+[[joints]]
+name = "pan"
+type = "revolute"
+parent = "base"
+child = "mast"
+axis = [0, 0, 1]
+gear_ratio = 50
+[[joints]]
+name = "lift"
+type = "revolute"
+parent = "mast"
+child = "boom"
+origin = { xyz = [0, 0, 1], rpy = [0, 0, 0] }
+axis = [0, 1, 0]
+gear_ratio = 80
+[[links]]
+name = "mast"
+type = "rigid"
+mass = 1
+com = [0, 0, 0]
+inertia = [1, 1, 1]
+[[links]]
+name = "boom"
+type = "rigid"
+mass = 1
+com = [0, 0, 0]
+inertia = [1, 1, 1]
+[[points]]
+name = "tip"
+link = "boom"
+position = [2, 0, 0]
+"""
+RATIO = {"pan": 50.0, "lift": 80.0}
+LATE = 0.35
+
+
+def angles(t):
+    """Output angles [rad]: they begin and end at rest, at different speeds."""
+    return {"pan": 0.8 * np.sin(0.9 * t) ** 2 + 0.2 * np.sin(2.3 * t), "lift": 0.5 * np.sin(1.4 * t)}
+
+
+def place(arm, t):
+    return link_pose(arm, "boom", angles(t)).of_point(np.array([2.0, 0, 0]))
+
+
+@pytest.fixture
+def logs(tmp_path):
+    """A robot's log in degrees of its motors; a tracker's in mm, in a frame and on a clock of its own."""
+    (tmp_path / "arm.toml").write_text(MODEL)
+    arm = Arm.from_toml(tmp_path / "arm.toml")
+    rng = np.random.default_rng(5)
+    t = np.arange(0, 8, 0.004)
+    motor = {k: np.degrees(q * RATIO[k]) + 1e-2 * rng.standard_normal(len(t)) for k, q in angles(t).items()}
+    rows = [f"{a:.3f};{b:.6f};{c:.6f}" for a, b, c in zip(t, motor["pan"], motor["lift"], strict=True)]
+    (tmp_path / "robot.csv").write_text("time;q_pan;q_lift\n" + "\n".join(rows).replace(".", ","))
+    at = np.arange(0.3, 7.5, 0.01)
+    turn = Rotation.from_euler("xyz", [0.1, -0.2, 2.0]).as_matrix()
+    seen = 1000 * ((place(arm, at) - [3, 1, 0]) @ turn) + 0.05 * rng.standard_normal((len(at), 3))
+    stamps = 1e3 * (at + LATE)
+    rows = [f"{s:.1f},{x:.4f},{y:.4f},{z:.4f},7" for s, (x, y, z) in zip(stamps, seen, strict=True)]
+    (tmp_path / "tracker.csv").write_text("t (ms),tip X,tip Y,tip Z,mode\n" + "\n".join(rows) + "\n")
+    return tmp_path
+
+
+def guessed(folder, *files, out="map.toml", model="arm.toml"):
+    """The tables and the text of a proposal by the command."""
+    given = [str(folder / file) for file in files]
+    assert run(["import", "--guess", *given, "--model", str(folder / model), "--out", str(folder / out)]) == 0
+    text = (folder / out).read_text()
+    return tomllib.loads(text), text
+
+
+def test_units_gears_frames_and_clocks_follow_from_the_models_motion(logs):
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert set(signals) == {"pan", "lift", "tip"}
+    for name in ("pan", "lift"):
+        assert (signals[name]["unit"], signals[name]["before_gear"]) == ("deg", True)
+    assert signals["tip"]["columns"] == ["tip X", "tip Y", "tip Z"]
+    assert (signals["tip"]["unit"], signals["tip"]["time_unit"]) == ("mm", "ms")
+    assert data["drive"] == ["pan", "lift"]
+    assert data["clocks"]["tracker"] == "unknown"
+    assert data["frames"] == {"tracker": "unknown"}
+    assert "correlate with the model's by 0.99 at a lag of" in text or "by 1.00 at a lag" in text
+    assert "# unknown: side" in text
+    assert '"mode": unknown' in text
+
+
+def test_what_is_proposed_can_be_imported_and_is_true(logs):
+    guessed(logs, "robot.csv", "tracker.csv")
+    record = flexarm.import_record(logs / "map.toml")
+    pan = record.signals["pan"]
+    np.testing.assert_allclose(pan.values[:, 0], angles(pan.time)["pan"], atol=2e-5)
+    assert record.signals["pan"].noise_std == pytest.approx(np.radians(1e-2) / 50, rel=0.3)
+    assert record.signals["tip"].noise_std == pytest.approx(5e-5, rel=0.5)
+    assert record.check_against(Arm.from_toml(logs / "arm.toml")) == []
+
+
+def test_a_tracker_in_the_bases_axes_needs_no_frame(logs):
+    arm = Arm.from_toml(logs / "arm.toml")
+    t = np.arange(0, 8, 0.01)
+    rows = [f"{s:.2f},{x:.6f},{y:.6f},{z:.6f}" for s, (x, y, z) in zip(t, place(arm, t), strict=True)]
+    (logs / "mocap.csv").write_text("time,x,y,z\n" + "\n".join(rows) + "\n")
+    data, text = guessed(logs, "robot.csv", "mocap.csv")
+    assert "frames" not in data
+    assert 'frame = "base"  # it is' in text
+
+
+def test_without_a_measured_point_ranges_tell_the_unit_or_it_is_open(logs):
+    data, text = guessed(logs, "robot.csv")
+    assert {each["unit"] for each in data["signals"]} == {"deg"}
+    assert "# unknown: unit" not in text  # 2000 deg are too far for an output, and 2000 rad for a motor
+    t = np.arange(0, 2, 0.01)
+    rows = "\n".join(f"{s:.2f},{np.sin(s):.5f},{np.cos(s):.5f}" for s in t)
+    (logs / "small.csv").write_text("time,q_pan,q_lift\n" + rows + "\n")
+    _, text = guessed(logs, "small.csv", out="small.toml")
+    assert "# unknown: unit: no measured point tells" in text
+
+
+def test_a_column_of_unknown_joint_is_commented_out(logs):
+    t = np.arange(0, 2, 0.01)
+    rows = "\n".join(f"{s:.2f},{np.sin(s):.5f}" for s in t)
+    (logs / "one.csv").write_text("time,angle\n" + rows + "\n")
+    data, text = guessed(logs, "one.csv")
+    assert "signals" not in data
+    assert "# # unknown: joint: there are pan, lift" in text
+    assert "# unknown: drive" in text
+
+
+def test_a_bag_is_proposed_by_the_names_in_its_messages(logs):
+    model = MODEL.replace('"pan"', '"shoulder"').replace('"lift"', '"elbow"')
+    (logs / "other.toml").write_text(model)
+    single_mcap(logs / "log.mcap")
+    data, _ = guessed(logs, "log.mcap", model="other.toml")
+    signals = {(each["topic"], tuple(each["columns"])): each for each in data["signals"]}
+    assert signals["/joint_states", ("position[shoulder]",)]["joint"] == "shoulder"
+    assert signals["/joint_states", ("position[elbow]",)]["time"] == "header.stamp"
+    (tip,) = [each for each in data["signals"] if each["name"] == "tip"]  # not the transform that rests
+    assert tip["columns"][0] == "transforms[tool.tip].transform.translation.x"
+    assert tip["time"] == "transforms[tool.tip].header.stamp"
+    assert (tip["point"], tip["unit"]) == ("tip", "mm")
+
+
+def test_options_that_are_missing_or_out_of_place_are_errors(logs, capsys):
+    csv, model = str(logs / "robot.csv"), str(logs / "arm.toml")
+    assert run(["import", "--guess", csv, "--model", model]) == 2
+    assert run(["import", "--guess", csv, "--out", str(logs / "m.toml")]) == 2
+    assert run(["import", csv, "--model", model]) == 2
+    assert run(["import", "--guess", csv, "--model", model, "--out", csv]) == 2
+    said = capsys.readouterr().err
+    assert "--out: is needed" in said
+    assert "--model: is needed" in said
+    assert "belongs to --guess" in said
+    assert (logs / "robot.csv").read_text().startswith("time;q_pan")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "quantity", "axis", "unit"),
+    [
+        ("act_pos_mot_deg[2]", "", "joint_angle", "", "deg"),
+        ("act_vel_mot_deg_per_s[1]", "", "joint_rate", "", "deg/s"),
+        ("act_torque_abs_nm[1]", "", "motor_torque", "", "N m"),
+        ("tip_x_mm", "", "position", "x", "mm"),
+        ("pose.position.z", "geometry_msgs/msg/PoseStamped", "position", "z", ""),
+        ("pose.orientation.w", "geometry_msgs/msg/PoseStamped", "orientation", "w", ""),
+        ("linear_acceleration.y", "sensor_msgs/msg/Imu", "acceleration", "y", ""),
+        ("angular_velocity.x", "sensor_msgs/msg/Imu", "angular_rate", "x", ""),
+        ("effort[elbow]", "sensor_msgs/msg/JointState", "motor_torque", "", ""),
+        ("Position Reference (rad)", "", "joint_command", "", "rad"),
+        ("Motor Current [A]", "", "current", "", "A"),
+        ("error_pos_deg", "", "", "", "deg"),
+        ("temperature", "", "", "", ""),
+    ],
+)
+def test_names_say_what_columns_are(name, kind, quantity, axis, unit):
+    found = meaning_of(name, kind=kind)
+    assert (found.quantity, found.axis, found.unit) == (quantity, axis, unit)
+
+
+def test_the_longest_name_that_fits_is_the_joints():
+    assert matched("position[left_shoulder]", ["shoulder", "left_shoulder"]) == "left_shoulder"
+    assert matched("position[hip]", ["shoulder"]) == ""
+
+
+@pytest.mark.parametrize(
+    ("time", "unit", "sure"),
+    [
+        (1.7e9 + 0.01 * np.arange(9), "s", True),
+        (1.7e18 + 1e6 * np.arange(9), "ns", True),
+        (4.0 * np.arange(9), "ms", False),
+        (0.004 * np.arange(9), "s", True),
+        (1e6 * np.arange(9), "us", False),
+    ],
+)
+def test_the_unit_of_stamps_by_size_and_interval(time, unit, sure):
+    found, why = _unit_by_size(np.asarray(time, dtype=float))
+    assert (found, bool(why)) == (unit, sure) or not sure
+
+
+def test_speeds_find_the_lag_of_a_motion():
+    t = np.arange(0, 10, 0.01)
+    motion = np.sin(t) + 0.3 * np.sin(3.7 * t + 1)
+    found = agreement(Track(t[:-50], motion[50:, None]), Track(t, motion[:, None]))
+    assert found.correlation > 0.99
+    assert found.lag == pytest.approx(-0.5, abs=0.02)
+
+
+def test_third_differences_find_white_noise_below_a_motion():
+    t = np.arange(0, 10, 0.004)
+    noisy = np.sin(5 * t) + 1e-3 * np.random.default_rng(1).standard_normal(len(t))
+    assert white_noise(noisy) == pytest.approx(1e-3, rel=0.1)
+    assert white_noise(np.zeros(100)) == 0

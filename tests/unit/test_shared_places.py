@@ -1,0 +1,118 @@
+"""One name of a frame or a clock in several records is one frame and one clock, or the check says so."""
+
+import re
+
+import numpy as np
+import pytest
+from arms import TUBE, beam, compliance, hinge, point, smooth_step
+
+import flexarm
+from flexarm.measurement import ClockError, Registration
+from flexarm.record import Clock, Frame
+from flexarm.validation.sensor_check import check
+
+FAR = Registration(origin=(4.0, 1.0, 0.5), rpy=(0.0, 0.0, 2.0))
+
+
+def arm(*effects: dict, mass: float = 5.0) -> flexarm.Arm:
+    return flexarm.Arm.from_dict(
+        {
+            "joints": [
+                hinge("waist", "post", axis=[0, 0, 1]),
+                hinge("elbow", "rod", parent="post", at="end"),
+            ],
+            "links": [beam("post", [0, 0, 1.0], TUBE), beam("rod", [1.5, 0, 0.0], TUBE, up=[0, 0, 1])],
+            "payloads": [{"name": "load", "link": "rod", "position": [1.5, 0, 0], "mass": mass}],
+            "points": [point("tip", "rod", [1.5, 0, 0])],
+            "effects": list(effects),
+            "sensors": [
+                {"name": joint, "quantity": "joint_angle", "joint": joint, "side": "motor", "rate_hz": 50}
+                for joint in ("waist", "elbow")
+            ]
+            + [
+                {
+                    "name": "tip",
+                    "quantity": "position",
+                    "point": "tip",
+                    "frame": "tracker",
+                    "clock": "tracker",
+                    "rate_hz": 20,
+                    "noise_std": 5e-5,
+                }
+            ],
+        }
+    )
+
+
+SOFT = [compliance(joint, 8e4, 200.0) for joint in ("waist", "elbow")]
+
+
+def swing(
+    truth: flexarm.Arm, far: Registration, seed: int, delay: float = 0.0, frame: Frame | None = None
+) -> flexarm.Record:
+    t = np.linspace(0, 6, 301)
+    s = smooth_step(t / 6)
+    drive = flexarm.Drive.from_samples(
+        t, {"waist": 1.5 * s, "elbow": 0.6 * np.sin(2 * np.pi * s) + 0.1 * seed * s}
+    )
+    return flexarm.measure(
+        flexarm.simulate(truth, drive, step=5e-3),
+        truth.sensors,
+        np.random.default_rng(seed),
+        drive=["waist", "elbow"],
+        clocks={"robot": Clock(), "tracker": Clock(sigma=0.05)},
+        clock_errors={"tracker": ClockError(delay=delay)},
+        frames={"tracker": Frame(unknown=True) if frame is None else frame},
+        registrations={"tracker": far},
+    )
+
+
+def said(records: dict[str, flexarm.Record]) -> list[str]:
+    return [remark for remark in check(arm(), records).remarks if "do not share" in remark]
+
+
+def test_two_stations_under_one_name_are_told_with_their_difference():
+    turned = Registration(origin=FAR.origin, rpy=(0.0, 0.034, 2.0))
+    records = {"flat": swing(arm(*SOFT), FAR, 1), "pallet": swing(arm(*SOFT), turned, 2)}
+    [remark] = said(records)
+    assert remark.startswith("flat and pallet do not share the frame tracker")
+    told = re.search(r"stands ([0-9.]+) mrad apart", remark)
+    assert told and float(told[1]) == pytest.approx(34, abs=1.5)
+    assert "one pose for both leaves" in remark
+
+
+def test_a_diagnosis_says_it_beside_its_gaps():
+    turned = Registration(origin=FAR.origin, rpy=(0.0, 0.034, 2.0))
+    records = {"flat": swing(arm(*SOFT), FAR, 1), "pallet": swing(arm(*SOFT), turned, 2)}
+    found = flexarm.diagnose(arm(*SOFT), records)
+    assert "flat and pallet do not share the frame tracker" in " ".join(found.summary().split())
+
+
+@pytest.mark.parametrize("frame", [Frame(unknown=True), Frame(xyz=FAR.origin, rpy=FAR.rpy, translation=1e-3)])
+@pytest.mark.parametrize("mass", [5.0, 15.0])
+def test_one_station_is_not_told_apart_by_what_the_model_misses(frame, mass):
+    """Soft joints and another payload, which the nominal model does not know."""
+    records = {
+        "a": swing(arm(*SOFT), FAR, 1, frame=frame),
+        "b": swing(arm(*SOFT, mass=mass), FAR, 2, frame=frame),
+    }
+    assert said(records) == []
+
+
+def test_a_clock_that_was_set_anew_is_told():
+    records = {"a": swing(arm(*SOFT), FAR, 1, 0.01), "b": swing(arm(*SOFT), FAR, 2, 0.04)}
+    [remark] = said(records)
+    assert remark.startswith("a and b do not share the clock tracker")
+    ends = [float(x) for x in re.findall(r"(-?[0-9.]+) ms in the", remark)]
+    assert ends == pytest.approx([10, 40], abs=1.5)
+
+
+def test_a_frame_of_which_axes_are_missing_is_not_turned_about_them():
+    """x and z in one record, x and y in the other."""
+    records = {"a": swing(arm(*SOFT), FAR, 1), "b": swing(arm(*SOFT), FAR, 2)}
+    stated = Frame(xyz=FAR.origin, rpy=FAR.rpy, translation=1e-3, rotation=1e-3)
+    for (name, record), axes in zip(list(records.items()), ((0, 2), (0, 1)), strict=True):
+        tip = record.signals["tip"]
+        part = tip.replace(values=tip.values[:, axes], axes=tuple("xyz"[k] for k in axes), channels=())
+        records[name] = record.replace(signals={**record.signals, "tip": part}, frames={"tracker": stated})
+    assert said(records) == []

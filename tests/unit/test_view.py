@@ -1,0 +1,301 @@
+"""Claims about pictures of arms: bones lie where the model's points are, and a page draws without network."""
+
+import numpy as np
+import pytest
+from arms import TUBE, beam, fixed, hinge, rigid
+from browser import needs_chromium, visit
+
+import flexarm
+from flexarm import Arm
+from flexarm.cli.run import run as command
+from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.viewer import page as pages
+from flexarm.viewer import view
+from flexarm.viewer.scene import placed
+from flexarm.viewer.skeleton import Skeleton
+from flexarm.viewer.solids import ball, box, hung, rod
+from flexarm.viewer.stages import of_modes, of_simulation, of_statics
+
+
+def an_arm(stiffness: float = 2e4, **more) -> Arm:
+    tables = {
+        "name": "two links",
+        "joints": [hinge("shoulder", "upper"), hinge("elbow", "lower", "upper", at="end")],
+        "links": [beam("upper", [0, 0, 1.0], TUBE), beam("lower", [0, 0, 0.8], TUBE)],
+        "payloads": [{"name": "load", "link": "lower", "position": [0, 0.05, 0.8], "mass": 10.0}],
+        "points": [{"name": "tip", "link": "lower", "position": [0, 0, 0.8]}],
+        "effects": [{"name": "joint_compliance", "at": "elbow", "stiffness": stiffness, "damping": 20}],
+    }
+    return Arm.from_dict({**tables, **more})
+
+
+POSE = {"shoulder": 0.7, "elbow": 0.9}
+
+
+@pytest.fixture(scope="module")
+def run():
+    drive = flexarm.Drive.from_samples(
+        [0, 0.2, 0.4, 0.6], {"shoulder": [0, 0.3, 0.5, 0.5], "elbow": [0.9, 0.7, 0.6, 0.6]}
+    )
+    return flexarm.simulate(an_arm(), drive)
+
+
+def test_bones_of_an_equilibrium_lie_at_its_points_and_displacements_scale():
+    found = flexarm.static(an_arm(), POSE, forces={"tip": [0, 40.0, 0]})
+    bone = Skeleton(found.arm).points["tip"]
+    for scale in (1.0, 30.0):
+        x = of_statics(found, scale).clips[0].poses.x[0, bone]
+        rigid_place = (found.position - found.displacement)[0]
+        assert np.allclose(x, rigid_place + scale * found.displacement[0], atol=1e-9)
+
+
+def test_a_stored_equilibrium_is_drawn_as_before(tmp_path):
+    found = flexarm.static(an_arm(), POSE, forces={"tip": [0, 40.0, 0]}, at_link=["elbow"])
+    found.save(tmp_path / "static.nc")
+    again = flexarm.Statics.load(tmp_path / "static.nc")
+    ours, theirs = (of_statics(each).clips[0].poses.x for each in (found, again))
+    assert np.allclose(ours, theirs, atol=1e-12)
+
+
+def test_a_beam_is_drawn_with_its_section_along_its_deformed_centre_line():
+    found = flexarm.static(an_arm(), POSE)
+    scene = of_statics(found, 1.0)
+    skin = next(skin for skin in scene.skins if skin.name == "lower" and skin.layer == "beams")
+    corners = placed(skin, scene.clips[0].poses, 0)
+    from_tip = np.linalg.norm(corners - found.position[0], axis=1)
+    assert from_tip.min() == pytest.approx(TUBE["outer_diameter"] / 2, rel=1e-9)
+    length = np.linalg.norm(corners.max(axis=0) - corners.min(axis=0))
+    assert length == pytest.approx(0.8, rel=0.1)
+
+
+def test_bones_of_a_run_lie_at_its_points(run):
+    scene = of_simulation(run)
+    clip, bone = scene.clips[0], Skeleton(run.arm).points["tip"]
+    assert clip.time[[0, -1]] == pytest.approx([run.time[0], run.time[-1]])
+    there = run.at(clip.time, "tip")
+    assert np.allclose(clip.poses.x[:, bone], there, atol=1e-9)
+    assert scene.notes[0] == "true speed"
+
+
+def test_what_gives_most_of_a_mode_is_named():
+    soft, stiff = (of_modes(flexarm.modes(an_arm(k), POSE, count=1)).clips[0].text for k in (2e3, 1e9))
+    assert "joint elbow" in soft
+    assert "bending of" in stiff
+
+
+def test_modes_play_about_the_equilibrium_of_their_pose():
+    found = flexarm.modes(an_arm(), POSE, count=2)
+    clip = of_modes(found).clips[1]
+    bone = Skeleton(found.arm).points["tip"]
+    assert clip.poses.x[0, bone] == pytest.approx(flexarm.static(an_arm(), POSE).position[0], abs=1e-9)
+    moved = clip.poses.x[8, bone] - clip.poses.x[0, bone]
+    assert abs(moved @ found.shape[1, 0, :3]) == pytest.approx(
+        np.linalg.norm(moved) * np.linalg.norm(found.shape[1, 0, :3]), rel=1e-6
+    )
+
+
+def test_measured_points_stand_off_by_the_gap(tmp_path, run):
+    from flexarm.measurement import measure
+    from flexarm.record import Signal
+
+    assert measure is not None
+    time = np.linspace(0.05, 0.55, 26)
+    shift = np.array([0.003, 0.0, -0.002])
+    angles = {
+        name: Signal(
+            name=name,
+            quantity="joint_angle",
+            joint=name,
+            time=run.time,
+            unit="rad",
+            noise_std=1e-7,
+            values=run.drive_angle[:, [i]],
+        )
+        for i, name in enumerate(run.joints)
+    }
+    tip = Signal(
+        name="tip",
+        quantity="position",
+        point="tip",
+        time=time,
+        values=run.at(time, "tip") + shift,
+        unit="m",
+        noise_std=1e-5,
+    )
+    record = flexarm.Record(signals=[*angles.values(), tip], drive=tuple(angles))
+    scene = run.view(record).scene
+    clip = scene.clips[0]
+    bones = [skin.bone[0, 0] for skin in scene.skins if skin.layer == "measured" and skin.name == "tip"]
+    tip_bone = Skeleton(run.arm).points["tip"]
+    away = clip.poses.x[:, bones[0]] - clip.poses.x[:, tip_bone]
+    inside = (clip.time > 0.06) & (clip.time < 0.54)
+    times = float(next(note for note in scene.notes if "gaps" in note).split("× ")[1])
+    assert np.allclose(away[inside], times * shift, atol=times * 2e-6)
+    assert np.isnan(away[0]).all()  # before the first row nothing is shown
+
+
+def test_rigid_motion_does_not_deform_a_part_between_its_interfaces():
+    rng = np.random.default_rng(3)
+    surface = ball(0.3)
+    positions = rng.normal(size=(3, 3))
+    skin = hung(surface, [0, 1, 2], positions, np.stack([np.eye(3)] * 3), "super-elements", "hub", "#000000")
+    from flexarm.viewer.skeleton import Poses
+
+    R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    R *= np.linalg.det(R)
+    poses = Poses(np.stack([[R] * 3]), (positions @ R.T + 1.0)[None])
+    assert np.allclose(placed(skin, poses, 0), surface.corners @ R.T + 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "surface", [ball(0.5), box(np.array([1.0, 2, 3])), rod(np.zeros(3), np.ones(3), 0.2)]
+)
+def test_faces_look_outwards(surface):
+    a, b, c = (surface.corners[surface.faces[:, k]] for k in range(3))
+    normal, away = np.cross(b - a, c - a), (a + b + c) / 3 - surface.corners.mean(axis=0)
+    assert (np.sum(normal * away, axis=1) >= -1e-12).all()
+
+
+def test_meshes_of_a_urdf_stand_in_their_links(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box(extents=(1, 2, 3)).export(tmp_path / "block.stl")
+    (tmp_path / "robot.urdf").write_text(
+        """<robot name="r"><link name="world"/>
+        <link name="arm"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+        </inertial><visual><origin xyz="0 0 0.5" rpy="0 0 0"/><geometry>
+        <mesh filename="package://r/block.stl" scale="0.1 0.1 0.1"/></geometry></visual></link>
+        <joint name="turn" type="continuous"><parent link="world"/><child link="arm"/>
+        <axis xyz="0 0 1"/></joint>
+        </robot>"""
+    )
+    assert command(["view", str(tmp_path / "robot.urdf"), "--out", str(tmp_path / "robot.html")]) == 0
+    arm = Arm.from_toml(tmp_path / "robot.urdf")
+    skins = arm.view(urdf=tmp_path / "robot.urdf").scene.skins
+    body = next(skin for skin in skins if skin.layer == "rigid links")
+    assert np.ptp(body.place[:, 0], axis=0) == pytest.approx([0.1, 0.2, 0.3])
+    assert body.place[:, 0].mean(axis=0) == pytest.approx([0, 0, 0.5])
+
+
+def test_plain_pictures_draw_arms_and_name_modes(run):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    axes = flexarm.static(an_arm(), POSE).plot()
+    assert "displacements ×" in axes.get_title()
+    assert len(axes.collections) > 8  # surfaces, no dots
+    first = flexarm.modes(an_arm(), POSE, count=4).plot()
+    titles = [each.get_title() for each in first.figure.axes[:4]]
+    assert all("Hz" in title and "motion" in title for title in titles)
+    assert an_arm().plot().get_xlabel() == "x [m]"
+    assert len(run.plot("tip").lines) == 3
+    with pytest.raises(InvalidParameter, match="point: there is no point 'top'; there are tip"):
+        run.plot("top")
+    plt.close("all")
+
+
+def test_a_missing_extra_names_the_command_that_installs_it(monkeypatch):
+    monkeypatch.setattr(pages, "find_spec", lambda name: None)
+    with pytest.raises(InvalidParameter, match=r"pip install 'flexarm\[view\]'"):
+        _ = an_arm().view().html
+
+
+def test_the_command_shows_models_runs_and_records(tmp_path, capsys, run):
+    arm = an_arm()
+    arm.to_toml(tmp_path / "arm.toml")
+    out = tmp_path / "page.html"
+    assert command(["view", str(tmp_path / "arm.toml"), "--joint", "elbow=0.5", "--out", str(out)]) == 0
+    assert "<title>two links: model</title>" in out.read_text()
+    assert command(["view", str(tmp_path / "arm.toml"), "--out", str(out)]) == 2
+    assert "exists already" in capsys.readouterr().err
+    (tmp_path / "swing.csv").write_text("time_s,elbow\n0,0.9\n0.1,0.8\n0.2,0.7\n0.3,0.7\n")
+    simulate = ["simulate", str(tmp_path / "arm.toml"), "--drive", str(tmp_path / "swing.csv"), "--out"]
+    assert command([*simulate, str(tmp_path / "run")]) == 0
+    for name in ("run", "run/simulation.nc", "run/record.toml"):  # the model is beside the record
+        assert command(["view", str(tmp_path / name), "--out", str(out), "--force"]) == 0
+        assert "<title>two links: run of 0.3 s" in out.read_text() or "gaps measured" in out.read_text()
+    (tmp_path / "part.inp").write_text("")
+    assert command(["view", str(tmp_path / "part.inp"), "--out", str(out), "--force"]) == 2
+    assert command(["view", str(tmp_path / "arm.toml"), "--scale", "-1"]) == 2
+
+
+def test_only_what_has_a_picture_is_shown():
+    with pytest.raises(InvalidParameter, match="view: must be one of Arm, Statics"):
+        view(3.0)
+    with pytest.raises(InvalidParameter, match="scale: must be positive"):
+        flexarm.static(an_arm()).view(scale=-1.0)
+
+
+def test_rigid_arms_on_fixed_joints_are_drawn():
+    arm = an_arm(
+        joints=[fixed("foot", "post"), hinge("shoulder", "upper", "post", origin={"xyz": [0, 0, 0.4]})],
+        links=[rigid("post", 5.0, com=[0, 0, 0.2]), beam("upper", [0, 0, 1.0], TUBE)],
+        payloads=[],
+        points=[{"name": "tip", "link": "upper", "position": [0, 0, 1.0]}],
+        effects=[],
+    )
+    scene = arm.view().scene
+    post = next(skin for skin in scene.skins if skin.name == "post" and skin.layer == "rigid links")
+    assert post.place[..., 2].max() == pytest.approx(0.4, abs=0.02)
+
+
+def test_a_result_of_an_older_version_says_what_to_do():
+    from dataclasses import replace
+
+    with pytest.raises(InvalidParameter, match="modes: were stored without the pose"):
+        replace(flexarm.modes(an_arm(), count=1), drive_angle=None).view()
+
+
+def test_a_file_is_named_where_a_page_cannot_be_written(tmp_path):
+    with pytest.raises(InvalidFile, match="directory that exists"):
+        an_arm().view().save(tmp_path / "absent" / "page.html")
+
+
+@needs_chromium
+def test_a_page_draws_and_its_slider_moves_the_arm_without_network(tmp_path, run):
+    run.view(scale=1.0).save(tmp_path / "run.html")
+    seen = {}
+
+    async def look(page):
+        seen["start"] = await page.picture()
+        slide = (
+            "const s = document.getElementById('slider'); s.value = {}; s.dispatchEvent(new Event('input'))"
+        )
+        await page.run(f"{{ {slide.format(0.5)} }}")
+        seen["later"] = await page.picture()
+        await page.run(f"{{ {slide.format(0.0)} }}")
+        seen["again"] = await page.picture()
+        seen["clock"] = await page.run("document.getElementById('clock').textContent")
+
+    page = visit(tmp_path / "run.html", tmp_path / "profile", look, "#t=0")
+    assert not page.errors
+    assert [url for url in page.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert seen["clock"] == "0.00 / 0.60 s"
+
+    def blue(pixels):  # of the beams; panels and slider left out
+        pane = pixels[:-80, 380:]
+        return (pane[..., 2] > pane[..., 0] + 0.25) & (pane[..., 2] > 0.4)
+
+    start, later, again = (blue(seen[name]) for name in ("start", "later", "again"))
+    assert start.sum() > 500
+    assert (start ^ later).sum() > 0.5 * start.sum()
+    assert (start ^ again).sum() < 0.02 * start.sum()
+
+
+@needs_chromium
+def test_what_a_notebook_gets_is_the_page_in_a_frame(tmp_path):
+    (tmp_path / "cell.html").write_text(
+        f"<body>{an_arm().view()._repr_html_()}<script>window.flexarm = 1</script></body>"
+    )
+    seen = {}
+
+    async def look(page):
+        seen["inside"] = await page.run(
+            "new Promise(done => setTimeout(() => done(document.querySelector('iframe').contentWindow"
+            ".flexarm !== undefined), 1500))"
+        )
+
+    page = visit(tmp_path / "cell.html", tmp_path / "profile", look)
+    assert seen["inside"]
+    assert not page.errors
