@@ -29,6 +29,11 @@ build/stamps/system: scripts/system-packages.txt scripts/install_system_packages
 
 setup: .venv/stamps/dev
 
+## A browser for the tests of pages, which are skipped without it
+build/stamps/browser: scripts/browser-packages.txt scripts/install_system_packages.sh
+	@scripts/install_system_packages.sh "$(PYTHON)" $< || echo "Going on; tests of pages are skipped." >&2
+	@mkdir -p $(@D) && touch $@
+
 ## Builds: build/<preset>, incremental. The release build puts flexarm._core beside the Python sources;
 ## what runs it is installed meanwhile.
 build/%/build.ninja: CMakePresets.json .venv/stamps/tools
@@ -44,6 +49,7 @@ module: build/release/build.ninja
 ## C++ tests, Python tests and notebooks; a file's tests share what it makes, so they stay in one process
 test:
 	@$(MAKE) -j2 module setup
+	@$(MAKE) build/stamps/browser
 	@$(BIN)/cmake --build --preset release
 	@$(BIN)/ctest --preset release
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Compiler and libraries of the build, from Debian or Ubuntu: installed as root, else named in one line to type.
+# Packages of a list from Debian or Ubuntu, by default compiler and libraries of the build: installed as root, else
+# named in one line to type.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-python="${1:-python3}"
+python="${1:-python3}" list="${2:-scripts/system-packages.txt}"
 
 is_there() { # kind, what
   case "$1" in
@@ -22,7 +23,7 @@ missing=()
 while read -r package kind what; do
   [[ -z "$package" || "$package" == \#* ]] && continue
   is_there "$kind" "$what" || missing+=("$package")
-done < scripts/system-packages.txt
+done < "$list"
 [[ ${#missing[@]} -eq 0 ]] && exit 0
 
 install="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"

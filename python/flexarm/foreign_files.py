@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 LOGS = {
@@ -39,8 +40,9 @@ ADVICE = "write a map and read it with `flexarm import` (docs/importing.md)"
 
 def log_kind(path: Path) -> str | None:
     """Return what kind of binary log a file or directory is, or None."""
-    if path.is_dir():
-        return "a ROS 2 bag" if (path / "metadata.yaml").is_file() else None
+    with suppress(OSError, ValueError):  # a name that no file can have
+        if path.is_dir():
+            return "a ROS 2 bag" if (path / "metadata.yaml").is_file() else None
     start = _start(path)
     if start[:4] == b"PK\x03\x04" and path.suffix.lower() in SHEETS:
         return "an Excel file" if path.suffix.lower() != ".ods" else "a spreadsheet"
@@ -79,8 +81,8 @@ def _numbers(line: str) -> int:
 
 
 def _start(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(32)
-    except (OSError, ValueError):
-        return b""
+    with suppress(OSError, ValueError):
+        if path.is_file():  # a pipe might never end
+            with path.open("rb") as file:
+                return file.read(32)
+    return b""

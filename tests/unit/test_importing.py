@@ -325,3 +325,66 @@ def test_a_joint_that_two_motors_move_is_their_sum(tmp_path):
     text = HINGE.replace('["angle"]', '["angle", "x"]') + "sum = true\nscale = [-1.0, 0.5]\n"
     signal = imported(tmp_path, text, log_csv="time,angle,x\n0,1,2\n1,3,8\n").signals["hinge"]
     assert signal.values[:, 0].tolist() == [0, 1]
+
+
+def test_the_command_writes_a_record_or_nothing(tmp_path, capsys, monkeypatch):
+    from flexarm.cli.run import run
+
+    imported(tmp_path, HINGE, log_csv=ROWS)
+    monkeypatch.chdir(tmp_path)
+    assert run(["import", "run.map.toml"]) == 0
+    assert "written to run: a record" in capsys.readouterr().out
+    assert Record.load(tmp_path / "run").signals["hinge"].time.tolist() == [0.0, 0.01, 0.02]
+    assert run(["import", "run.map.toml"]) == 2
+    assert "holds files already" in capsys.readouterr().err
+    (tmp_path / "log.csv").write_text(ROWS.replace("0.02", "late"))
+    assert run(["import", "run.map.toml", "--out", "other"]) == 2
+    assert "line 4, column 'time': must be a number, got 'late'" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "run", "run.map.toml"]
+
+
+def test_the_record_is_never_written_over_what_it_was_read_from(tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    imported(tmp_path, HINGE, log_csv=ROWS)
+    assert run(["import", str(tmp_path / "run.map.toml"), "--out", str(tmp_path), "--force"]) == 2
+    assert "which is read" in capsys.readouterr().err
+    assert (tmp_path / "log.csv").read_text() == ROWS
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["check", "LOG"],
+        ["static", "LOG"],
+        ["compare", "arm.toml", "LOG"],
+        ["diagnose", "arm.toml", "LOG", "--out", "x"],
+        ["simulate", "arm.toml", "--drive", "LOG", "--out", "x"],
+        ["plan", "arm.toml", "--drive", "LOG"],
+    ],
+    ids=lambda command: command[0],
+)
+@pytest.mark.parametrize("kind", ["file", "directory"])
+def test_every_command_names_a_bag_and_what_reads_it(command, kind, tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    (tmp_path / "arm.toml").write_text(MODEL)
+    if kind == "file":
+        (tmp_path / "log.mcap").write_bytes(b"\x89MCAP0\r\n" + bytes(100))
+    else:
+        (tmp_path / "log.mcap").mkdir()
+        (tmp_path / "log.mcap" / "metadata.yaml").write_text("rosbag2_bagfile_information:\n")
+    words = [word.replace("LOG", str(tmp_path / "log.mcap")) for word in command]
+    words = [str(tmp_path / word) if word in ("arm.toml", "x") else word for word in words]
+    assert run(words) == 2
+    said = capsys.readouterr().err
+    assert "flexarm import" in said
+    assert "bag" in said
+
+
+def test_a_table_in_place_of_a_model_is_named(tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    (tmp_path / "log.csv").write_text(ROWS)
+    assert run(["check", str(tmp_path / "log.csv")]) == 2
+    assert "is a table of numbers, such as CSV; write a map" in capsys.readouterr().err

@@ -366,3 +366,20 @@ def test_a_signal_of_the_drives_clock_that_never_meets_the_drive_is_not_compared
         InvalidParameter, match=r"nothing to compare.*late: runs from 1.*no instant in common"
     ):
         flexarm.compare(arm, record.replace(signals=[*others, late]))
+
+
+def test_a_long_record_reads_back_as_it_was(tmp_path):
+    """Longer than a block: written by Arrow where it is installed."""
+    from flexarm.record import save
+
+    n = save.BLOCK + 3
+    rng = np.random.default_rng(0)
+    values = rng.standard_normal((n, 2)) * 10.0 ** rng.integers(-9, 9, (n, 1))
+    values[5] = np.nan
+    tip = Signal(
+        name="tip", quantity="position", point="tip", axes=("x", "z"), time=1e-3 * np.arange(n), values=values
+    )
+    Record(signals=[tip]).save(tmp_path / "record")
+    again = Record.load(tmp_path / "record").signals["tip"]
+    np.testing.assert_array_equal(again.values, values)
+    np.testing.assert_array_equal(again.time, tip.time)

@@ -21,9 +21,9 @@ def read_text(file: Path) -> str:
     InvalidFile
         If it is missing, a directory, not readable or not a text in UTF-8.
     """
-    regular_file(file)
     if kind := foreign_kind(file):
         raise InvalidFile(file, "file", kind)
+    regular_file(file)
     try:
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:

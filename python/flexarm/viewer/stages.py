@@ -331,6 +331,8 @@ def _checked(scale: float) -> float:
 
 def _angles(arm: Arm, angles: Floats) -> str:
     """Return the drive angles in words."""
+    if not np.any(angles):
+        return "all drives at 0"
     told = [
         f"{joint.name} {number(float(angle))} {'rad' if joint.type == 'revolute' else 'm'}"
         for joint, angle in zip(arm.joints, angles, strict=True)
