@@ -76,10 +76,10 @@ def test_a_delay_is_sought_at_commands_and_a_time_constant_at_all_drives():
     assert ("drive_lag", "turn") not in places
 
 
-def two(**more):
-    return [each for each in found(carousel(), ["turn"])["base_compliance", "base"] if len(each.probes) == 2][
-        0
-    ]
+def two():
+    """A base on two springs under the carousel."""
+    tried = found(carousel(), ["turn"])["base_compliance", "base"]
+    return next(each for each in tried if len(each.probes) == 2)
 
 
 def test_a_base_on_two_springs_is_probed_about_one_axis_after_the_other():
