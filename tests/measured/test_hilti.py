@@ -166,3 +166,27 @@ def test_a_diagnosis_of_every_twelfth_pose_names_the_column_and_leaves_a_gap(sha
     assert fitted.after_rms < 0.65 * fitted.before_rms
     assert held.after_rms < 0.75 * held.before_rms
     assert fitted.after_rms > 3 * fitted.noise_rms
+
+
+def test_a_calibration_of_the_level_floor_holds_on_the_pallet(robot):
+    """Kinematics and a compliance at every joint, of every 12th pose: the pallet is foretold to 4.4 mm."""
+    arm, records = robot
+    flat, pallet = (
+        record.replace(
+            signals=[
+                s.replace(values=s.values[mask], pose=s.pose[mask])
+                for s in record.signals.values()
+                for mask in [np.isin(s.pose, record.poses[::12])]
+            ]
+        )
+        for record in (records["flat"], records["pallet"])
+    )
+    sigmas = load_script("hilti_trailblazer", "make_calibration").SIGMAS
+    uncertain = arm.replace(uncertainty={**arm.uncertainty, **sigmas})
+    found = flexarm.calibrate(uncertain, {"flat": flat}, ["joint_compliance"], pallet, jobs=1)
+    assert found.gap(found.held_out).before_rms > 8e-3
+    assert found.gap(found.held_out).after_rms < 4.4e-3
+    for axis in ("roll", "pitch"):
+        column = found.parameter(f"effects.joint_compliance.column_{axis}.stiffness")
+        assert column.determined
+        assert 3e4 < column.value < 9e4

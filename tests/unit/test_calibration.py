@@ -2,6 +2,7 @@
 
 import json
 from math import log, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from pytest import approx
 import flexarm
 from flexarm import Arm, InvalidFile, InvalidParameter, Record, Signal
 from flexarm.arm.prior import Prior
+from flexarm.arm.sensor import Sensor
 from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
@@ -18,6 +20,7 @@ from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Frame
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 NOISE = 2e-4
 JOINTS = tuple(f"j{k}" for k in range(1, 7))
 STIFFNESS = dict(zip(JOINTS, (4e4, 3e4, 2e4, 8e3, 6e3, 5e3), strict=True))
@@ -175,3 +178,26 @@ def test_the_spread_is_between_its_prior_and_that_of_the_members():
     u = log(1e4) + np.array([-1.0, 0.0, 1.0])
     found = family(0.5).with_spread(u, np.zeros(3), policy).spread
     assert found**2 == approx((2 * 0.25 + 2.0) / 5)
+
+
+def test_a_motion_tells_stiffness_and_damping_of_a_joint_beside_an_uncertain_modulus():
+    """A beam that swings on a soft hinge: both intervals hold the truth, and only noise is left."""
+    arm = Arm.from_toml(EXAMPLES / "one_link.toml").replace(
+        uncertainty={"links.rod.material.youngs_modulus": 0.03}
+    )
+    true = arm.with_effect(JointCompliance(at="hinge", stiffness=6e4, damping=150.0))
+    drive = flexarm.Drive.from_csv(EXAMPLES / "swing.csv", arm)
+    sensors = [
+        Sensor(
+            name="hinge", quantity="joint_angle", joint="hinge", side="motor", rate_hz=200, noise_std=5e-6
+        ),
+        Sensor(name="tip", quantity="position", point="tip", rate_hz=50, noise_std=1e-4),
+    ]
+    swing = flexarm.measure(flexarm.simulate(true, drive), sensors, np.random.default_rng(1), drive=["hinge"])
+    found = flexarm.calibrate(arm, {"swing": swing}, ["joint_compliance"], jobs=1)
+    for name, value in (("stiffness", 6e4), ("damping", 150.0)):
+        estimate = found.parameter(f"effects.joint_compliance.hinge.{name}")
+        assert estimate.low90 < value < estimate.high90
+        assert estimate.determined
+    assert found.chi_square.reduced == approx(1.0, abs=0.15)
+    assert found.gap(found.held_out).after_rms < 1.1 * found.gap(found.held_out).noise_rms

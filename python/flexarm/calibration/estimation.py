@@ -10,8 +10,9 @@ those of the step before where they foretold it,
 .. math:: (H + \lambda \, \mathrm{diag} H) \Delta u = -(J^T W r + P (u - c)), \quad H = J^T W J + P   (2)
 
 with lambda = 0 first, and ends the estimation where it moves nothing by more than a fifth of its sigma. The
-covariance is H^-1. W is one over the variance inflation of each channel (`diagnosis.evidence`): where a gap
-stays, rows count for as much as they leave, priors count as they should, and intervals widen by what is left.
+covariance is H^-1. W is one over the long-run variance of noise and model discrepancy of each channel
+(`diagnosis.discrepancy`): where a gap stays, rows count for as much as they leave, priors count as they
+should, and intervals widen by what is left.
 
 A family is fitted with one shared size first: du = A dv, with a column of A for the family and one for each
 other parameter. Its spread is estimated along with the members after that.
@@ -31,10 +32,11 @@ from flexarm.arrays import Floats
 from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.diagnosis.evidence import variance_inflation
+from flexarm.diagnosis.evidence import discrepancies_of
 from flexarm.diagnosis.fit import FIT_ERRORS, Projection
 from flexarm.diagnosis.generalised_least_squares import NormalEquations
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.residual_rows import is_non_smooth
 
 Tell = Callable[[str], object]
 
@@ -128,10 +130,10 @@ class Estimation:
 
     def weights(self, residual: Floats) -> Floats:
         """Return W of (1), shape (n,)."""
-        inflation = variance_inflation(residual, self.problem)
         found = np.empty(len(residual))
-        for each, where in self.problem.channels():
-            found[where] = 1.0 / inflation[each.record, each.signal, each.channel]
+        left = discrepancies_of(residual, self.problem, is_non_smooth(self.arm))
+        for (_, where), discrepancy in zip(self.problem.channels(), left, strict=True):
+            found[where] = 1.0 / discrepancy.long_run_variance
         return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from itertools import count
 from math import exp
 from typing import TYPE_CHECKING
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], object] | None
 
+SHARE = 0.8
+"""Share of the work that is left after each step, in the progress: how many follow is not known."""
 NORMAL90 = 1.6448536269514722
 """Half of a 90 % interval over 1 sigma."""
 
@@ -109,7 +112,10 @@ def calibrate(
     allow_for_input_noise(problem, arm)
     problem = weighted_by_input_noise(problem)
     estimation = _estimation(problem, families, rules)
-    posterior = shared_first(estimation, estimation.centre, lambda what: tell(0.3, what))[-1]
+    steps = count(1)
+    posterior = shared_first(
+        estimation, estimation.centre, lambda what: tell(0.9 * (1 - SHARE ** next(steps)), what)
+    )[-1]
     tell(0.9, "verifying")
     updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
     bench = Bench(parted.training, parted.held_out, step, alpha, workers)

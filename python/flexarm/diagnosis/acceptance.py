@@ -38,7 +38,7 @@ from math import inf
 import numpy as np
 
 from flexarm.diagnosis.cross_validation import log_odds_lost, predicts_better, press_rms
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, variance_inflation
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
@@ -70,9 +70,7 @@ class Criteria:
         if self.as_stated(new, old) or not (self.significant(new, old) or resolves):
             return False
         enough = self.policy.relief_evidence if resolves else self.policy.strong_evidence
-        strong = (
-            log_bayes_factor(new, old, self.problem, variance_inflation(new.projected, self.problem)) > enough
-        )
+        strong = log_bayes_factor(new, old, self.problem) > enough
         if not self.leaves_gap(new):
             return strong
         if not self.reduces(new, old):

@@ -26,7 +26,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.cross_validation import predicts_better
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import Channel, log_bayes_factor, log_likelihood_ratio
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.minimisers import predicted_decrease
 from flexarm.diagnosis.moves.proposals import one_variant
@@ -81,7 +81,6 @@ def rivals_of(
     estimator: Estimator,
     probed: Sequence[Probed],
     tried: Sequence[Fit],
-    value: Mapping[Channel, float],
 ) -> list[Rival]:
     """Return what could stand in the place of effect k of the chosen model, the best first.
 
@@ -101,7 +100,7 @@ def rivals_of(
     known = _known(best, {m.place for m in others}, tried)
     wanted = _promising(chosen, fewer, estimator, probed, open_gap)
     if not open_gap:
-        wanted += _near(known, wanted, best, problem, value)
+        wanted += _near(known, wanted, best, problem)
         wanted += _sticking(chosen, wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _soft_elsewhere(known, wanted, best, before, probed, policy.halfway)
@@ -115,10 +114,10 @@ def rivals_of(
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
             if (alike := candidate.acting_as(chosen)) is not None:
                 fit = min(fit, estimator.trial((alike, *others), best, limit), key=lambda f: f.cost)
-            fit, behind = _caught_up(fit, best, peer, estimator, value, open_gap)
+            fit, behind = _caught_up(fit, best, peer, estimator, open_gap)
         except FIT_ERRORS:
             continue
-        found.append(_rival(candidate, fit, best, behind, problem, value, open_gap))
+        found.append(_rival(candidate, fit, best, behind, problem, open_gap))
     return sorted(found, key=lambda rival: rival.behind)
 
 
@@ -139,7 +138,6 @@ def _rival(
     best: Fit,
     behind: float,
     problem: Problem,
-    value: Mapping[Channel, float],
     open_gap: bool,
 ) -> Rival:
     """Return what is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
@@ -147,7 +145,7 @@ def _rival(
     told = not open_gap or not predicts_better(best, fit, problem)
     if open_gap and not predicts_better(fit, best, problem):
         behind = max(behind, 0.0)
-    fits_behind = log_likelihood_ratio(best, fit, problem, value)
+    fits_behind = log_likelihood_ratio(best, fit, problem)
     return Rival(member, fit, behind, fits_behind, told, problem.policy.reach)
 
 
@@ -179,14 +177,13 @@ def _near(
     wanted: Sequence[Candidate],
     best: Fit,
     problem: Problem,
-    value: Mapping[Channel, float],
 ) -> list[Candidate]:
     """Effects that came close when they were tried, though screening, to first order, sees little in them."""
     there = {candidate.place for candidate in wanted} | {member.place for member in best.members}
     return [
         next(m for m in fit.members if m.place == place)
         for place, fit in known.items()
-        if place not in there and log_bayes_factor(best, fit, problem, value) < problem.policy.close
+        if place not in there and log_bayes_factor(best, fit, problem) < problem.policy.close
     ]
 
 
@@ -225,21 +222,19 @@ def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[P
     return [each for each in there if each.acting_as(spring) is not None]
 
 
-def _caught_up(
-    fit: Fit, best: Fit, peer: Fit, estimator: Estimator, value: Mapping[Channel, float], open_gap: bool
-) -> tuple[Fit, float]:
+def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: bool) -> tuple[Fit, float]:
     """Return a rival's model after as many steps as could bring it near the chosen one, and its ln Z behind
     that.
 
     A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
     """
     problem, policy = estimator.problem, estimator.problem.policy
-    behind = log_bayes_factor(best, fit, problem, value)
-    if behind >= policy.close and log_bayes_factor(peer, fit, problem, value) >= policy.close:
+    behind = log_bayes_factor(best, fit, problem)
+    if behind >= policy.close and log_bayes_factor(peer, fit, problem) >= policy.close:
         return fit, behind
     about = estimator.about(fit)
     fit = about.fit(fit.members, nearby=fit) if open_gap else about.linearised(fit.members)
-    behind = log_bayes_factor(best, fit, problem, value)
+    behind = log_bayes_factor(best, fit, problem)
     for _ in range(0 if open_gap else ROUNDS):
         if predicted_decrease(fit) / 2 < max(
             NEARER, behind - policy.within_sight
@@ -249,7 +244,7 @@ def _caught_up(
             fit, about = further(fit, about, anew=False)
         except FIT_ERRORS:
             break
-        before, behind = behind, log_bayes_factor(best, fit, problem, value)
+        before, behind = behind, log_bayes_factor(best, fit, problem)
         if before - behind < max(NEARER, behind - policy.within_sight):  # nor another one like this
             break
     return fit, behind

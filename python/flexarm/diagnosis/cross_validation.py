@@ -11,7 +11,7 @@ another that predicts them are
 
 .. math:: \ln B = G \ln (|e'|/|e|)                                                                    (2)
 
-A group shares its errors: a static record, or a block of one record or of a motion.
+A group is a stretch of one record, poses in their order: clocks and frames are known from the rest of it.
 
 A model that leaves a gap is also tested on parts of the training: records, or fifths of a single one. For
 each part the fit is repeated without it, to first order about the fit of all,
@@ -71,20 +71,7 @@ def log_odds_lost(fits: Sequence[Fit], problem: Problem) -> list[float]:
 
 
 def folds(problem: Problem) -> list[NDArray[np.int_]]:
-    """Rows of each group."""
-    records: dict[str, list[NDArray[np.int_]]] = {}
-    for each, where in problem.channels():
-        if problem.records[each.record].kind == "static":
-            records.setdefault(each.record, []).append(np.arange(where.start, where.stop))
-    whole = {name: np.concatenate(parts) for name, parts in records.items()} if len(records) > 1 else {}
-    if not whole:
-        return time_blocks(problem)
-    taken = np.concatenate(list(whole.values()))
-    return [*whole.values(), *(rows for rows in time_blocks(problem) if not np.isin(rows, taken).any())]
-
-
-def time_blocks(problem: Problem) -> list[NDArray[np.int_]]:
-    """Rows of each block: a stretch of one record, all channels."""
+    """Rows of each group: a stretch of one record, in time or in the order of poses, all channels."""
     count = problem.policy.blocks
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
     for each, where in problem.channels():

@@ -1,41 +1,32 @@
-r"""How strongly the data speak for a model, when residuals are not white and no model is perfect.
+r"""Evidence of models whose residuals are noise and a model discrepancy.
 
-Laplace's approximation of the evidence of a model with fitted parameters z (in sigmas of their priors),
+Laplace's approximation of the evidence of a model with fitted parameters z (in sigmas of their priors) and
+nuisance parameters x,
 
-.. math:: \ln Z = -\tfrac12 \sum_c \chi_c^2 / T_c + \ln p(z) + \tfrac{k}{2} \ln 2\pi - \tfrac12 \ln |H|  (1)
+.. math:: \ln Z = -\tfrac12 \left( r^T C^{-1} r + \ln |C| + |x/\sigma|^2 \right) + \ln p(z)
+          + \tfrac{k}{2} \ln 2\pi - \tfrac12 \ln |H|,  \quad  H = J^T C^{-1} J + 1                     (1)
 
-with H = J^T W J + 1, J the derivatives of what unknowns leave, W = 1/T_c on the rows of channel c. T_c is
-what a sample of that channel is worth less than one of white noise of the stated size: the variance of the
-remainder of the best model, times its integrated correlation time,
-
-.. math:: T_c = \max(1, \gamma_0 + 2 \sum_{l \ge 1} w_l \gamma_l)                                    (2)
-
-(Bartlett's window w; gamma: autocovariance over the stated variance). n/T_c is the effective sample size
-[Bayley1946]. A remainder that no model explains makes T large, and rivals hard to tell apart, as it should.
+with r the residual over the noise, J the derivatives of what nuisance parameters leave, and C the covariance
+of noise and discrepancy (`diagnosis.discrepancy`). Each model has the discrepancy that makes it most likely:
+a model that leaves a gap may call it an error of its own, and pays for that with ln|C| and a small r C^-1 r
+elsewhere. Fits weigh rows by the stated noise; (1) is taken at its own optimum, to first order.
 
 What is left *above the noise* in a channel, over the noise, is
 
 .. math:: s_c^2 = \min(\gamma_0 - 1 - d_c, \max_{1 \le l \le L} |\gamma_l|)/(1 + d_c), \quad
-          \text{at least } 0                                                                         (3)
+          \text{at least } 0                                                                         (2)
 
-with what noise of the drives and finer time steps move there, d (`diagnosis.noise_model`, `noise_model`): the
-smaller one of what noise cannot be because it is too large, and because it is correlated. Poses have no order
-in time, but those of one record share what the model lacks there. With gamma_0 and gamma_w the mean square
-and the mean product of two different poses of a record, over all static records of a signal, n_c poses are
-worth [Moulton1986]
-
-.. math:: T_c = \max(1, \gamma_0 + (n_c - 1) \max(\gamma_w, 0))                                     (2a)
-
-and s^2 = (gamma_0 - 1 - d)/(1 + d) of the record alone, or none where noise alone makes so large a gamma_0 of
-so few poses by a chance of more than `chance` of the policy. With nothing in common every pose counts, with
-all in common the record counts once.
+with the autocovariance gamma and what noise of the drives and finer time steps move there, d
+(`diagnosis.noise_model`): the smaller one of what noise cannot be because it is too large, and because it is
+correlated. Poses have no order in time; there s^2 = (gamma_0 - 1 - d)/(1 + d), or none where noise alone
+makes so large a gamma_0 of so few poses by a chance of more than `chance` of the policy.
 
 No simulation agrees with a machine to better than a part delta of the noise, `discrepancy` of the policy, and
-its error is not noise: it lasts. If two models differ by v over N samples, an error of that size along v adds
-to the variance 1/W that noise and remainder have along v, so that
+its error may lie along what two models differ by. If that is v over N samples, such an error adds to the
+variance along v, so that
 
-.. math:: \ln B = \frac{\Delta\chi^2/2}{1 + \delta^2 N_v w} + \ldots, \quad
-          N_v = \frac{(\sum v^2)^2}{\sum v^4}, \quad w = \frac{v^T W v}{v^T v}                        (4)
+.. math:: \ln B = \frac{\Delta \ln p}{1 + \delta^2 N_v w} + \ldots, \quad
+          N_v = \frac{(\sum v^2)^2}{\sum v^4}, \quad w = \frac{v^T C^{-1} v}{v^T v}                    (3)
 
 Where finer time steps move more than that part, delta^2 is the mean square of what they move, weighed by v^2.
 Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
@@ -47,23 +38,22 @@ that one is there: an even chance, ln 2 less, which decides nothing but ties.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import dataclass
 from math import log, pi
 
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.diagnosis.discrepancy import Discrepancy, in_time, of_poses
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.generalised_least_squares import gls_estimate
+from flexarm.diagnosis.generalised_least_squares import gls_step
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import Rows
 
 Channel = tuple[str, str, int]
 
 LAGS = 12
-"""L of (3), in samples."""
-WINDOW = 0.1
-"""Width of Bartlett's window in (2), share of the record."""
+"""L of (2), in samples."""
 
 
 def autocovariance(values: Floats, lags: int) -> Floats:
@@ -75,48 +65,13 @@ def autocovariance(values: Floats, lags: int) -> Floats:
     return found
 
 
-def variance_inflation(rest: Floats, problem: Problem) -> dict[Channel, float]:
-    """T_c of (2), of poses of (2a), for every channel."""
-    found = _worth_of_poses(rest, problem)
-    for each, where in problem.channels():
-        if not _in_time(each, problem):
-            continue
-        values = rest[where]
-        lags = max(1, int(WINDOW * len(values)))
-        gamma = autocovariance(values, lags)
-        window = 1.0 - np.arange(1, lags + 1) / (lags + 1)
-        found[each.record, each.signal, each.channel] = max(
-            1.0, float(gamma[0] + 2 * np.sum(window * gamma[1:]))
-        )  # eq. (2)
-    return found
-
-
-def _worth_of_poses(rest: Floats, problem: Problem) -> dict[Channel, float]:
-    """T_c of (2a) for the channels of static records."""
-    groups: dict[tuple[str, int], dict[Channel, Floats]] = {}
-    for each, where in problem.channels():
-        if not _in_time(each, problem):
-            key = (each.record, each.signal, each.channel)
-            groups.setdefault(key[1:], {})[key] = rest[where]
-    found = {}
-    for records in groups.values():
-        parts = list(records.values())
-        squares = sum(float(part @ part) for part in parts)
-        products = sum(float(part.sum()) ** 2 for part in parts) - squares
-        alike = products / max(sum(len(part) * (len(part) - 1) for part in parts), 1)
-        mean = squares / sum(len(part) for part in parts)
-        for key, part in records.items():
-            found[key] = max(1.0, mean + (len(part) - 1) * max(alike, 0.0))  # eq. (2a)
-    return found
-
-
 def _in_time(rows: Rows, problem: Problem) -> bool:
     """Return True if neighbouring rows follow one another in time."""
     return problem.records[rows.record].kind == "motion"
 
 
 def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dict[Channel, float]:
-    """s_c of (3) for every channel, over the noise, of a model whose laws may have corners."""
+    """s_c of (2) for every channel, over the noise, of a model whose laws may have corners."""
     from scipy.special import chdtri
 
     found = {}
@@ -125,7 +80,7 @@ def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dic
         gamma = autocovariance(values, min(LAGS, len(values) - 1))
         square = gamma[0] - 1.0 - explained_square
         if _in_time(each, problem):
-            square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (3)
+            square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (2)
         elif len(values) * gamma[0] / (1 + explained_square) < chdtri(len(values), problem.policy.chance):
             square = 0.0
         found[each.record, each.signal, each.channel] = float(
@@ -134,27 +89,124 @@ def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dic
     return found
 
 
-def log_bayes_factor(one: Fit, other: Fit, problem: Problem, value: Mapping[Channel, float]) -> float:
-    """ln Z of one model over another one's, eq. (1) with (4)."""
-    weight = _weights(problem, value)
-    return log_likelihood_ratio(one, other, problem, value) + occam(one, weight) - occam(other, weight)
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Eq. (1) of a fit, in parts.
+
+    Attributes
+    ----------
+    discrepancies : tuple of Discrepancy
+        C of each channel.
+    left : ndarray, shape (n,)
+        r at the optimum of (1).
+    log_likelihood : float
+        -(r C^-1 r + ln|C|)/2, and the priors of the discrepancies.
+    pulls : float
+        |x/sigma|^2/2 of nuisance parameters.
+    occam : float
+        The other terms: priors and ln|H|, and what effects need.
+    """
+
+    discrepancies: tuple[Discrepancy, ...]
+    left: Floats
+    log_likelihood: float
+    pulls: float
+    occam: float
+
+    def whitened(self, values: Floats, problem: Problem) -> Floats:
+        """Return the root of C^-1 times values of shape (n, ...)."""
+        return whitened(values, problem, self.discrepancies)
+
+    def covariance_times(self, values: Floats, problem: Problem) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found = np.empty_like(values)
+        for (_, where), each in zip(problem.channels(), self.discrepancies, strict=True):
+            found[where] = each.times(values[where])
+        return found
 
 
-def log_likelihood_ratio(one: Fit, other: Fit, problem: Problem, value: Mapping[Channel, float]) -> float:
-    """Return the first term of (4): how much better one model fits, whatever is plausible."""
-    n, weight = len(problem), _weights(problem, value)
-    (left, _), (left_by_other, _) = gls_estimate(one, weight), gls_estimate(other, weight)
-    gain = weight @ (left_by_other[:n] ** 2 - left[:n] ** 2)
-    v = np.abs(left[:n] - left_by_other[:n])
-    spread = float(np.sum(v**2)) * float(weight @ v**2) / max(float(np.sum(v**4)), 1e-300)
-    asked = float(np.sum(left_by_other[n:] ** 2) - np.sum(left[n:] ** 2))
-    non_smooth = one.non_smooth or other.non_smooth
-    delta = float(v**2 @ discrepancies(problem, non_smooth) ** 2) / max(float(np.sum(v**2)), 1e-300)
-    return float(gain) / 2 / (1 + delta * spread) + asked / 2  # eq. (4)
+def whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy, ...]) -> Floats:
+    """Return the root of C^-1 times values of shape (n, ...)."""
+    found = np.empty_like(values)
+    for (_, where), each in zip(problem.channels(), discrepancies, strict=True):
+        found[where] = each.whitened(values[where])
+    return found
 
 
-def discrepancies(problem: Problem, non_smooth: bool) -> Floats:
-    """delta of (4) of each row, shape (n,): what simulations err by, of laws with corners or without them."""
+def discrepancies_of(rest: Floats, problem: Problem, non_smooth: bool) -> tuple[Discrepancy, ...]:
+    """Return the most likely discrepancy of each channel of a residual of shape (n,)."""
+    found: list[Discrepancy] = []
+    for each, where in problem.channels():
+        noise = 1.0 + each.explained_square(non_smooth)
+        if _in_time(each, problem):
+            found.append(in_time(rest[where], each.time, noise))
+        else:
+            found.append(of_poses(rest[where], problem.pose_kernels(each), noise))
+    return tuple(found)
+
+
+def evidence_of(fit: Fit, problem: Problem) -> Evidence:
+    """Return eq. (1) of a fit; computed once for each state of the noise."""
+    kept = problem.evidence.get(fit)
+    if kept is None or kept[0] is not problem.rows:
+        kept = problem.evidence[fit] = (problem.rows, _evidence_of(fit, problem))
+    return kept[1]
+
+
+def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
+    n, k = len(problem), len(fit.z)
+    discrepancies = discrepancies_of(fit.projected[:n], problem, fit.non_smooth)
+    jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
+    weighed = whitened(np.column_stack([jacobian, fit.residual]), problem, discrepancies)
+    step = gls_step(fit, weighed[:, :-1], weighed[:, -1])
+    left = fit.projected[:n] + jacobian @ step
+    pulls = fit.projected[n:] + step[k:] / fit.projection.sigma
+    white = whitened(left, problem, discrepancies)
+    determinant = sum(each.log_determinant - 2 * each.log_prior for each in discrepancies)
+    return Evidence(
+        discrepancies,
+        left,
+        -(float(white @ white) + determinant) / 2,
+        float(pulls @ pulls) / 2,
+        occam(fit, weighed[:, :-1], fit.z + step[:k]),
+    )
+
+
+def explained_share(fit: Fit, fewer: Fit, problem: Problem) -> float:
+    """Return the coefficient of partial determination of what a model has and another one lacks.
+
+    Mean squares above the noise are summed over the channels, each weighed by how much the two models differ
+    there: what is left elsewhere says nothing of the effect.
+    """
+    left, before = 0.0, 0.0
+    for each, where in problem.channels():
+        noise = 1.0 + each.explained_square(fit.non_smooth)
+        weight = float(np.sum((fit.projected[where] - fewer.projected[where]) ** 2))
+        left += weight * max(float(np.mean(fit.projected[where] ** 2)) - noise, 0.0)
+        before += weight * max(float(np.mean(fewer.projected[where] ** 2)) - noise, 0.0)
+    return max(1.0 - left / before, 0.0) if before > 0 else 1.0
+
+
+def log_bayes_factor(one: Fit, other: Fit, problem: Problem) -> float:
+    """ln Z of one model over another one's, eq. (1) with (3)."""
+    first, second = evidence_of(one, problem), evidence_of(other, problem)
+    return log_likelihood_ratio(one, other, problem) + first.occam - second.occam
+
+
+def log_likelihood_ratio(one: Fit, other: Fit, problem: Problem) -> float:
+    """Return the same without what parameters cost: how much better one model fits."""
+    first, second = evidence_of(one, problem), evidence_of(other, problem)
+    gain = first.log_likelihood - second.log_likelihood
+    v = first.left - second.left
+    white = (first if gain > 0 else second).whitened(v, problem)
+    spread = float(v @ v) * float(white @ white) / max(float(np.sum(v**4)), 1e-300)
+    errors = simulation_errors(problem, one.non_smooth or other.non_smooth)
+    delta = float(v**2 @ errors**2) / max(float(v @ v), 1e-300)
+    return gain / (1 + delta * spread) + second.pulls - first.pulls  # eq. (3)
+
+
+def simulation_errors(problem: Problem, non_smooth: bool) -> Floats:
+    """delta of (3) of each row, shape (n,): what simulations err by, of laws with corners or without them."""
     found = np.empty(len(problem))
     for each, where in problem.channels():
         error = float(np.sqrt(each.discretisation_error)) if non_smooth else 0.0
@@ -162,37 +214,27 @@ def discrepancies(problem: Problem, non_smooth: bool) -> Floats:
     return found
 
 
-def _weights(problem: Problem, value: Mapping[Channel, float]) -> Floats:
-    """W of (1), shape (n,)."""
-    weight = np.ones(len(problem))
-    for each, where in problem.channels():
-        weight[where] = 1.0 / value[each.record, each.signal, each.channel]
-    return weight
-
-
-def occam(fit: Fit, weight: Floats) -> float:
+def occam(fit: Fit, jacobian: Floats, z: Floats) -> float:
     """Return what the parameters cost: all terms of (1) but the first; and what effects need.
 
-    Unknowns that were eliminated cost theirs too: an effect at a clock or frame takes the place of some.
+    `jacobian` holds whitened derivatives by effects and nuisance parameters. Nuisance parameters cost theirs
+    too: an effect at a clock or frame takes the place of some.
     """
-    cost = _eliminated(fit, weight)
-    k = len(fit.z)
+    k, sigma = len(fit.z), fit.projection.sigma
+    known = np.isfinite(sigma)
+    scale = np.where(known, sigma, 1.0 / np.maximum(np.linalg.norm(jacobian[:, k:], axis=0), 1e-300))
+    own = jacobian[:, k:] * scale
+    cost = _log_determinant(own[:, known].T @ own[:, known] + np.eye(int(known.sum()))) / 2
     if k == 0:
         return -cost
+    joined = np.column_stack([jacobian[:, :k], own])
+    hessian = joined.T @ joined + np.diag(np.concatenate([np.ones(k), known]))
+    eliminated = _log_determinant(own.T @ own + np.diag(known.astype(float)))
     needed = {(n.name, n.at) for m in fit.members if (n := m.needs) is not None}
-    jacobian = fit.projection.project(fit.jacobian)
-    weights = np.concatenate([weight, np.ones(len(jacobian) - len(weight))])
-    hessian = jacobian.T @ (weights[:, None] * jacobian) + np.eye(k)
-    prior = sum(
-        c.log_density(float(z)) for c, z in zip(fit.parameters, gls_estimate(fit, weight)[1], strict=True)
-    )
-    laplace = k / 2 * log(2 * pi) - float(np.linalg.slogdet(hessian)[1]) / 2
+    prior = sum(c.log_density(float(x)) for c, x in zip(fit.parameters, z, strict=True))
+    laplace = k / 2 * log(2 * pi) - (_log_determinant(hessian) - eliminated) / 2
     return prior + laplace - len(needed - set(fit.places)) * log(2) - cost
 
 
-def _eliminated(fit: Fit, weight: Floats) -> float:
-    """ln|H|/2 of (1) for clocks, frames and nominal values, in their sigmas; none without a prior."""
-    known = np.isfinite(fit.projection.sigma)
-    jacobian = fit.projection.jacobian[:, known] * fit.projection.sigma[known]
-    hessian = jacobian.T @ (weight[:, None] * jacobian) + np.eye(jacobian.shape[1])
-    return float(np.linalg.slogdet(hessian)[1]) / 2
+def _log_determinant(matrix: Floats) -> float:
+    return float(np.linalg.slogdet(matrix)[1])

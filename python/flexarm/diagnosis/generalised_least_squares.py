@@ -7,14 +7,14 @@ by powers of ten, so H is kept scaled to a unit diagonal, S H S. Its eigenvalues
 neither data nor priors determine; these have no inverse.
 
 Fits weigh rows by their stated noise. Where a gap stays, that is far too much, and values run many sigmas
-from their priors. The evidence, which weighs rows by W, is greatest elsewhere: where
+from their priors. The evidence, with the covariance C of noise and discrepancy, is greatest elsewhere: where
 
 .. math:: (r + J_z \Delta z + J_x x)^T W (r + J_z \Delta z + J_x x) + |x/\sigma|^2
           + |\rho + \rho' \Delta z|^2                                                                (2)
 
-is least. x are nuisance parameters from the centres of their priors, z the effects' parameters, rho the rows
-of their priors (`diagnosis.parameters`). The step taken is that of (2) less that of (2) with W = 1, so that
-a fit that leaves only noise stays where it is.
+with W = C^-1 is least. x are nuisance parameters from the centres of their priors, z the effects' parameters,
+rho the rows of their priors (`diagnosis.parameters`). The step taken is that of (2) less that of (2) with
+W = 1, so that a fit that leaves only noise stays where it is.
 """
 
 from __future__ import annotations
@@ -93,32 +93,23 @@ NO_WEIGHT = 1e-12
 """Of `Normal`: what rows of little weight and no prior hardly know stays where it is."""
 
 
-def gls_estimate(fit: Fit, weight: Floats) -> tuple[Floats, Floats]:
-    """Return what a fit leaves, as `rest` of `diagnosis.fit`, and its z, where rows have weights of shape
-    (n,).
-    """
-    if (weight == 1.0).all():
-        return fit.projected, fit.z
-    jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
-    step = _least(fit, jacobian, weight) - _least(fit, jacobian, np.ones_like(weight))
-    k = len(fit.z)
-    in_sigmas = step[k:] / fit.projection.sigma
-    return fit.projected + np.concatenate([jacobian @ step, in_sigmas]), fit.z + step[:k]
+def gls_step(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
+    """Return dz and dx from a fit to the optimum of (2), from whitened derivatives and residual."""
+    plain = np.column_stack([fit.jacobian, fit.projection.jacobian])
+    return _least(fit, jacobian, residual) - _least(fit, plain, fit.residual)
 
 
 def gls_nuisance(fit: Fit) -> Floats:
     """x of a fit, shape (m,), where rows are worth what it leaves of them in the mean."""
-    each = np.full(len(fit.residual), 1.0 / max(1.0, fit.cost / len(fit.residual)))
+    root = 1.0 / np.sqrt(max(1.0, fit.cost / len(fit.residual)))
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
-    step = _least(fit, jacobian, each) - _least(fit, jacobian, np.ones_like(each))
+    step = gls_step(fit, root * jacobian, root * fit.residual)
     return fit.projection.solve(fit.residual) + step[len(fit.z) :]
 
 
-def _least(fit: Fit, jacobian: Floats, weight: Floats) -> Floats:
+def _least(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
     """Return dz and x where (2) is least."""
     rows, bends = prior_rows(fit.parameters, fit.z)
     held = np.concatenate([bends**2, 1.0 / fit.projection.sigma**2])
     pull = np.concatenate([bends * rows, np.zeros_like(fit.projection.sigma)])
-    return -NormalEquations.of(jacobian, held, weight, NO_WEIGHT).solved(
-        jacobian.T @ (weight * fit.residual) + pull
-    )
+    return -NormalEquations.of(jacobian, held, unknown=NO_WEIGHT).solved(jacobian.T @ residual + pull)

@@ -6,7 +6,8 @@ Each record alone determines the fitted parameters, to first order about the fit
 
 with the priors c, Lambda of clocks, frames and nominal values. If they estimate one number with variances
 s_r^2, Cochran's Q = sum (p_r - mean)^2/s_r^2 is chi-squared with one degree of freedom less than there are
-records [Cochran1954]. The variance of a sample is that of the remainder, correlation included.
+records [Cochran1954]. Residuals and derivatives are whitened by noise and
+discrepancy (`diagnosis.discrepancy`).
 """
 
 from __future__ import annotations
@@ -16,20 +17,20 @@ from typing import Any
 
 import numpy as np
 
-from flexarm.diagnosis.evidence import Channel
+from flexarm.diagnosis.evidence import evidence_of
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 
 
-def constancy(fit: Fit, problem: Problem, value: Mapping[Channel, float]) -> list[dict[str, Any]]:
+def constancy(fit: Fit, problem: Problem) -> list[dict[str, Any]]:
     """Each effect's parameters by record; keys as `Diagnosis.constancy` says. Empty for one record."""
     names = list(problem.records)
     if len(names) < 2 or not len(fit.z):
         return []
     from scipy.stats import chi2
 
-    alone = {name: _alone(fit, problem, value, name) for name in names}
+    alone = {name: _alone(fit, problem, name) for name in names}
     found = []
     for j, parameter in enumerate(fit.parameters):
         prior = parameter.prior
@@ -68,20 +69,18 @@ def constancy(fit: Fit, problem: Problem, value: Mapping[Channel, float]) -> lis
     return found
 
 
-def _alone(
-    fit: Fit, problem: Problem, value: Mapping[Channel, float], name: str
-) -> tuple[np.ndarray, np.ndarray]:
+def _alone(fit: Fit, problem: Problem, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the steps and standard deviations of the parameters from one record, eq. (1)."""
     jacobian, residual, prior = joint_jacobian(fit)
     best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])
-    weight = np.zeros(len(residual))
-    for each, where in problem.channels():
-        if each.record == name:
-            weight[where] = 1.0 / value[each.record, each.signal, each.channel]
+    evidence = evidence_of(fit, problem)
+    white = evidence.whitened(np.column_stack([jacobian, residual]), problem)
+    own = np.concatenate([np.arange(w.start, w.stop) for e, w in problem.channels() if e.record == name])
+    jacobian, residual = white[own, :-1], white[own, -1]
     prior = prior.copy()
     prior[: len(fit.z)] = 1e-4  # the record alone shall say it
-    inverse = NormalEquations.of(jacobian, prior, weight).inverse()
-    gradient = jacobian.T @ (weight * residual) + prior * best
+    inverse = NormalEquations.of(jacobian, prior).inverse()
+    gradient = jacobian.T @ residual + prior * best
     return -inverse @ gradient, np.sqrt(np.diag(inverse))
 
 

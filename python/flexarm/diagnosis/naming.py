@@ -3,10 +3,11 @@
 What is said of effects: names with their probabilities and alternatives, and what was rejected.
 
 A probability is that of the evidence among rivals within reach and no effect at all (eq. (1) of
-`diagnosis.alternatives`), with two doubts that evidence does not know: some mechanism may be in no
-vocabulary, and an effect whose parameter moves from record to record, or beside which a gap stays open, a
-clock, a frame or a nominal value strained (eq. (2) of `diagnosis.acceptance`), or beside an encoder of which
-coarse steps hide what moved, is at most as likely as not.
+`diagnosis.alternatives`), with three doubts that evidence does not know. Some mechanism may be in no
+vocabulary. An effect whose parameter moves from record to record, or beside an encoder of which coarse steps
+hide what moved, is at most as likely as not. Where a gap stays that no effect explains, an effect may imitate
+a part of its cause: its probability is at most the part of the gap, where it acts, that it explains.
+A gap elsewhere does not make it less likely.
 """
 
 from __future__ import annotations
@@ -159,13 +160,14 @@ def named_effects(
     `coarse` says that an encoder counts in steps that matter.
     """
     policy = problem.policy
-    doubtful = open_gap or coarse or Criteria(problem, choice.null).in_conflict(choice.best)
     found = []
     for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
         near = [rival for rival in rivals if rival.within_reach]
         odds = [min(p, policy.most_certain) for p in probabilities(near, choice.needed[k])]
         moving = [drift for drift in drifts if _moves(drift, member)]
-        first = min(odds[0], policy.doubtful) if moving or doubtful else odds[0]
+        first = min(odds[0], policy.doubtful) if moving or coarse else odds[0]
+        if open_gap:
+            first = min(first, choice.shares[k])
         alternatives = tuple(
             Alternative(rival.candidate.name, rival.candidate.at, p)
             for rival, p in zip(near, odds[1:], strict=True)
@@ -196,7 +198,7 @@ def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
     for fit, _ in choice.tried:
         for place in fit.places:
             if place not in chosen and place not in found:
-                behind = log_bayes_factor(fit, choice.best, problem, choice.value)
+                behind = log_bayes_factor(fit, choice.best, problem)
                 if behind < -problem.policy.reach:
                     found[place] = Rejected(*place, behind, ON_THE_WAY)
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))

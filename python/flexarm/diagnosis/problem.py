@@ -29,6 +29,7 @@ from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.diagnosis.base_tilts import UncertainTilt, tilt_jacobian, uncertain_tilts
+from flexarm.diagnosis.discrepancy import angles_of_poses, pose_kernels
 from flexarm.diagnosis.initial_conditions import (
     InitialCondition,
     find_initial_conditions,
@@ -80,6 +81,8 @@ class Problem:
         Of the base, where records state them with a sigma.
     simulations : SimulationCache
         Simulations beside the records.
+    evidence : WeakKeyDictionary
+        Evidence of fits, and the rows that it was computed with (`diagnosis.evidence`).
     """
 
     arm: Arm
@@ -95,9 +98,11 @@ class Problem:
     initial_conditions: tuple[InitialCondition, ...] = field(init=False, default=())
     tilts: tuple[UncertainTilt, ...] = field(init=False, default=())
     simulations: SimulationCache = field(init=False)
+    evidence: WeakKeyDictionary[Any, Any] = field(init=False, default_factory=WeakKeyDictionary)
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
     _stepped: dict[float, Problem] = field(init=False, default_factory=dict)
     _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)
+    _kernels: dict[Any, list[tuple[Floats, Floats]]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.simulations = SimulationCache(self.records, self.step, self.alpha)
@@ -136,6 +141,15 @@ class Problem:
         """Rows of one record."""
         return (each for each in self.rows if each.record == record)
 
+    def pose_kernels(self, rows: Rows) -> list[tuple[Floats, Floats]]:
+        """Return eigenvalues and eigenvectors of the correlation of poses, by correlation length."""
+        key = (rows.record, rows.signal, rows.kept.tobytes())
+        if key not in self._kernels:
+            record = self.records[rows.record]
+            pose = np.asarray(record.signals[rows.signal].pose)[rows.kept]
+            self._kernels[key] = pose_kernels(angles_of_poses(record, pose))
+        return self._kernels[key]
+
     def with_step(self, step: float) -> Problem:
         """Return the same rows against other simulations, whose residuals are remembered too."""
         if step == self.step:
@@ -149,6 +163,7 @@ class Problem:
         """Return the same with no residual remembered, for other rows or records to be put in."""
         found = copy(self)
         found._residuals, found._stepped = OrderedDict(), {}
+        found.evidence = WeakKeyDictionary()
         return found
 
     def with_drives(self, records: Mapping[str, Record]) -> Problem:

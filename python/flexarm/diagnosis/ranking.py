@@ -19,7 +19,7 @@ import numpy as np
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import log_bayes_factor, variance_inflation
+from flexarm.diagnosis.evidence import log_bayes_factor
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.refinement import BETTER, about_itself, polished
 
@@ -50,10 +50,9 @@ def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
     """Return the best first, of those worth a name if there are any."""
     problem, reach = criteria.problem, criteria.policy.reach
     fits = [f for f in fits if criteria.reduces(f, old) or not criteria.leaves_gap(f)] or fits
-    value = variance_inflation(min(fits, key=lambda f: f.cost).projected, problem)
 
     def behind(one: Fit, other: Fit) -> int:
-        return int(np.sign(log_bayes_factor(other, one, problem, value)))
+        return int(np.sign(log_bayes_factor(other, one, problem)))
 
     if not criteria.all_leave_gaps(fits):
         return sorted(fits, key=cmp_to_key(behind))
@@ -86,5 +85,4 @@ def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 
 def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
     """Return True if a fit may be as good as the first with derivatives of its own."""
-    value = variance_inflation(min((fit, first), key=lambda f: f.cost).projected, criteria.problem)
-    return log_bayes_factor(first, fit, criteria.problem, value) < criteria.policy.close
+    return log_bayes_factor(first, fit, criteria.problem) < criteria.policy.close

@@ -19,7 +19,7 @@ from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import Channel, log_bayes_factor, variance_inflation
+from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
 from flexarm.diagnosis.moves.search_state import Move, SearchState
@@ -41,12 +41,12 @@ class Choice:
         The nominal model and the chosen one; both with unknowns fitted.
     estimator : Estimator
         About the chosen model.
-    value : dict
-        Worth of the samples, T of `evidence`, after the chosen model.
     rivals : list of (list of Rival)
         For each effect of `best`, the best first.
     needed : list of float
         ln Z of the chosen model over itself without each of its effects.
+    shares : list of float
+        Part of the gap where each effect acts that it explains (`evidence.explained_share`).
     tried : list of (Fit, float)
         Every fit and its gain of ln Z over the nominal model.
     """
@@ -54,16 +54,16 @@ class Choice:
     null: Fit
     best: Fit
     estimator: Estimator
-    value: Mapping[Channel, float]
     rivals: list[list[Rival]] = field(default_factory=list)
     needed: list[float] = field(default_factory=list)
+    shares: list[float] = field(default_factory=list)
     tried: list[tuple[Fit, float]] = field(default_factory=list)
 
     @property
     def gain(self) -> float:
         """Return ln Z of the chosen model over the nominal one."""
         problem = self.estimator.problem
-        return log_bayes_factor(self.best, self.null, problem, self.value)
+        return log_bayes_factor(self.best, self.null, problem)
 
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
@@ -77,7 +77,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     most = problem.policy.most_effects
     tell("weighing rivals", most / (most + 1))
     choice = swap(state, *settled(best, about))
-    gains = [(f, log_bayes_factor(f, null, problem, choice.value)) for f in state.tried]
+    gains = [(f, log_bayes_factor(f, null, problem)) for f in state.tried]
     return replace(choice, tried=gains)
 
 
@@ -205,15 +205,15 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
 def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
-    value = variance_inflation(best.projected, criteria.problem)
-    rivals, needed = [], []
+    rivals, needed, shares = [], [], []
     for k, member in enumerate(best.members):
-        rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried, value))
+        rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried))
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or carries(others, member)
         fewer = None if alone else without(others, about, state.tried)
-        needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem, value))
-    return Choice(state.null, best, about, value, rivals, needed)
+        needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem))
+        shares.append(explained_share(best, fewer or state.null, criteria.problem))
+    return Choice(state.null, best, about, rivals, needed, shares)
 
 
 def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:

@@ -174,7 +174,7 @@ def _diagnosis(
         problem = problem.without(out)
         choice = _chosen(problem, lambda done, what: tell(0.8, f"again: {what}"))
     tell(0.8, "intervals")
-    found = _conclusion(choice, coarse, problem, seed)
+    found = _conclusion(choice, coarse, problem)
     tell(0.83, "next experiment")
     further = NextExperiment()
     if allows("the next experiment was sought"):
@@ -246,14 +246,14 @@ class _Conclusion:
     ends: str
 
 
-def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem, seed: int) -> _Conclusion:
+def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Problem) -> _Conclusion:
     """Intervals, constancy, names; the model is repaired by what explains all or is better than nothing.
 
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
-    sizes = estimates(choice.best, problem, seed)
-    drifts = tuple(constancy(choice.best, problem, choice.value))
+    sizes = estimates(choice.best, problem)
+    drifts = tuple(constancy(choice.best, problem))
     criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
     share = criteria.policy.negligible_share if has_implausible_size(choice.best) else None

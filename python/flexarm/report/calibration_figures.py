@@ -20,6 +20,9 @@ UNKNOWN = "#999999"
 NAMED = 30
 """Parameters up to which a matrix of correlations names them."""
 
+BAR = 0.85
+"""Part of a sheet's width that a matrix takes; the rest is its scale's."""
+
 
 def members(found: Calibration) -> Iterator[tuple[str, Figure]]:
     """Yield name and figure of each family: its members with 90 % intervals."""
@@ -56,9 +59,12 @@ def correlations(found: Calibration) -> Figure | None:
     names = [found.parameters[k].name for k in known]
     few = len(names) <= NAMED
     left = margin_for(names, 6.0) if few else 0.4
-    size = WIDTH - left - 0.6
+    size = BAR * (WIDTH - left)
     figure, axes = sheet(1, 1, size, left=left, legend=False)
     ax = axes[0, 0]
+    box = ax.get_position()
+    ax.set_position((box.x0, box.y0, BAR * box.width, box.height))
+    scale_of = figure.add_axes((box.x0 + (BAR + 0.03) * box.width, box.y0, 0.02, box.height))
     values = found.correlations[np.ix_(known, known)]
     image = ax.imshow(values, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto", interpolation="nearest")
     ax.grid(visible=False)
@@ -66,5 +72,5 @@ def correlations(found: Calibration) -> Figure | None:
         ax.set_yticks(range(len(names)), names, fontsize=6)
         ax.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))], fontsize=6)
     ax.set_xlabel("parameter, in the order of the table")
-    figure.colorbar(image, ax=ax, label="correlation [-]", fraction=0.05, pad=0.02)
+    figure.colorbar(image, ax=ax, cax=scale_of, label="correlation [-]")
     return figure

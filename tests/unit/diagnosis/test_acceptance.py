@@ -29,7 +29,6 @@ def test_an_effect_that_spares_a_strain_needs_odds_of_five_others_of_four_hundre
     monkeypatch.setattr(Criteria, "significant", lambda *_: True)
     monkeypatch.setattr(Criteria, "as_stated", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
-    monkeypatch.setattr(acceptance, "variance_inflation", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: gain)
     assert Criteria(OBSERVED, old).accepts(new, old) is taken
 
@@ -46,7 +45,6 @@ def test_an_effect_beside_a_gap_takes_a_part_of_it_or_spares_a_strain(monkeypatc
     monkeypatch.setattr(Criteria, "significant", lambda *_: True)
     monkeypatch.setattr(Criteria, "as_stated", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
-    monkeypatch.setattr(acceptance, "variance_inflation", lambda *_: {})
     monkeypatch.setattr(acceptance, "log_bayes_factor", lambda *_: 1e3)
     monkeypatch.setattr(acceptance, "press_rms", lambda fit, problem: fit.cost)
     assert Criteria(OBSERVED, old).accepts(new, old) is taken

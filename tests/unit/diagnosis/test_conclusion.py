@@ -38,6 +38,6 @@ def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, consta
         "repaired": None,
     }.items():
         monkeypatch.setattr(workflow, name, lambda *_, said=said, **__: said)
-    found = workflow._conclusion(choice, (), SimpleNamespace(arm=None, policy=SelectionPolicy()), seed=0)
+    found = workflow._conclusion(choice, (), SimpleNamespace(arm=None, policy=SelectionPolicy()))
     assert (found.verdict, found.open_gap) == (verdict, verdict == "unexplained" and not ends)
     assert found.ends == ends

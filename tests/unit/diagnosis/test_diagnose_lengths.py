@@ -74,7 +74,7 @@ def test_an_error_by_length_is_not_taken_for_a_second_effect():
     assert found.verdict == "unexplained"
     (tilt,) = found.effects
     assert (tilt.name, tilt.at) == ("base_tilt", "base")
-    assert tilt.probability <= 0.5
+    assert tilt.probability > 0.8  # it is there, whatever else is missing
     assert "joint_compliance" not in {other.name for other in tilt.alternatives}
     angle = next(p for p in tilt.parameters if p.name == "angle.y")
     assert angle.low90 < TILT < angle.high90

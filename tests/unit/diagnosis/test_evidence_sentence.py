@@ -57,25 +57,37 @@ def named(monkeypatch):
     return _named
 
 
-def _named(left, coarse=False, needed=50.0):
+def _named(left, coarse=False, needed=50.0, share=None):
     fit = null_of(left[0], left[1])
-    member = SimpleNamespace(name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",))
+    effect = SimpleNamespace(parameters=tuple, shape=())
+    member = SimpleNamespace(
+        name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",), effect=effect
+    )
     fit.members, fit.parameters, fit.z, fit.projected = (member,), (), (), fit.residual
     choice = SimpleNamespace(
-        best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], value={}
+        best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], shares=[share]
     )
     choice.null.projected = choice.null.residual
     problem = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
-    [found] = naming.named_effects(choice, SimpleNamespace(effects=[()]), (), False, problem, coarse)
+    [found] = naming.named_effects(
+        choice, SimpleNamespace(effects=[()]), (), share is not None, problem, coarse
+    )
     return found
 
 
-@pytest.mark.parametrize("left, said, first", [((2.6, 2.6), True, 0.5), ((2.6, 1.0), False, 0.98)])
-def test_a_name_beside_strained_values_is_doubted_and_the_reader_is_told_why(named, left, said, first):
+@pytest.mark.parametrize("left, said", [((2.6, 2.6), True), ((2.6, 1.0), False)])
+def test_beside_strained_values_a_name_keeps_its_probability_and_the_reader_is_told(named, left, said):
     """Two values at 2.6 sigmas are 1.2 beyond two in all, though neither is unusual by itself."""
     found = named(left)
-    assert found.probability == first
+    assert found.probability == SelectionPolicy.most_certain
     assert ("something else may be missing" in found.evidence) is said
+
+
+@pytest.mark.parametrize(("share", "first"), [(0.9996, 0.98), (0.25, 0.25)])
+def test_beside_a_gap_a_name_is_as_sure_as_the_part_that_it_explains(named, monkeypatch, share, first):
+    """An offset of 2 mrad beside 0.04 mrad is certain, what explains a quarter may imitate its cause."""
+    monkeypatch.setattr(evidence_sentence, "press_rms", lambda fit, problem: 1.0)
+    assert named((0.0, 0.0), share=share).probability == first
 
 
 def test_a_name_beside_a_coarse_encoder_is_doubted_and_the_reader_is_told_why(named):

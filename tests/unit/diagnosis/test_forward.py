@@ -388,8 +388,8 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     monkeypatch.setattr(
         module, "log_bayes_factor", lambda best, fewer, *_: "null" if fewer is found.null else fewer.gain
     )
-    for name in ("variance_inflation", "rivals_of"):
-        monkeypatch.setattr(module, name, lambda *_: {})
+    monkeypatch.setattr(module, "rivals_of", lambda *_: {})
+    monkeypatch.setattr(module, "explained_share", lambda *_: 1.0)
     monkeypatch.setattr(SearchState, "candidates", lambda *_: [])
     best = SimpleNamespace(members=("spring", "law", "tilt"), projected=None)
     assert module.with_alternatives(found, best, None).needed == ["null", 10, 9]

@@ -10,7 +10,7 @@ from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.design.experiment import from_drive
 from flexarm.diagnosis.design.next_experiment import ENOUGH, next_experiment
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, variance_inflation
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
@@ -36,18 +36,17 @@ def choice(*rivals):
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     known = {c.place: c for c in candidates(problem, estimator.nuisance.arm)}
     best = estimator.fit([known["joint_compliance", "hinge"]])
-    value = variance_inflation(best.projected, problem)
     fits = [estimator.fit([known[place]]) for place in rivals]
     others = [
         Rival(
             f.members[0],
             f,
-            log_bayes_factor(best, f, problem, value),
-            log_likelihood_ratio(best, f, problem, value),
+            log_bayes_factor(best, f, problem),
+            log_likelihood_ratio(best, f, problem),
         )
         for f in fits
     ]
-    return Choice(estimator.fit(()), best, estimator, value, [others])
+    return Choice(estimator.fit(()), best, estimator, [others])
 
 
 def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():

@@ -38,9 +38,8 @@ class Made:
 def made_up(monkeypatch):
     for module in (ranking, rivals):
         monkeypatch.setattr(
-            module, "log_bayes_factor", lambda one, other, problem, value: one.evidence - other.evidence
+            module, "log_bayes_factor", lambda one, other, problem: one.evidence - other.evidence
         )
-    monkeypatch.setattr(ranking, "variance_inflation", lambda rest, problem: {})
     monkeypatch.setattr(left_out, "press_rms", lambda fit, problem: fit.press_rms)
     monkeypatch.setattr(left_out, "folds", lambda problem: range(24))
     monkeypatch.setattr(ranking, "implausibility", lambda fit: fit.odd)
@@ -146,8 +145,8 @@ def test_what_came_close_on_the_way_is_a_rival():
     best = Made("joint_compliance", cost=1.0, press_rms=1.0, evidence=100.0)
     close, far = Made("joint_stiffening", 1.0, 1.0, 85.0), Made("cable_torque", 1.0, 1.0, 60.0)
     known = {fit.places[0]: fit for fit in (best, close, far)}
-    assert [c.place for c in rivals._near(known, [], best, OBSERVED, {})] == [("joint_stiffening", "hinge")]
-    assert rivals._near(known, list(close.members), best, OBSERVED, {}) == []
+    assert [c.place for c in rivals._near(known, [], best, OBSERVED)] == [("joint_stiffening", "hinge")]
+    assert rivals._near(known, list(close.members), best, OBSERVED) == []
 
 
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
@@ -158,8 +157,8 @@ def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatc
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
     rival = Made("encoder_scale", 1.0, 1.0, 40.0)
-    assert rivals._caught_up(rival, best, first, estimator, {}, False)[0].name == "settled"
-    assert rivals._caught_up(rival, best, best, estimator, {}, False) == (rival, 60.0)
+    assert rivals._caught_up(rival, best, first, estimator, False)[0].name == "settled"
+    assert rivals._caught_up(rival, best, best, estimator, False) == (rival, 60.0)
 
 
 @pytest.mark.parametrize("falls, steps", [(0.4, 0), (4.0, 1), (12.0, 1)])
@@ -175,7 +174,7 @@ def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps)
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
-    rivals._caught_up(rival, best, best, estimator, {}, False)
+    rivals._caught_up(rival, best, best, estimator, False)
     assert len(taken) == steps
 
 
@@ -186,7 +185,7 @@ def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
-    assert rivals._caught_up(rival, best, best, estimator, {}, False)[1] == 20.0
+    assert rivals._caught_up(rival, best, best, estimator, False)[1] == 20.0
 
 
 @pytest.mark.parametrize("gap, fitted", [(False, ["near"]), (True, ["near", "far"])], ids=["none", "a gap"])
@@ -209,7 +208,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     estimator = SimpleNamespace(
         problem=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]
     )
-    found = rivals.rivals_of(0, made["chosen"], Criteria(OBSERVED, nothing), estimator, [], [], {})
+    found = rivals.rivals_of(0, made["chosen"], Criteria(OBSERVED, nothing), estimator, [], [])
     assert [rival.candidate.place[0] for rival in found] == fitted
 
 

@@ -62,7 +62,7 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     law = next(p.candidate for p in probed if p.candidate.name == "backlash")
     assert carries((law,), spring) and not carries((spring,), law)
     best = estimator.linearised((spring, law))
-    assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, (), {}) == []
+    assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, ()) == []
     asked = []
     monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
     choose.backward(Criteria(estimator.problem, None), best, estimator)

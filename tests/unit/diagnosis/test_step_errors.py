@@ -6,7 +6,7 @@ from arms import LENGTH, PAYLOAD, TUBE, beam, crane, hinge, point, smooth_step, 
 
 import flexarm
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.evidence import above_noise, discrepancies
+from flexarm.diagnosis.evidence import above_noise, simulation_errors
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, discretisation_remarks
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
@@ -53,7 +53,7 @@ def test_what_no_step_is_fine_enough_for_is_no_gap(arm):
     assert most(there, bouncing) < 1.0
     [said] = discretisation_remarks(there)
     assert said.startswith("no time step is fine enough for what bounces: half of it moves tip by ")
-    assert discrepancies(there, non_smooth=True).max() > 1.0
+    assert simulation_errors(there, non_smooth=True).max() > 1.0
 
 
 def test_a_gap_stays_a_gap_beside_what_bounces(arm):
@@ -73,7 +73,7 @@ def test_what_bounces_says_nothing_of_a_model_without_corners(arm):
     allow_for_discretisation_error(there, bouncing)
     assert above_noise(there.residual(arm), there) == before
     assert above_noise(there.residual(arm), there, non_smooth=True) != before
-    assert set(discrepancies(there, non_smooth=False)) == {SelectionPolicy.discrepancy}
+    assert set(simulation_errors(there, non_smooth=False)) == {SelectionPolicy.discrepancy}
 
 
 def test_laws_without_corners_and_those_that_lie_on_a_flank_are_as_exact_as_ever(arm):
@@ -83,7 +83,7 @@ def test_laws_without_corners_and_those_that_lie_on_a_flank_are_as_exact_as_ever
         allow_for_discretisation_error(there, model)
         assert all(each.discretisation_error == 0.0 for each in there.rows)
         assert discretisation_remarks(there) == []
-        assert set(discrepancies(there, non_smooth=True)) == {SelectionPolicy.discrepancy}
+        assert set(simulation_errors(there, non_smooth=True)) == {SelectionPolicy.discrepancy}
 
 
 def test_more_noise_makes_less_of_it(arm):

@@ -87,6 +87,7 @@ def test_refined_values_are_listed_once_where_they_are_many():
     assert "(links.rod.material.youngs_modulus) explains the gap" in verdict_sentence(found)
 
 
+NOTHING_HELD = SimpleNamespace(parameters=tuple, shape=())
 BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
 """Records of a model without effects."""
 
@@ -102,7 +103,7 @@ def choice_of(names: list[str], before: float, after: float, monkeypatch) -> Sim
             projected=which,
             non_smooth=False,
             residual=which,
-            members=[SimpleNamespace(name=name, at="hinge") for name in names],
+            members=[SimpleNamespace(name=name, at="hinge", effect=NOTHING_HELD) for name in names],
             parameters=(),
             z=(),
             nuisance=SimpleNamespace(parameters=[unknown], sigma=np.ones(1)),

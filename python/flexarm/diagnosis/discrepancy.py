@@ -1,0 +1,286 @@
+r"""Model discrepancy: what a model leaves beside noise, as a stationary process of each channel.
+
+The residual of a channel, over the stated noise, has the covariance
+
+.. math:: C = r I + s^2 K, \quad r = 1 + d,                                                            (1)
+
+with d what noise of drives and finer time steps move there (`diagnosis.noise_model`). Size s and correlation
+length of the process are estimated for each model by maximum likelihood. In time it is an Ornstein-Uhlenbeck
+process, K_ij = exp(-|i - j|/L). Its likelihood comes from a Kalman filter of one state, whose innovations
+over their deviation are white [Kalman1960]:
+
+.. math:: e_t = y_t - \hat x_t, \quad V_t = P_t + r, \quad
+          \hat x_{t+1} = \phi (\hat x_t + P_t e_t/V_t), \quad
+          P_{t+1} = \phi^2 P_t r/V_t + s^2 (1 - \phi^2), \quad \phi = e^{-1/L}                         (2)
+
+Pauses restart the filter. s and L maximise Whittle's likelihood of the periodogram [Whittle1953] times a
+prior,
+
+.. math:: \ln p = -\tfrac12 \sum_k (\ln S_k + I_k/S_k) - \tfrac12 \ln(1 + s^2/r), \quad
+          S_k = r + s^2 \frac{1 - \phi^2}{1 - 2 \phi \cos \omega_k + \phi^2}                           (3)
+
+The prior of s is a half-Cauchy one of the noise's scale [Gelman2006], times the width of what data leave of
+it, which grows with s: a model that needs a discrepancy of s times the noise is less likely by that factor.
+What lasts longer than a tenth of a record is no discrepancy: an offset or a drift is an effect.
+
+Poses have no order in time: there K_ij = exp(-|a_i - a_j|^2/(2 L^2)) with a the joints' angles over their
+spread, L a part of it, and one eigendecomposition of K whitens all models [Rasmussen2006].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+from flexarm.record import Record
+
+TRANSIENT = 64
+"""Samples after which the gain of (2) is constant: it settles within a few, or does not matter."""
+PAUSE = 3.0
+"""Interval over the usual one that is a pause of a record."""
+LENGTHS = (0.1, 0.2, 0.5)
+"""Correlation lengths of poses, over the spread of their angles."""
+LONGEST = 0.1
+"""Greatest correlation length in time, part of the record."""
+
+
+@dataclass(frozen=True, eq=False)
+class TimeDiscrepancy:
+    """Eq. (1) of a channel in time.
+
+    Attributes
+    ----------
+    stretches : sequence of slice
+        Rows between pauses.
+    noise, size : float
+        r and s^2 of (1), over the stated variance.
+    length : float
+        L [samples]; 0 without a discrepancy.
+    """
+
+    stretches: Sequence[slice]
+    noise: float
+    size: float = 0.0
+    length: float = 0.0
+
+    @property
+    def _phi(self) -> float:
+        return float(np.exp(-1.0 / self.length)) if self.length > 0 else 0.0
+
+    @cached_property
+    def gains(self) -> tuple[Floats, Floats]:
+        """V_t of (2) and P_t/V_t of the first samples of a stretch, the last one for all others."""
+        variance, gain = np.empty(TRANSIENT + 1), np.empty(TRANSIENT + 1)
+        phi, predicted = self._phi, self.size
+        fresh = self.size * (1 - phi**2)
+        for t in range(TRANSIENT):
+            variance[t] = predicted + self.noise
+            gain[t] = predicted / variance[t]
+            predicted = phi**2 * predicted * self.noise / variance[t] + fresh  # eq. (2)
+        half = (self.noise * (1 - phi**2) - fresh) / 2
+        steady = -half + np.sqrt(half**2 + fresh * self.noise)
+        variance[-1], gain[-1] = steady + self.noise, steady / (steady + self.noise)
+        return variance, gain
+
+    def whitened(self, values: Floats) -> Floats:
+        """Return innovations over their deviation, of values of shape (n, ...)."""
+        found: Floats = values / np.sqrt(self.noise)
+        if self.size == 0:
+            return found
+        for rows in self.stretches:
+            found[rows] = self._filtered(values[rows])
+        return found
+
+    def _filtered(self, values: Floats) -> Floats:
+        from scipy.signal import lfilter
+
+        variance, gain = self.gains
+        phi, found = self._phi, np.empty_like(values)
+        state = np.zeros(values.shape[1:])
+        for t in range(min(TRANSIENT, len(values))):
+            error = values[t] - state
+            found[t] = error / np.sqrt(variance[t])
+            state = phi * (state + gain[t] * error)  # eq. (2)
+        if len(values) > TRANSIENT:
+            rest, _ = lfilter(
+                [1.0, -phi], [1.0, -phi * (1 - gain[-1])], values[TRANSIENT:], axis=0, zi=-state[None]
+            )
+            found[TRANSIENT:] = rest / np.sqrt(variance[-1])
+        return found
+
+    @property
+    def long_run_variance(self) -> float:
+        """Variance of the mean of many samples times their number: the spectral density at zero."""
+        return self.noise + self.size * (1 + self._phi) / (1 - self._phi)
+
+    def times(self, values: Floats) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found: Floats = self.noise * values
+        if self.size > 0:
+            for rows in self.stretches:
+                found[rows] += self.size * self._correlated(values[rows])
+        return found
+
+    def _correlated(self, values: Floats) -> Floats:
+        """Return K times values: what decays after each sample, and before it."""
+        from scipy.signal import lfilter
+
+        after = lfilter([1.0], [1.0, -self._phi], values, axis=0)
+        before = lfilter([1.0], [1.0, -self._phi], values[::-1], axis=0)[::-1]
+        return np.asarray(after + before - values)
+
+    @property
+    def log_prior(self) -> float:
+        """Logarithm of the prior of s, at most 0."""
+        return float(log_prior(self.size / self.noise))
+
+    @property
+    def log_determinant(self) -> float:
+        """ln |C|."""
+        if self.size == 0:
+            return float(np.log(self.noise) * sum(rows.stop - rows.start for rows in self.stretches))
+        variance = np.log(self.gains[0])
+        counts = [rows.stop - rows.start for rows in self.stretches]
+        return float(
+            sum(variance[: min(n, TRANSIENT)].sum() + max(n - TRANSIENT, 0) * variance[-1] for n in counts)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PoseDiscrepancy:
+    """Eq. (1) of a channel of poses.
+
+    Attributes
+    ----------
+    vectors, variances : ndarray, shape (n, n) and (n,)
+        Eigenvectors and eigenvalues of C.
+    log_prior : float
+        Logarithm of the prior of s, at most 0.
+    """
+
+    vectors: Floats
+    variances: Floats
+    log_prior: float = 0.0
+
+    def whitened(self, values: Floats) -> Floats:
+        """Return values of shape (n, ...) in directions of their own, over their deviation."""
+        turned = self.vectors.T @ values
+        found: Floats = (turned.T / np.sqrt(self.variances)).T
+        return found
+
+    @property
+    def long_run_variance(self) -> float:
+        """Variance of the mean times the number of poses."""
+        return float(self.vectors.sum(axis=0) ** 2 @ self.variances / len(self.variances))
+
+    def times(self, values: Floats) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found: Floats = self.vectors @ ((self.vectors.T @ values).T * self.variances).T
+        return found
+
+    @property
+    def log_determinant(self) -> float:
+        """ln |C|."""
+        return float(np.log(self.variances).sum())
+
+
+Discrepancy = TimeDiscrepancy | PoseDiscrepancy
+
+
+def log_prior(square: Any) -> Any:
+    """Return the last term of (3) for s^2/r."""
+    return -0.5 * np.log1p(square)
+
+
+def stretches(time: Floats) -> list[slice]:
+    """Return the rows between pauses of a record."""
+    steps = np.diff(time)
+    ends = np.flatnonzero(steps > PAUSE * np.median(steps)) + 1 if len(steps) else np.empty(0, dtype=int)
+    edges = [0, *ends.tolist(), len(time)]
+    return [slice(a, b) for a, b in pairwise(edges)]
+
+
+def in_time(rest: Floats, time: Floats, noise: float) -> TimeDiscrepancy:
+    """Return the most probable discrepancy of a channel in time, by (3)."""
+    n = len(rest)
+    omega, power, count = _binned(rest)
+    sizes = noise * np.geomspace(1e-3, max(10.0 * float(np.mean(rest**2)) / noise, 1.0), 60)
+    longest = max(LONGEST * n, 2.0)
+    lengths = np.geomspace(1.0, longest, max(int(3 * np.log(longest)), 2))
+    phi = np.exp(-1.0 / lengths)[:, None]
+    shape = (1 - phi**2) / (1 - 2 * phi * np.cos(omega) + phi**2)
+    density = noise + sizes[:, None, None] * shape  # eq. (3)
+    likely = -0.5 * ((np.log(density) + power / density) @ count) + log_prior(sizes / noise)[:, None]
+    nothing = -0.5 * float((np.log(noise) + power / noise) @ count)
+    i, j = np.unravel_index(int(np.argmax(likely)), likely.shape)
+    there = stretches(time)
+    if likely[i, j] <= nothing:
+        return TimeDiscrepancy(there, noise)
+    return TimeDiscrepancy(there, noise, float(sizes[i]), float(lengths[j]))
+
+
+BINS = 80
+"""Bands of frequency in which a periodogram is summed: its density is smooth."""
+
+
+def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return angular frequencies [rad/sample], mean periodogram and number of values of each band."""
+    n = len(rest)
+    power = np.abs(np.fft.rfft(rest)) ** 2 / n
+    weight = np.full(len(power), 2.0)
+    weight[0] = 1.0
+    if n % 2 == 0:
+        weight[-1] = 1.0
+    omega = 2 * np.pi * np.arange(len(power)) / n
+    edges = np.unique(np.geomspace(1, len(power), BINS).astype(int))
+    starts = np.concatenate([[0], edges[:-1]]) if len(edges) > 1 else np.array([0])
+    count = np.add.reduceat(weight, starts)
+    return (
+        np.add.reduceat(weight * omega, starts) / count,
+        np.add.reduceat(weight * power, starts) / count,
+        count,
+    )
+
+
+def angles_of_poses(record: Record, pose: NDArray[Any]) -> Floats:
+    """Return where the drives of a static record stand in given poses, shape (n, drives)."""
+    found = np.zeros((len(pose), len(record.drive)))
+    for column, name in zip(found.T, record.drive, strict=True):
+        drive = record.signals[name]
+        known = dict(zip(np.asarray(drive.pose).tolist(), drive.values[:, 0].tolist(), strict=True))
+        column[:] = [known.get(each, np.nan) for each in pose.tolist()]
+    return np.nan_to_num(found)
+
+
+def pose_kernels(angles: Floats) -> list[tuple[Floats, Floats]]:
+    """Return eigenvalues and eigenvectors of K for each of `LENGTHS`, from angles of shape (n, joints)."""
+    spread = angles.std(axis=0)
+    scaled = (angles - angles.mean(axis=0))[:, spread > 0] / spread[spread > 0]
+    square = np.sum((scaled[:, None] - scaled[None]) ** 2, axis=2) / max(scaled.shape[1], 1)
+    found = []
+    for length in LENGTHS:
+        values, vectors = np.linalg.eigh(np.exp(-square / (2 * length**2)))
+        found.append((np.maximum(values, 0.0), vectors))
+    return found
+
+
+def of_poses(rest: Floats, kernels: Sequence[tuple[Floats, Floats]], noise: float) -> PoseDiscrepancy:
+    """Return the most probable discrepancy of a channel of poses."""
+    sizes = noise * np.concatenate([[0.0], np.geomspace(1e-3, max(10 * float(np.mean(rest**2)), 1.0), 60)])
+    best = None
+    for values, vectors in kernels:
+        variances = noise + sizes[:, None] * values
+        prior = log_prior(sizes / noise)
+        likely = prior - 0.5 * np.sum(np.log(variances) + (vectors.T @ rest) ** 2 / variances, axis=1)
+        k = int(np.argmax(likely))
+        if best is None or likely[k] > best[0]:
+            best = (float(likely[k]), PoseDiscrepancy(vectors, variances[k], float(prior[k])))
+    assert best is not None
+    return best[1]
