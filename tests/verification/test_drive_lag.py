@@ -144,6 +144,7 @@ def test_virtual_records_hold_the_drive_and_not_what_the_motor_made_of_it() -> N
     )
     again = simulated(by_command, run, late)
     assert np.array_equal(again.signals["hinge"].values, by_command.signals["hinge"].values)
+    assert flexarm.compare(late, again).signals["hinge"].rms["total"] < 1e-9
     repeated = simulate(late, again, end=drive.end)
     assert repeated.position == pytest.approx(run.position, abs=1e-7)
 

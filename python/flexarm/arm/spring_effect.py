@@ -87,10 +87,8 @@ class SpringEffect(Effect):
 
     def about_both_axes(self) -> list[tuple[float, float]]:
         """Return stiffness and damping about each of two axes; a single number holds for both."""
-        k, c = (
-            value if isinstance(value, tuple) else (value, value) for value in (self.stiffness, self.damping)
-        )
-        return list(zip(k, c, strict=True))
+        k, c = (list(self._keyed(name).values()) for name in ("stiffness", "damping"))
+        return list(zip(k * (2 // len(k)), c * (2 // len(c)), strict=True))
 
     def hinges(self, axes: Sequence[Vector]) -> list[Hinge]:
         """Return its hinges about such axes, without those that are rigid."""

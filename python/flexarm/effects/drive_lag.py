@@ -11,7 +11,7 @@ models do not know it, and steppers refuse it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.drive_effect import DriveEffect
@@ -20,6 +20,7 @@ from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
+    from flexarm.arm.effect import Effect
 
 
 class DriveLag(DriveEffect):
@@ -53,6 +54,28 @@ class DriveLag(DriveEffect):
     def lag(self) -> tuple[float, float]:
         """Return D and tau of (1)."""
         return self.delay, self.time_constant
+
+    def sized(
+        self,
+        multiples: Sequence[float],
+        probes: Sequence[Effect],
+        null: Mapping[str, float],
+        stated: Effect | None,
+        least: float,
+    ) -> dict[str, float]:
+        """Return how late the multiples are in all, in equal parts where one of them would be negative.
+
+        To first order only the sum of delay and time constant is seen.
+        """
+        found = super().sized(multiples, probes, null, stated, least)
+        if len(found) < 2 or min(multiples) >= 0:
+            return found
+        late = sum(
+            times * (probe.value_of(key) - null[key])
+            for times, probe in zip(multiples, probes, strict=True)
+            for key in found
+        )
+        return {key: max(null[key] + late / len(found), least * self.value_of(key)) for key in found}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a quick servo to a slow hydraulic drive on a field bus."""

@@ -7,6 +7,7 @@ most step/2 and, over many steps, of step/sqrt(12) rms.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,12 @@ def joint_command(simulation: Any, what: Described, instants: Floats) -> Floats:
     if not np.isfinite(command).all():
         raise CannotMeasure(f"signal {what.name!r}: the joint {what.joint!r} has no controller here")
     return sample(simulation.time, command, instants)
+
+
+def told(simulation: Any, what: Any, drives: Collection[str]) -> Any:
+    """Return a signal or sensor, as a command where it drives a joint that lags behind its drive."""
+    late = what.name in drives and follows_late(simulation, what.joint)
+    return what.replace(quantity="joint_command", side=None) if late else what
 
 
 def follows_late(simulation: Any, joint: str | None) -> bool:

@@ -22,7 +22,7 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.encoder import follows_late, quantised
+from flexarm.measurement.encoder import quantised, told
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
 
@@ -128,7 +128,7 @@ def _signal(
     clock: str,
     clock_errors: Mapping[str, ClockError],
     places: Mapping[str, Registration],
-    told: Collection[str],
+    drives: Collection[str],
 ) -> Signal:
     """Return the signal that one sensor writes; those that drive show what joints were told."""
     from flexarm.record import Signal
@@ -137,9 +137,7 @@ def _signal(
     unit, factor = sensor.si if sensor.unit else (_default_unit(simulation.arm, sensor), 1.0)
     seen = effects_of(simulation.arm, sensor, clock)
     place = seen.registration(places.get(sensor.frame or "base", IDENTITY))
-    command = sensor.name in told and follows_late(simulation, sensor.joint)
-    looked_at = sensor.replace(quantity="joint_command", side=None) if command else sensor
-    values = seen.sensed(read(simulation, looked_at, instants, place))
+    values = seen.sensed(read(simulation, told(simulation, sensor, drives), instants, place))
     values = values + (sensor.noise_std or 0.0) * factor * rng.standard_normal(values.shape)
     values = seen.written(quantised(values, sensor.step * factor))  # eq. (2)
     values[rng.random(len(values)) < sensor.drop_out] = np.nan
