@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.arm.prior import Prior
     from flexarm.arm.rotation import Vector
-    from flexarm.assembly.machine import Hinge
 
 
 def _one_or_two(unit: str, positive: bool) -> BeforeValidator:
@@ -90,12 +89,10 @@ class SpringEffect(Effect):
         k, c = (list(self._keyed(name).values()) for name in ("stiffness", "damping"))
         return list(zip(k * (2 // len(k)), c * (2 // len(c)), strict=True))
 
-    def hinges(self, axes: Sequence[Vector]) -> list[Hinge]:
-        """Return its hinges about such axes, without those that are rigid."""
-        from flexarm.assembly.machine import Hinge
-
+    def soft_about(self, axes: Sequence[Vector]) -> list[tuple[Vector, float, float]]:
+        """Return axis, stiffness and damping about such axes, without those about which it is rigid."""
         each = zip(axes, self.about_both_axes(), strict=False)
-        return [Hinge(axis, k, c) for axis, (k, c) in each if k < self.rigid]
+        return [(axis, k, c) for axis, (k, c) in each if k < self.rigid]
 
     @property
     def softest(self) -> float:

@@ -8,6 +8,7 @@ not depend on values: sensitivities difference two systems of one structure.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from flexarm.arm import Arm
@@ -69,6 +70,10 @@ class Member:
     bow_time: float = 0.0
 
 
+Spring = tuple[Vector, float, float]
+"""Axis, stiffness and damping of a hinge."""
+
+
 @dataclass(frozen=True)
 class Hinge:
     """A hinge that nothing drives, between two parts that were one.
@@ -104,6 +109,10 @@ class Base:
     hinges: list[Hinge] = field(default_factory=list)
     vibration: tuple[float, float, float] | None = None
 
+    def hinge(self, springs: Iterable[Spring]) -> None:
+        """Put the base on hinges, one behind the other."""
+        self.hinges = [Hinge(*spring) for spring in springs]
+
 
 @dataclass
 class Machine:
@@ -119,6 +128,10 @@ class Machine:
     links: dict[str, Member]
     points: dict[str, Place]
     base: Base
+
+    def mount(self, joint: str, springs: Iterable[Spring]) -> None:
+        """Put hinges between a joint and its parent, one behind the other."""
+        self.mounts[joint] = [Hinge(*spring) for spring in springs]
 
 
 def machine_of(arm: Arm) -> Machine:

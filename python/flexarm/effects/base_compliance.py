@@ -62,7 +62,7 @@ class BaseCompliance(SpringEffect):
             axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]
         else:
             axes = [base_axis(machine.arm)]
-        machine.base.hinges = self.hinges(axes)  # eq. (1)
+        machine.base.hinge(self.soft_about(axes))  # eq. (1)
 
     @classmethod
     def variants(cls, at: str, arm: Arm, stated: Effect | None) -> list[Self]:

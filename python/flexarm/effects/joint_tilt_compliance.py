@@ -51,8 +51,8 @@ class JointTiltCompliance(SpringEffect):
 
     def patch(self, machine: Machine) -> None:
         """Put two hinges between the parent and the joint, eq. (1)."""
-        axis = machine.arm.joint(self.at).axis
-        machine.mounts[self.at] = self.hinges(across(axis))  # eq. (1)
+        axes = across(machine.arm.joint(self.at).axis)
+        machine.mount(self.at, self.soft_about(axes))  # eq. (1)
 
     def trials(
         self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
