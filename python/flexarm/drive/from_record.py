@@ -31,9 +31,10 @@ _AFTER_THE_LAST = 0.02
 
 def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
     """Return the attributes of the drive of a record, see `Drive.from_record`."""
-    if record.kind == "static":
+    if record.kind != "motion":
+        what = "poses do" if record.kind == "static" else "a frequency response does"
         raise InvalidParameter(
-            'is "static": poses do not move the arm; allowed as a drive is a record of kind "motion"',
+            f'is "{record.kind}": {what} not move the arm; allowed as a drive is a record of kind "motion"',
             where="kind",
         )
     joints: dict[str, JointDrive] = {}
@@ -43,7 +44,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
         if signal.quantity not in ("joint_angle", "joint_command") or signal.joint is None:
             raise InvalidParameter(
                 f"signal {name!r} ({signal.quantity}) cannot drive; a joint_angle drives directly, a "
-                "joint_command through the joint's controller",
+                "joint_command through the joint's controller, directly where it has none",
                 where="drive",
             )
         if signal.joint in joints:
@@ -93,9 +94,13 @@ def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float
 
 
 def _joint_drive(signal: Signal, arm: Arm, start: float) -> JointDrive:
-    """Return a command as it is held, or an angle without its noise."""
+    """Return a command as its controller holds it, or an angle without its noise.
+
+    Without a controller in the model a joint follows its command as it does an angle.
+    """
     samples = _true_samples(signal, arm, start)
-    if signal.quantity == "joint_command":
+    controlled = any(controller.joint == signal.joint for controller in arm.controllers)
+    if signal.quantity == "joint_command" and controlled:
         return JointDrive.held(samples.time, samples.values)
     joint = arm.joint(str(signal.joint))
     shown = (samples.stamps, samples.reading)
