@@ -77,7 +77,7 @@ class SelectionPolicy:
     """1 sigma [rad, m] of the zero of an encoder or inclinometer that is evidence: 0.3 degrees."""
 
     # Stopping
-    most_effects: int = 3
+    most_effects: int = 12
     """Effects in a diagnosis, and swaps in a search [1]: more fit anything."""
     most_of_gap: float = 0.5
     """Part of the gap [-]: two effects explain it for a third, the best screened one for no more starts."""
