@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from flexarm.campaign import simulate_all
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
+    from flexarm.comparison.frequency_response import compare_responses
     from flexarm.configuration import config, show_config
     from flexarm.diagnosis.design.plan_result import Plan
     from flexarm.diagnosis.design.planning import plan
@@ -68,6 +69,7 @@ _EXPORTS = {
     "accept_matrices": "flexarm.superelement.foreign",
     "calibrate": "flexarm.calibration.workflow",
     "compare": "flexarm.comparison",
+    "compare_responses": "flexarm.comparison",
     "config": "flexarm.configuration",
     "diagnose": "flexarm.diagnosis.workflow",
     "import_record": "flexarm.importing",
@@ -111,6 +113,7 @@ __all__ = [
     "accept_matrices",
     "calibrate",
     "compare",
+    "compare_responses",
     "config",
     "diagnose",
     "import_record",

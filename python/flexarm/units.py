@@ -76,3 +76,38 @@ def si_factor(unit: str, allowed: tuple[str, ...]) -> tuple[str, float]:
             return si, factor
     known = ", ".join(name for si in allowed for name in FACTORS[si] if name)
     raise InvalidParameter(f"unit {unit!r} does not fit; allowed are {known}")
+
+
+def ratio_factor(
+    unit: str | None, above: tuple[str, ...], below: tuple[str, ...]
+) -> tuple[tuple[str, str], float]:
+    """Return the SI units of a ratio and the factor to them: `"mm/kN"` is 1e-6 m/N.
+
+    Parameters
+    ----------
+    unit : str or None
+        What the file says, such as "rad/(N m)"; "1" for a ratio of like units; None: SI.
+    above, below : tuple of str
+        SI units that fit, the first ones by default.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is no ratio of such units.
+
+    >>> ratio_factor("mm/(kN)", ("m",), ("N", "kg"))
+    (('m', 'N'), 1e-06)
+    """
+    alike = next((si for si in above if si in below), None)
+    if unit is None or (alike is not None and factor_to("1", unit) == 1):
+        return ((alike, alike) if unit is not None and alike else (above[0], below[0])), 1.0
+    for i in (k for k, sign in enumerate(unit) if sign == "/"):
+        parts = []
+        for part, allowed in ((unit[:i], above), (unit[i + 1 :], below)):
+            plain = part.strip()
+            plain = plain[1:-1] if plain.startswith("(") and plain.endswith(")") else plain
+            parts += [(si, factor) for si in allowed if (factor := factor_to(si, plain)) is not None][:1]
+        if len(parts) == 2:
+            (one, up), (other, down) = parts
+            return (one, other), up / down
+    raise InvalidParameter(f"unit {unit!r} does not fit; allowed is {above[0]}/({below[0]}) and the like")

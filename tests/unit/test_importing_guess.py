@@ -125,6 +125,23 @@ def test_a_tracker_in_the_bases_axes_needs_no_frame(logs):
     assert 'frame = "base"  # it is' in text
 
 
+def test_a_tracker_without_names_is_found_by_how_its_points_move(logs):
+    """Blanks between the cells, a comment, rows of two points, of which one is the model's."""
+    arm = Arm.from_toml(logs / "arm.toml")
+    t = np.arange(0, 8, 0.02)
+    rows = []
+    for s, (x, y, z) in zip(t, 1000 * place(arm, t), strict=True):
+        rows += [f"Tip {x:.3f} {y:.3f} {z:.3f} {s:.2f}", f"Wall 100.0 200.0 300.0 {s + 0.01:.2f}"]
+    (logs / "tracker.txt").write_text("// job 7, mm\n" + "\n".join(rows) + "\n")
+    data, text = guessed(logs, "robot.csv", "tracker.txt")
+    (tip,) = [each for each in data["signals"] if each["quantity"] == "position"]
+    assert (tip["columns"], tip["time"], tip["where"]) == ([2, 3, 4], 5, {"1": "Tip"})
+    assert (tip["point"], tip["unit"]) == ("tip", "mm")
+    assert "# unknown: columns: whether they are x, y, z in this order" in text
+    record = flexarm.import_record(logs / "map.toml")
+    assert len(record.signals["tip"]) == len(t)
+
+
 def test_without_a_measured_point_ranges_tell_the_unit_or_it_is_open(logs):
     data, text = guessed(logs, "robot.csv")
     assert {each["unit"] for each in data["signals"]} == {"deg"}

@@ -202,7 +202,7 @@ def test_the_line_of_a_mistake_is_named(model_text: str, tmp_path: Path) -> None
 
 @pytest.mark.parametrize(("content", "what"), [
     (None, "there is no such file"),
-    (b"\x89PNG\r\n\x1a\n\x00\x00", "not a text in UTF-8: byte 0x89"),
+    (b"\x89PNG\r\n\x1a\n\x00\x00", r"is a picture \(PNG\), which flexarm does not read"),
     (b"name = \"caf\xe9\"", "not a text in UTF-8: byte 0xe9"),
     (b"a\x00b = 1", "not valid TOML"),
     (b"", "format: is missing"),

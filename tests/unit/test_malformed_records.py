@@ -38,7 +38,7 @@ MISTAKES = {
     "signal twice": (TOML, 'name = "tip"', 'name = "hinge"', TOML, "signals.hinge.name", "used twice"),
     "unknown quantity": (TOML, '"position"', '"positon"', TOML, "signals.tip.quantity", "got 'positon'"),
     "unknown side": (TOML, 'side = "motor"', 'side = "left"', TOML, "signals.hinge.side", "'motor' or 'output'"),
-    "wrong kind": (TOML, 'drive = "hinge"', 'kind = "poses"', TOML, "kind", "'motion' or 'static', got 'poses'"),
+    "wrong kind": (TOML, 'drive = "hinge"', 'kind = "poses"', TOML, "kind", "'motion', 'static' or 'frequency_response', got 'poses'"),
     "time in a static record": (TOML, 'drive = "hinge"', 'kind = "static"', TOML, "signals.hinge.time", "use pose"),
     "no signals": (TOML, "[[signals]]", "[[signal]]", TOML, "signal", "did you mean 'signals'?"),
     "wrong format": (TOML, "flexarm-record/1", "flexarm-arm/1", TOML, "format", "allowed is 'flexarm-record/1'"),

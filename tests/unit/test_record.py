@@ -383,3 +383,38 @@ def test_a_long_record_reads_back_as_it_was(tmp_path):
     again = Record.load(tmp_path / "record").signals["tip"]
     np.testing.assert_array_equal(again.values, values)
     np.testing.assert_array_equal(again.time, tip.time)
+
+
+def test_signals_stand_side_by_side_in_a_table_on_their_own_instants(tmp_path):
+    import pandas as pd
+
+    hinge = Signal(
+        name="hinge", quantity="joint_angle", joint="hinge", time=[0.0, 0.1, 0.2], values=[1, 2, 3]
+    )
+    tip = Signal(
+        name="tip",
+        quantity="position",
+        point="tip",
+        axes=("x", "z"),
+        time=[0.1, 0.15],
+        values=[[4, 5], [6, 7]],
+    )
+    record = Record(signals=[hinge, tip])
+    table = record.to_pandas()
+    assert list(table.columns) == ["hinge", "tip_x", "tip_z"]
+    assert table.index.tolist() == [0.0, 0.1, 0.15, 0.2]
+    assert table["tip_z"].dropna().tolist() == [5, 7]
+    assert table.attrs["units"]["tip_x"] == "m"
+    record.to_parquet(tmp_path / "run.parquet")
+    pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "run.parquet"), table)
+
+
+def test_readings_of_poses_stand_by_pose_and_number():
+    pull = Signal(name="pull", quantity="force", point="tip", axes=("z",), pose=["a", "b"], values=[-1, -2])
+    tip = Signal(
+        name="tip", quantity="position", point="tip", axes=("z",), pose=["a", "a", "b"], values=[3, 4, 5]
+    )
+    table = Record(signals=[pull, tip], kind="static").to_pandas()
+    assert table.loc[("a", 2), "tip_z"] == 4
+    assert table["pull_z"].dropna().tolist() == [-1, -2]
+    assert table.index.names == ["pose", "reading"]

@@ -207,9 +207,7 @@ def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
     return u
 
 
-def estimate(
-    estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None, settled: float | None = None
-) -> Posterior:
+def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None) -> Posterior:
     """Return where (1) is least, from u on.
 
     Parameters
@@ -222,8 +220,6 @@ def estimate(
         Gets what is being done.
     basis : ndarray, shape (m, k), optional
         Steps are combinations of its columns, and spreads stay; default: all steps.
-    settled : float, optional
-        Greatest move at rest [sigma]; default that of the policy.
 
     Raises
     ------
@@ -232,7 +228,6 @@ def estimate(
     """
     policy, centre = estimation.policy, estimation.centre
     A = np.eye(len(u)) if basis is None else basis
-    rest = policy.settled if settled is None else settled
     point = estimation.linearised(u)
     for count in range(1, policy.iterations + 1):
         P = estimation.precision()
@@ -247,18 +242,20 @@ def estimate(
         largest = float(np.abs(sigmas).max(initial=0.0))
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
-        if largest < rest and point.exact:
+        if (largest < policy.settled and point.exact) or count == policy.iterations:
             break
-        foretold = point.residual + point.jacobian @ move
-        missed = float(np.sum((there - foretold) ** 2))
-        close = missed < (policy.foretold**2) * float(np.sum((there - point.residual) ** 2))
-        if close and largest >= rest:
-            point = Point(point.u + move, there, point.jacobian, False)
-        else:
-            point = estimation.linearised(point.u + move)
+        kept = largest >= policy.settled and _foretold(point, move, there, policy.foretold)
+        u = point.u + move
+        point = Point(u, there, point.jacobian, False) if kept else estimation.linearised(u)
         if basis is None:
-            estimation = estimation.with_spreads(point.u, np.diag(covariance))
+            estimation = estimation.with_spreads(u, np.diag(covariance))
     return found
+
+
+def _foretold(point: Point, move: Floats, there: Floats, part: float) -> bool:
+    """Return True if derivatives missed no more than a part of what a step changed."""
+    missed = there - point.residual - point.jacobian @ move
+    return float(missed @ missed) < part**2 * float(np.sum((there - point.residual) ** 2))
 
 
 def _step(point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats, damping: float) -> Floats:
@@ -300,8 +297,10 @@ def shared_first(estimation: Estimation, u: Floats, tell: Tell) -> list[Posterio
     found: list[Posterior] = []
     if any(family.shared for family in estimation.families):
         u = start_sizes(estimation, u, tell)
-        tied, rest = estimation.tied(), estimation.policy.settled_first
-        found.append(estimate(estimation, u, lambda what: tell(f"shared sizes, {what}"), tied, rest))
+        rules = estimation.policy
+        brief = replace(rules, settled=rules.settled_first, iterations=rules.iterations_first)
+        start = replace(estimation, policy=brief)
+        found.append(estimate(start, u, lambda what: tell(f"shared sizes, {what}"), estimation.tied()))
         u = found[-1].point.u
     found.append(estimate(estimation, u, tell))
     return found

@@ -35,11 +35,9 @@ from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.candidate_places import places_of
 from flexarm.diagnosis.nuisance import bare_key
+from flexarm.diagnosis.parameters import ACROSS
 from flexarm.diagnosis.problem import Problem
 from flexarm.errors import InvalidParameter
-
-ACROSS = 1e-2
-"""Step of differences over a prior's width, of laws with corners; as of `diagnosis.parameters`."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,9 @@ class CalibrationPolicy:
     settled: float = 0.2
     """Greatest move [sigma] of an estimate at rest: a fifth is 2 % of its mean square error."""
     settled_first: float = 2.0
-    """The same of shared sizes [sigma]: they are a start of what follows."""
+    """The same of shared sizes [sigma], which are a start of what follows."""
+    iterations_first: int = 3
+    """Most linearisations with shared sizes [1]."""
     foretold: float = 0.1
     """Part [-] of a step that derivatives may miss and are kept, as in `diagnosis.estimator`."""
     iterations: int = 30

@@ -57,8 +57,7 @@ def calibrate(
     gap stays: intervals then widen by what is left.
 
         flexarm calibrate arm.toml poses --family joint_compliance --out calibrated
-        flexarm calibrate arm.toml poses --family encoder_offset --family joint_compliance \
-            --hold-out other_poses --out calibrated
+        flexarm calibrate arm.toml poses --family encoder_offset --hold-out other_poses --out calibrated
 
     Writes report.html for you, calibration.json for programs (values, 90 % intervals, priors, correlations,
     gaps), updated.toml, the calibrated model, gaps.nc and figures; flexarm.Calibration.load reads them again

@@ -215,6 +215,7 @@ def _signal(record: Record, name: str) -> dict[str, Any]:
         "quantity": signal.quantity,
         "at": signal.place,
         "side": signal.side,
+        "input": signal.input or None,
         "axes": list(signal.axes),
         "unit": signal.unit,
         "rows": len(signal),
@@ -266,6 +267,7 @@ def _head(record: Record) -> list[str]:
 def _signal_line(entry: tuple[str, dict[str, Any]]) -> str:
     name, s = entry
     rate = f"{s['rate_hz']:.4g} Hz" if s["rate_hz"] else "poses"
+    rate = f"response to {s['input']}" if s["input"] else rate
     noise = "not stated" if s["noise_std"] is None else f"{s['noise_std']:g}"
     lost = f", {s['drop_outs']} drop-outs" if s["drop_outs"] else ""
     return (

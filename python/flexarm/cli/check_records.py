@@ -30,18 +30,23 @@ def check_records(
     arm = load_arm(model)
     files = record_names(paths)
     records = {name: load_record(path, arm) for name, path in files.items()}
+    next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
+    responses = [name for name, record in records.items() if record.kind == "frequency_response"]
+    judged = {name: record for name, record in records.items() if name not in responses}
+    said = [f"frequency responses, of which no sensor is judged: {', '.join(responses)}"] if responses else []
+    if not judged:
+        return {"kind": "records", "records": responses, "usable": True, "faults": []}, [*said, next_step], []
     from flexarm.budget import limited
     from flexarm.validation.sensor_check import check
 
-    with blame_one_of(model, files, records, arm), progress() as tell, limited(max_seconds):
+    with blame_one_of(model, files, judged, arm), progress() as tell, limited(max_seconds):
         found = check(
             arm,
-            records,
+            judged,
             progress=lambda done: tell(done, "simulating"),
         )
-    next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"
     ready = found.usable and found.judged
-    return _told(found), [found.summary(), *([next_step] if ready else [])], _faults(found, files)
+    return _told(found), [found.summary(), *said, *([next_step] if ready else [])], _faults(found, files)
 
 
 def _faults(found: ValidationResult, files: dict[str, Path]) -> Faults:

@@ -47,6 +47,13 @@ def compare(
 
     measured = Record.load(record)
     warn(record, [*measured.check(arm), *measured.check_against(arm)])
+    if measured.kind == "frequency_response":
+        from flexarm.comparison import compare_responses
+
+        with blame(model, record):
+            beside = compare_responses(arm, measured)
+        print_json(beside.to_json_dict()) if json else print(beside.summary())
+        return
     from flexarm.comparison import compare as gap
 
     with blame(model, record):

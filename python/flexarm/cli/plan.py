@@ -112,8 +112,8 @@ def _motion(path: Path, arm: Arm) -> Motion | Record:
 
         record = Record.load(path)
         warn(path, [*record.check(arm), *record.check_against(arm)])
-        if record.kind == "static":
-            what = 'is "static"; planned are motions, so give a record of kind "motion" or a CSV file'
+        if record.kind != "motion":
+            what = f'is "{record.kind}"; planned are motions, so give a record of kind "motion" or a CSV file'
             raise InvalidFile(path, "kind", what)
         return record
     from flexarm.drive import Drive

@@ -2,6 +2,7 @@
 
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.frequency_response import ResponseComparison, compare_responses
 from flexarm.comparison.gap import SignalGap
 
-__all__ = ["Comparison", "SignalGap", "compare"]
+__all__ = ["Comparison", "ResponseComparison", "SignalGap", "compare", "compare_responses"]

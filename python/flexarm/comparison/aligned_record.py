@@ -85,6 +85,9 @@ def simulate_record(
         raise InvalidParameter(
             f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
         )
+    if record.kind == "frequency_response":
+        what = "is a frequency response, which no simulation repeats; flexarm.compare_responses takes it"
+        raise InvalidParameter(what, where="kind")
     pair = _simulated(record.applied_to(arm), record, simulation, step, alpha)
     if not pair.evidence:
         reasons = "; ".join(f"{name}: {why}" for name, why in pair.skipped.items())

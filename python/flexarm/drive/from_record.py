@@ -31,9 +31,10 @@ _AFTER_THE_LAST = 0.02
 
 def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
     """Return the attributes of the drive of a record, see `Drive.from_record`."""
-    if record.kind == "static":
+    if record.kind != "motion":
+        what = "poses do" if record.kind == "static" else "a frequency response does"
         raise InvalidParameter(
-            'is "static": poses do not move the arm; allowed as a drive is a record of kind "motion"',
+            f'is "{record.kind}": {what} not move the arm; allowed as a drive is a record of kind "motion"',
             where="kind",
         )
     joints: dict[str, JointDrive] = {}

@@ -119,6 +119,9 @@ def layout(path: Path, dialect: Dialect) -> Layout:
             len(lines),
         )
     above = [cells_of(line.strip("\r\n"), separator) for line in lines[:first] if line.strip()]
+    if separator == " ":  # any sentence has blanks: names are as many as columns
+        above = [cells[1:] if set(cells[0]) <= set("#%/") else cells for cells in above]
+        above = [cells for cells in above if len(cells) == count]
     names, units = header_of(above, count, comment)
     if dialect.columns:
         if len(dialect.columns) != count:

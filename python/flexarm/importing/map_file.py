@@ -230,6 +230,7 @@ class MapTable(RunTable):
     """The whole of an import map."""
 
     format: Literal["flexarm-map/1"] = "flexarm-map/1"
+    kind: Literal["motion", "static"] = "motion"
     model: str | None = None
     signals: tuple[SignalMap, ...] = ()
 

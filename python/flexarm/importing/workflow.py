@@ -249,7 +249,7 @@ class _Importer:
 def request_of(signal: SignalMap) -> Request:
     """Return what a signal asks of its source."""
     others: list[tuple[str, str | int]] = [] if signal.pose is None else [("pose", signal.pose)]
-    others += [("where", column) for column in signal.where]
+    others += [("where", int(column) if column.isdigit() else column) for column in signal.where]
     return Request(
         signal.topic,
         signal.columns,

@@ -6,12 +6,13 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.consistency import missing
+from flexarm.errors import InvalidParameter
 from flexarm.quantities import DRIVES
 from flexarm.tables.field import Path
-from flexarm.units import factor_to
+from flexarm.units import factor_to, ratio_factor
 
 if TYPE_CHECKING:
-    from flexarm.record.file_table import RecordTable
+    from flexarm.record.file_table import RecordTable, SignalTable
 
 Found = Iterable[tuple[Path, str]]
 
@@ -20,7 +21,7 @@ def inconsistencies(record: RecordTable) -> list[tuple[Path, str]]:
     """Return pairs of place and sentence for all that does not fit."""
     if not record.signals:
         return [(("signals",), "is missing; a record needs at least one signal")]
-    return [*references(record), *_stamps(record)]
+    return [*references(record), *_responses(record), *_files(record), *_stamps(record)]
 
 
 def references(run: Any) -> Found:
@@ -51,17 +52,38 @@ def _clocks_and_frames(record: Any) -> Found:
             yield ("signals", i, "frame"), missing("frame", signal.frame, ["base", *record.frames])
 
 
+STAMPS = {"motion": "time", "static": "pose", "frequency_response": "frequency"}
+"""What the rows of a record of each kind are told by."""
+
+
+def is_input(record: RecordTable, signal: SignalTable) -> bool:
+    """Return True for the input of a frequency response, of which no values are read."""
+    return record.kind == "frequency_response" and signal.input is None
+
+
+def _files(record: RecordTable) -> Found:
+    for i, signal in enumerate(record.signals):
+        if is_input(record, signal):
+            continue
+        if not signal.file:
+            yield ("signals", i, "file"), "is missing; needed is name of a CSV file in the record's directory"
+        if not signal.channels:
+            yield ("signals", i, "channels"), "is missing; needed is names of the columns of values"
+
+
 def _stamps(record: RecordTable) -> Found:
+    needed = STAMPS[record.kind]
     for i, signal in enumerate(record.signals):
         static = record.kind == "static"
-        needed, unwanted = ("pose", "time") if static else ("time", "pose")
-        if getattr(signal, needed) is None:
-            yield ("signals", i, needed), f"is missing; needed is the name of the column of {needed}s"
-        if getattr(signal, unwanted) is not None:
-            yield (
-                ("signals", i, unwanted),
-                f"does not belong to a record of kind {record.kind!r}; use {needed}",
-            )
+        if getattr(signal, needed) is None and not is_input(record, signal):
+            plural = "frequencies" if needed == "frequency" else f"{needed}s"
+            yield ("signals", i, needed), f"is missing; needed is the name of the column of {plural}"
+        for unwanted in STAMPS.values():
+            if unwanted != needed and getattr(signal, unwanted) is not None:
+                yield (
+                    ("signals", i, unwanted),
+                    f"does not belong to a record of kind {record.kind!r}; use {needed}",
+                )
         if signal.spec.only_static and not static:
             yield (
                 ("signals", i, "quantity"),
@@ -75,6 +97,53 @@ def _stamps(record: RecordTable) -> Found:
                 ("signals", i, "time_unit"),
                 f"unit {signal.time_unit!r} does not fit; allowed are s, ms, us, ns, min",
             )
+
+
+INPUTS = ("force", "motor_torque", "joint_angle")
+"""Quantities to which a frequency response may be."""
+
+
+def response_unit(table: SignalTable, to: SignalTable) -> tuple[str, float]:
+    """Return the SI unit of a frequency response and the factor to it.
+
+    Raises
+    ------
+    InvalidParameter
+        If its unit is not one of output per input.
+    """
+    (above, below), factor = ratio_factor(table.unit, table.spec.units, to.spec.units)
+    return f"{above}/({below})" if " " in below or "/" in below else f"{above}/{below}", factor
+
+
+def _responses(record: RecordTable) -> Found:
+    signals = {signal.name: signal for signal in record.signals}
+    ringing = record.kind == "frequency_response"
+    if ringing and record.drive:
+        yield ("drive",), "does not belong to a record of kind 'frequency_response'; signals name their input"
+    if ringing and all(signal.input is None for signal in record.signals):
+        yield ("signals",), "hold no response: none has an input, the name of another signal"
+    for i, signal in enumerate(record.signals):
+        if signal.input is None:
+            continue
+        to = signals.get(signal.input)
+        if not ringing:
+            yield (
+                ("signals", i, "input"),
+                f"belongs to a record of kind 'frequency_response', not {record.kind!r}",
+            )
+        elif to is None:
+            others = [name for name in signals if name != signal.name]
+            yield ("signals", i, "input"), missing("signal", signal.input, others)
+        elif to.input is not None:
+            yield ("signals", i, "input"), f"{to.name!r} is a response itself, to {to.input!r}"
+        elif to.quantity not in INPUTS or len(to.directions) > 1:
+            what = f"{to.name!r} is a {to.quantity} along {len(to.directions) or 1} axes"
+            yield ("signals", i, "input"), f"{what}; an input is a {', '.join(INPUTS)}, of one axis"
+        else:
+            try:
+                response_unit(signal, to)
+            except InvalidParameter as error:
+                yield ("signals", i, "unit"), error.problems[0].what
 
 
 def _drive(record: Any) -> Found:

@@ -13,6 +13,7 @@ from flexarm.arm.sensor import Measurement
 from flexarm.quantities import FRAMED
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, value_in
+from flexarm.tables.table import Whole
 
 
 def _as_clock(value: Any) -> Any:
@@ -62,22 +63,40 @@ class SignalTable(Measurement):
     pose : str, optional
         Name of the column of poses, in a record of poses.
     channels : list of str
-        Names of the columns of values.
+        Names of the columns of values; of a frequency response real and imaginary part, one after the other.
+    frequency : str, optional
+        Name of the column of frequencies [Hz], in a record of frequency responses.
+    input : str, optional
+        There: name of the signal to which this one is the response; one without it is an input.
+    coherence : str, optional
+        There: name of the column of the coherence, in place of `noise_std`.
+    averages : int
+        There: number of averages of the coherence.
     zero_std : float, optional
         1 sigma of the zero of the sensor, in the unit of the values; not of places and attitudes.
     """
 
-    file: str = Field(description="name of a CSV file in the record's directory", min_length=1)
+    file: str = Field("", description="name of a CSV file in the record's directory")
     time: str | None = None
     time_unit: str = "s"
     pose: str | None = None
-    channels: Names = Field(description="names of the columns of values")
+    channels: Names = Field((), description="names of the columns of values")
+    frequency: str | None = None
+    input: Name | None = None
+    coherence: str | None = None
+    averages: Whole = Field(1, ge=1, description="number of averages of the coherence")
     zero_std: Number | None = value_in("unit", "1 sigma of the zero of the sensor", None, ge=0)
+
+    @property
+    def si(self) -> tuple[str, float]:
+        """SI unit of the values and the factor to it; a frequency response's is that of its record."""
+        return (self.spec.units[0], 1.0) if self.input is not None else super().si
 
     @model_validator(mode="after")
     def _check_channels(self) -> Self:
         wanted = self.spec.channels or len(self.directions)
-        if len(self.channels) != wanted:
+        wanted = 2 * wanted if self.input is not None else wanted
+        if self.channels and len(self.channels) != wanted:
             what = f"axes = {list(self.directions)}" if self.directions else self.quantity
             raise Inconsistent(
                 (
@@ -97,7 +116,7 @@ class RunTable(Table):
     """What a record says of its run beside the signals."""
 
     description: str = ""
-    kind: Literal["motion", "static"] = "motion"
+    kind: Literal["motion", "static", "frequency_response"] = "motion"
     initial: Literal["equilibrium", "moving"] = "equilibrium"
     drive: Names = ()
     joints: Annotated[dict[Name, Number], AfterValidator(FrozenDict)] = FrozenDict()

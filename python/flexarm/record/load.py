@@ -15,6 +15,7 @@ from flexarm.errors import InvalidFile, Problem
 from flexarm.foreign_files import foreign_kind
 from flexarm.reading import OUTSIDE, is_inside, reading
 from flexarm.record.columns import CsvFile
+from flexarm.record.consistency import STAMPS, is_input, response_unit
 from flexarm.record.file_table import RecordTable, SignalTable
 from flexarm.record.signal import Signal
 from flexarm.record.table import Clock
@@ -69,12 +70,14 @@ class _Reader:
 
     def signal(self, i: int, table: SignalTable, reference: str) -> Signal:
         """Return one signal in SI units."""
+        if is_input(self.table, table):
+            return self._input(table, reference)
         self._check_columns(i, table)
-        unit, factor = table.si
+        unit, factor = self._unit(table)
         for column in table.channels:
             self._check_range(table.file, column, unit, factor)
         values = np.stack([self._column(table.file, name) for name in table.channels], axis=1) * factor
-        motion = self.table.kind == "motion"
+        stamp = STAMPS[self.table.kind]
         if table.spec.has_side and "side" not in table.model_fields_set:
             self.notes.append(Problem(f"signals.{table.name}.side", 'is not given, taken as "motor"'))
         self._compare_suffix(table)
@@ -83,8 +86,12 @@ class _Reader:
             quantity=table.quantity,
             values=values,
             unit=unit,
-            time=self._time(table) if motion else np.array([]),
-            pose=None if motion else self._pose(table),
+            time=self._time(table) if stamp == "time" else np.array([]),
+            pose=self._pose(table) if stamp == "pose" else None,
+            frequency=self._frequency(table) if stamp == "frequency" else None,
+            input=table.input or "",
+            coherence=None if table.coherence is None else self._column(table.file, table.coherence),
+            averages=table.averages,
             noise_std=None if table.noise_std is None else table.noise_std * factor,
             zero_std=None if table.zero_std is None else table.zero_std * factor,
             jitter_std=table.jitter_std,
@@ -100,8 +107,43 @@ class _Reader:
             fibre=table.fibre,
             channels=table.channels,
             file=table.file,
-            time_column=table.time or "",
+            time_column=table.time or table.frequency or "",
         )
+
+    def _unit(self, table: SignalTable) -> tuple[str, float]:
+        """Return the SI unit of the values and the factor to it."""
+        if table.input is None:
+            return table.si
+        return response_unit(table, next(s for s in self.table.signals if s.name == table.input))
+
+    def _input(self, table: SignalTable, reference: str) -> Signal:
+        """Return the input of a frequency response: what and where, without values."""
+        channels = table.spec.channels or len(table.axes)
+        where = {key: getattr(table, key) for key in ("joint", "point", "link", "payload", "side", "axes")}
+        return Signal(
+            name=table.name,
+            quantity=table.quantity,
+            values=np.empty((0, channels)),
+            unit=table.si[0],
+            frequency=np.empty(0),
+            clock=table.clock or reference,
+            **where,
+        )
+
+    def _frequency(self, table: SignalTable) -> Floats:
+        """Return frequencies [Hz]; they must rise."""
+        assert table.frequency is not None
+        found = self._column(table.file, table.frequency)
+        csv, steps = self._files[table.file], np.diff(found, prepend=-1e-300)
+        wrong = np.flatnonzero(~(steps > 0) | ~(found >= 0))
+        if len(wrong):
+            row = int(wrong[0])
+            raise InvalidFile(
+                csv.file,
+                f"line {csv.line(row)}, column {table.frequency}",
+                f"frequencies must be at least 0 and rise, got {found[row]:.9g}",
+            )
+        return found
 
     def _check_columns(self, i: int, table: SignalTable) -> None:
         """Open the file of a signal and look for its columns."""
@@ -117,8 +159,10 @@ class _Reader:
                 )
             self._files[table.file] = CsvFile(path)
         header = self._files[table.file].header
-        stamp = "time" if self.table.kind == "motion" else "pose"
-        for key, columns in ((stamp, (getattr(table, stamp),)), ("channels", table.channels)):
+        stamp = STAMPS[self.table.kind]
+        more = () if table.coherence is None else (table.coherence,)
+        named = {stamp: (getattr(table, stamp),), "channels": table.channels, "coherence": more}
+        for key, columns in named.items():
             for column in columns:
                 if column not in header:
                     raise self._error(
@@ -135,11 +179,10 @@ class _Reader:
     def _column(self, file: str, name: str) -> Floats:
         """Return a column of numbers; the first call reads all that the record needs from the file."""
         if file not in self._columns:
-            motion = self.table.kind == "motion"
-            users = [signal for signal in self.table.signals if signal.file == file]
+            users = [s for s in self.table.signals if s.file == file and not is_input(self.table, s)]
             header = self._files[file].header
             wanted = dict.fromkeys(
-                c for s in users for c in ((s.time,) if motion else ()) + s.channels if c in header
+                c for s in users for c in (s.time, s.frequency, s.coherence, *s.channels) if c in header
             )
             names = [name for name in wanted if name is not None]
             self._columns[file] = dict(zip(names, self._files[file].numbers(names).T, strict=True))
@@ -202,7 +245,7 @@ class _Reader:
     def _compare_suffix(self, table: SignalTable) -> None:
         """Columns are often named after their unit; a name that says another one is worth a word."""
         for column, unit in [
-            *((name, table.unit or table.si[0]) for name in table.channels),
+            *((name, table.unit or table.si[0]) for name in table.channels if table.input is None),
             (table.time or "", table.time_unit),
         ]:
             suffix = column.rpartition("_")[2]

@@ -35,6 +35,9 @@ def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
     if record.kind == "motion" and not record.drive and record.initial != "moving":
         what = "is not given: nothing drives the joints, all stand still; of a tap, pluck or drop test say "
         yield Problem("drive", what + 'initial = "moving"')
+    if record.kind == "frequency_response":
+        yield from _responses(record)
+        return
     yield from disjoint_clocks(record)
     if record.kind == "motion":
         yield from duration_problems(record)
@@ -58,6 +61,17 @@ def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
             yield Problem(
                 f"{where}.noise_std", "is not given: a gap in this signal cannot be weighed against its noise"
             )
+
+
+def _responses(record: Record) -> Iterable[Problem]:
+    """Yield frequency responses without values, or of which no noise is stated."""
+    for signal in (each for each in record.signals.values() if each.input):
+        where = f"signals.{signal.name}"
+        if not signal.valid.any():
+            yield Problem(where, f"holds no value in {len(signal)} rows")
+        elif signal.noise_std is None and signal.coherence is None:
+            what = "is not given, nor a coherence: a gap in this signal cannot be weighed against its noise"
+            yield Problem(f"{where}.noise_std", what)
 
 
 def unit_problems(record: Record, arm: Arm | None = None) -> Iterable[Problem]:

@@ -29,6 +29,8 @@ from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Fr
 from flexarm.tables import FrozenDict
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from flexarm.arm.arm import Arm
 
 
@@ -57,7 +59,7 @@ class Record:
     drive : tuple of str
         Signals that drive a simulation; empty: nothing moves.
     description, kind, initial : str
-        `kind` is "motion" or "static" (poses), `initial` "equilibrium" or "moving".
+        `kind` is "motion", "static" (poses) or "frequency_response", `initial` "equilibrium" or "moving".
     joints : dict of str to float
         Where joints stand that nothing drives [rad or m].
     payloads : dict of str to CarriedPayload
@@ -167,6 +169,39 @@ class Record:
         with output_directory(path, force, self.files, ["record.toml"]) as directory:
             write(self, directory)
 
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the signals as one table.
+
+        Returns
+        -------
+        DataFrame
+            In SI: columns named after signals and axes, such as `hinge` and `tip_x`; rows by `time_s`, each
+            signal on its own clock and instants, NaN where it has no sample. Of poses the rows go by `pose`
+            and the number of the `reading` within it. `attrs["units"]` has the units.
+        """
+        from flexarm.record.data_frame import data_frame
+
+        return data_frame(self)
+
+    @takes(path=PATH)
+    def to_parquet(self, path: str | Path) -> None:
+        """Write the table of `to_pandas` as a Parquet file, which the extra `import` installs Arrow for.
+
+        Raises
+        ------
+        InvalidFile
+            If Arrow is missing, or the file cannot be written.
+        """
+        from importlib.util import find_spec
+
+        from flexarm.errors import InvalidFile
+        from flexarm.output import output_file
+
+        if find_spec("pyarrow") is None:
+            raise InvalidFile(path, "output", "needs the package pyarrow: pip install 'flexarm[import]'")
+        with output_file(path, self.files) as partial:
+            self.to_pandas().to_parquet(partial)
+
     # ------------------------------------------------------------------- parts
 
     @property
@@ -270,6 +305,7 @@ class Record:
 
     def __repr__(self) -> str:
         what = f"{len(self.poses)} poses" if self.kind == "static" else f"{self.duration:.6g} s"
+        what = "frequency responses" if self.kind == "frequency_response" else what
         label = f" {self.description!r}" if self.description else ""
         return f"<Record{label}: {what}, signals {', '.join(self.signals)}>"
 

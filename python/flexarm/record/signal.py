@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arguments import ARRAY, NAME_TUPLE, NUMBER, NUMBERS, TEXT, holds
+from flexarm.arguments import ARRAY, COUNT, NAME_TUPLE, NUMBER, NUMBERS, TEXT, holds
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import FRAMED, QUANTITIES, Quantity, channel_names
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
+
+ROUNDING = 1e-6
+"""Part by which a coherence may exceed 1."""
 
 
 @holds(
@@ -37,6 +40,8 @@ from flexarm.tables.ranges import first_beyond, out_of_range, range_of
     channels=NAME_TUPLE,
     file=TEXT,
     time_column=TEXT,
+    input=TEXT,
+    averages=COUNT,
 )
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Signal:
@@ -74,6 +79,15 @@ class Signal:
         Where it is stored; empty: chosen when saved.
     pose : ndarray of str, shape (n,), or None
         In a record of poses: the pose of each row.
+    frequency : ndarray, shape (n,), or None
+        In a record of frequency responses: the frequency of each row [Hz], rising.
+    input : str
+        There: the signal to which this one is the response; `values` has real and imaginary part of each
+        channel side by side, (n, 2 channels), in `unit`, output per input. Empty: an input, without values.
+    coherence : ndarray, shape (n,), or None
+        There: of output and input [-].
+    averages : int
+        There: number of averages of the coherence.
     """
 
     name: str
@@ -98,6 +112,10 @@ class Signal:
     file: str = ""
     time_column: str = "time_s"
     pose: NDArray[np.str_] | None = None
+    frequency: Floats | None = None
+    input: str = ""
+    coherence: Floats | None = None
+    averages: int = 1
 
     def __post_init__(self) -> None:
         if self.quantity not in QUANTITIES:
@@ -115,6 +133,11 @@ class Signal:
             pose = np.array(self.pose, dtype=str)
             pose.setflags(write=False)
             object.__setattr__(self, "pose", pose)
+        for name in ("frequency", "coherence"):
+            if getattr(self, name) is not None:
+                array = np.array(getattr(self, name), dtype=float)
+                array.setflags(write=False)
+                object.__setattr__(self, name, array)
         object.__setattr__(self, "unit", self.unit or self.spec.units[0])
         if self.spec.channels is None and not self.axes:
             object.__setattr__(self, "axes", ("x", "y", "z"))
@@ -122,12 +145,13 @@ class Signal:
 
     def _check_shapes(self) -> None:
         stamps = self.pose if self.pose is not None else self.time
+        stamps = stamps if self.frequency is None else self.frequency
         if self.values.ndim != 2 or stamps.shape != (len(self.values),):
             raise InvalidParameter(
                 f"values of shape {self.values.shape} do not fit {stamps.shape} stamps",
                 where=f"signals.{self.name}",
             )
-        wanted = self.spec.channels or len(self.axes)
+        wanted = (self.spec.channels or len(self.axes)) * (2 if self.input else 1)
         if self.values.shape[1] != wanted:
             raise InvalidParameter(
                 f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}",
@@ -137,6 +161,22 @@ class Signal:
         if not np.all(np.isfinite(self.time)) or np.any(rises <= 0):
             raise InvalidParameter("stamps must be finite and rise", where=f"signals.{self.name}.time")
         self._check_ranges(rises)
+        if self.frequency is not None:
+            self._check_response(self.frequency)
+
+    def _check_response(self, frequency: Floats) -> None:
+        where = f"signals.{self.name}"
+        if not np.all(np.isfinite(frequency)) or np.any(frequency < 0) or np.any(np.diff(frequency) <= 0):
+            raise InvalidParameter(
+                "frequencies must be finite, at least 0 and rise", where=f"{where}.frequency"
+            )
+        if self.coherence is not None and (
+            self.coherence.shape != frequency.shape
+            or np.any((self.coherence < 0) | (self.coherence > 1 + ROUNDING))
+        ):
+            raise InvalidParameter("must lie within 0 to 1, one a frequency", where=f"{where}.coherence")
+        if self.averages < 1:
+            raise InvalidParameter(f"must be at least 1, got {self.averages}", where=f"{where}.averages")
 
     def _check_ranges(self, rises: Floats) -> None:
         for name, array, unit in (("values", self.values, self.unit), ("time", self.time, "s")):
@@ -169,6 +209,24 @@ class Signal:
     def place(self) -> str:
         """Name of the joint, point, link or payload."""
         return self.joint or self.point or self.link or self.payload or ""
+
+    @property
+    def response(self) -> NDArray[np.complex128]:
+        """Values of a frequency response, shape (n, channels)."""
+        return np.asarray(self.values[:, ::2] + 1j * self.values[:, 1::2])
+
+    @property
+    def response_noise(self) -> Floats:
+        r"""1 sigma of real and imaginary part, shape (n, channels); NaN where nothing is stated.
+
+        Of a coherence \gamma^2 over n averages |H| sqrt((1 - \gamma^2)/(2 n \gamma^2)); else `noise_std`.
+        """
+        found = np.full(self.response.shape, np.nan if self.noise_std is None else self.noise_std)
+        if self.coherence is None or self.noise_std is not None:
+            return found
+        square = np.clip(self.coherence, 1e-12, 1.0)[:, None]
+        spread: Floats = np.abs(self.response) * np.sqrt((1 - square) / (2 * self.averages * square))
+        return spread
 
     @property
     def valid(self) -> NDArray[np.bool_]:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import textwrap
+from math import exp
 from typing import TYPE_CHECKING
 
 from flexarm.comparison.comparison import frame_words
 from flexarm.named_effects import Estimate
 from flexarm.report.gap_tables import gap_tables
+from flexarm.report.summary import WIDTH
 from flexarm.wording import effect_words, interval, listed, number, with_unit
 
 if TYPE_CHECKING:
     from flexarm.calibration.result import CalibratedFamily, CalibratedParameter, Calibration
 
-WIDTH = 100
 COLUMNS = ("rms before", "rms after", "noise", "max before", "max after")
 MOST_PAIRS = 12
 """Correlated pairs that are listed; calibration.json has all."""
@@ -50,7 +51,7 @@ def family_sentence(family: CalibratedFamily) -> str:
     )
     return (
         f"{name}: shared size {value} {unit}, 90 % interval {low} to {high}; "
-        f"members differ by a factor {number(2.718281828459045**family.spread)} (1 sigma)"
+        f"members differ by a factor {number(exp(family.spread))} (1 sigma)"
     )
 
 

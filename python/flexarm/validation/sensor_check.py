@@ -216,6 +216,12 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
                 f"must be a Record, such as Record.load gives, got {type(record).__name__}",
                 where=f"records.{name}",
             )
+        if record.kind == "frequency_response":
+            raise InvalidParameter(
+                "is a frequency response, which `compare` puts beside the linear model; records of kind "
+                '"motion" and "static" can be judged and fitted',
+                where=f"{name}.kind",
+            )
     return named
 
 

@@ -19,6 +19,8 @@ from flexarm.importing.stamps import CALENDAR
 from flexarm.reading import reading
 from flexarm.units import factor_to
 
+MOST_LABELS = 20
+"""Different texts of a column that labels rows, such as the names of points."""
 USUAL_INTERVAL = (1e-5, 2.0)
 """Intervals at which logs are sampled [s], from 0.5 Hz to 100 kHz."""
 
@@ -72,6 +74,8 @@ class Logged:
         Its stamps.
     meaning : Meaning
         What it seems to be.
+    where : tuple of (str, str) or None
+        The column that labels rows, and the label of these, such as the name of a point.
     """
 
     file: str
@@ -80,6 +84,12 @@ class Logged:
     values: Floats
     time: Stamped
     meaning: Meaning
+    where: tuple[str, str] | None = None
+
+    @property
+    def kind(self) -> tuple[str, str | None, tuple[str, str] | None]:
+        """File, topic and label: the columns that are read together."""
+        return self.file, self.topic, self.where
 
 
 def logged(path: Path, named: str) -> list[Logged]:
@@ -103,21 +113,45 @@ def logged(path: Path, named: str) -> list[Logged]:
 
 
 def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array] | None) -> list[Logged]:
-    arrays: dict[str | int, Array] = {}
-    names = _columns(group)
+    columns = _columns(group)
+    units = dict(zip(columns, group.units, strict=False))
     if group.time is not None and group.kind:  # messages: all fields at once
-        with suppress(Unreadable):
-            samples = source.read(Request(group.topic, tuple(group.names), group.time))
-            arrays = dict(zip(group.names, samples.values.T, strict=True))
-            stamps = _seconds(group.time, samples.time, samples.time_unit, "")
-    else:
-        for column in names:
-            with suppress(Unreadable):
-                arrays[column] = source.read(Request(group.topic, (column,))).values[:, 0]
-        stamps = _stamps(source, group, arrays, shared)
-    units = dict(zip(names, group.units, strict=False))
+        samples = source.read(Request(group.topic, tuple(group.names), group.time))
+        arrays: dict[str | int, Array] = dict(zip(group.names, samples.values.T, strict=True))
+        stamps = _seconds(group.time, samples.time, samples.time_unit, "")
+        return _rows(named, group, arrays, units, stamps, None)
+    arrays, texts = {}, {}
+    for column in columns:
+        try:
+            arrays[column] = source.read(Request(group.topic, (column,))).values[:, 0]
+        except Unreadable:
+            found = source.array(group.topic, source.find(group.topic, column, "columns")[0])
+            if found.dtype.kind in "OU" and 1 < len(set(found.tolist())) <= MOST_LABELS:
+                texts[column] = np.array([str(value).strip() for value in found.tolist()])
+    if len(texts) != 1:
+        return _rows(named, group, arrays, units, _stamps(source, group, arrays, shared, slice(None)), None)
+    ((column, labels),) = texts.items()
+    rows: list[Logged] = []
+    for label in dict.fromkeys(labels.tolist()):
+        chosen = np.flatnonzero(labels == label)
+        here = {name: values[chosen] for name, values in arrays.items()}
+        stamps = _stamps(source, group, here, None, chosen)
+        rows += _rows(named, group, here, units, stamps, (str(column), label))
+    return rows
+
+
+def _rows(
+    named: str,
+    group: Group,
+    arrays: dict[str | int, Array],
+    units: dict[str | int, str],
+    stamps: Stamped,
+    where: tuple[str, str] | None,
+) -> list[Logged]:
     return [
-        Logged(named, group.topic, column, values, stamps, _meaning(group, column, units.get(column, "")))
+        Logged(
+            named, group.topic, column, values, stamps, _meaning(group, column, units.get(column, "")), where
+        )
         for column, values in arrays.items()
         if column != stamps.column and len(values) == len(stamps.seconds) and np.isfinite(values).any()
     ]
@@ -156,7 +190,11 @@ def _shared_stamps(source: Source, groups: Sequence[Group]) -> tuple[str, Array]
 
 
 def _stamps(
-    source: Source, group: Group, arrays: dict[str | int, Array], shared: tuple[str, Array] | None
+    source: Source,
+    group: Group,
+    arrays: dict[str | int, Array],
+    shared: tuple[str, Array] | None,
+    rows: Array | slice,
 ) -> Stamped:
     rising = [c for c, v in arrays.items() if len(v) > 1 and np.isfinite(v).all() and (np.diff(v) > 0).all()]
     by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
@@ -167,7 +205,9 @@ def _stamps(
         said = dict(zip(_columns(group), group.units, strict=False)).get(column, "")
         hint = unit_in(str(column), said)
         why = "its name" if by_name else "the first column that rises throughout"
-        return _seconds(column, samples.time, samples.time_unit, hint, why, "" if by_name else "stamps")
+        assert samples.time is not None
+        unknown = "" if by_name else "whether these are the stamps"
+        return _seconds(column, samples.time[rows], samples.time_unit, hint, why, unknown)
     if group.time == LOG:
         with suppress(Unreadable):
             time, unit = source.log_time(group.topic, [0])

@@ -35,6 +35,8 @@ MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "s
 """Words of sides."""
 ALIKE = log(2.0)
 """Units are told apart where one makes the model's motion twice as near to the measured size as another."""
+ALIKE_SPEEDS = 0.8
+"""Correlation of speeds from which on columns without names are taken for a point."""
 TURNS = 2.0
 """Turns that a joint's output may make, where no measured point tells."""
 
@@ -79,6 +81,15 @@ class Proposal:
         """Return its values in SI, by the keys so far."""
         factor = self.factor()
         return Track.of(self.first.time.seconds, [factor * column.values for column in self.columns])
+
+    def raw(self, arm: Arm) -> Track:
+        """Return an angle as the smallest of what it may be: in degrees where it is too far for radians."""
+        values = self.first.values
+        reach = float(np.nanmax(np.abs(values)))
+        unit = self.first.meaning.unit or ("rad" if reach <= pi * TURNS else "deg")
+        geared = np.radians(reach) if unit == "deg" else reach
+        option = (unit, self.keys.get("side") == "motor" and geared > pi * TURNS)
+        return _in_output(self, arm, option)
 
     def moves(self) -> bool:
         """Return True if a value changes."""
@@ -127,6 +138,7 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
     proposals = [proposal for proposal in proposals if _of_joint_type(proposal, arm)]
     proposals.sort(key=lambda p: p.place[0] == "point" and p.quantity == "position" and not p.moves())
     _settle_doubles(proposals)
+    proposals += _unnamed(stamped, proposals, arm)
     _settle_units(proposals, arm)
     frames = _settle_motion(proposals, arm)
     _settle_noise(proposals, arm)
@@ -166,26 +178,58 @@ def _scalars(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
 
 def _vectors(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
     """Return the signals of points."""
-    families: dict[tuple[str, str | None, str, str], list[Logged]] = {}
+    families: dict[tuple[Any, str, str], list[Logged]] = {}
     for column in columns:
         m = column.meaning
         if m.quantity in VECTORS and m.axis:
-            families.setdefault((column.file, column.topic, m.stem, m.quantity), []).append(column)
+            families.setdefault((column.kind, m.stem, m.quantity), []).append(column)
     known = [point.name for point in arm.points]
     found = []
-    for (file, topic, stem, quantity), members in families.items():
+    for ((file, topic, where), stem, quantity), members in families.items():
         wanted = "xyzw" if quantity == "orientation" else "xyz"
         by_axis = {column.meaning.axis: column for column in members if column.meaning.axis in wanted}
         axes = [axis for axis in wanted if axis in by_axis]
         if quantity == "orientation" and len(axes) < 4:
             continue
-        point = matched(f"{stem} {topic or ''}", known) or matched(Path(file).stem, known)
+        label = where[1] if where else ""
+        point = matched(f"{stem} {topic or ''} {label}", known) or matched(Path(file).stem, known)
         proposal = Proposal([by_axis[axis] for axis in axes], quantity, ("point", point))
         proposal.why["quantity"] = by_axis[axes[0]].meaning.why
         if point:
             proposal.why["point"] = "its name stands in the log's"
         if quantity != "orientation" and axes != ["x", "y", "z"]:
             proposal.keys["axes"] = axes
+        found.append(proposal)
+    return found
+
+
+def _unnamed(columns: Sequence[Logged], proposals: Sequence[Proposal], arm: Arm) -> list[Proposal]:
+    """Return points among columns without names: three in a row that move as one of the model's does.
+
+    Speeds (1) of `motion` correlate whatever the unit of angles is, as long as they are small or the joint is
+    the only one; the joints' columns are taken as radians of the output where nothing is known yet.
+    """
+    joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals)}
+    bare = [column for column in columns if isinstance(column.column, int) and not column.meaning.quantity]
+    found: list[Proposal] = []
+    taken = {p.place for p in proposals if p.quantity == "position" and not p.out}
+    for kind in dict.fromkeys(column.kind for column in bare if joints):
+        here = [column for column in bare if column.kind == kind]
+        best: tuple[float, str, list[Logged]] = (0.0, "", [])
+        for three in (here[k : k + 3] for k in range(len(here) - 2)):
+            measured = Track.of(three[0].time.seconds, [column.values for column in three])
+            if len(measured.time) < 9 or measured.size == 0:
+                continue
+            for point in (p.name for p in arm.points if ("point", p.name) not in taken):
+                alike = agreement(measured, rigid_track(arm, point, joints, range(3))).correlation
+                named = kind[2] is not None and matched(kind[2][1], [point]) == point
+                best = max(best, (alike + named, point, three), key=lambda each: each[0])
+        score, point, three = best
+        if score < ALIKE_SPEEDS:
+            continue
+        proposal = Proposal(three, "position", ("point", point))
+        proposal.why["columns"] = "without names: their speed goes with the model's point"
+        proposal.unknown["columns"] = "whether they are x, y, z in this order"
         found.append(proposal)
     return found
 
@@ -197,12 +241,11 @@ def _is_message(column: Logged) -> bool:
 def _settle_places(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Give joints and points to the signals whose names do not say them."""
     joints, points = [joint.name for joint in arm.moving_joints], [point.name for point in arm.points]
-    families: dict[tuple[str, str | None, str, str], list[Proposal]] = {}
+    families: dict[tuple[Any, str, str], list[Proposal]] = {}
     for proposal in proposals:
         if proposal.place[0] == "joint" and not proposal.place[1]:
             stem = re.sub(r"\d+", "", proposal.first.meaning.stem)
-            key = (proposal.first.file, proposal.first.topic, stem, proposal.quantity)
-            families.setdefault(key, []).append(proposal)
+            families.setdefault((proposal.first.kind, stem, proposal.quantity), []).append(proposal)
         elif not proposal.place[1] and len(points) == 1:
             proposal.place = ("point", points[0])
             proposal.why["point"] = "the model's only point"
@@ -264,16 +307,12 @@ def _settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
             proposal.why["unit"] = f"its size is {size:.3g} for most of the time"
             if not (near_g or 5 < size < 20):
                 proposal.unknown["unit"] = f"{size:.3g} is neither 1 g nor 9.81 m/s2"
-    families: dict[tuple[str, str | None, str, str], list[Proposal]] = {}
+    families: dict[tuple[Any, str, str], list[Proposal]] = {}
     for proposal in proposals:
         if proposal.quantity in ("joint_angle", "joint_command", "joint_rate") and not proposal.out:
-            key = (
-                proposal.first.file,
-                proposal.first.topic,
-                proposal.quantity,
-                str(proposal.keys.get("side")),
-            )
-            families.setdefault(key, []).append(proposal)
+            families.setdefault(
+                (proposal.first.kind, proposal.quantity, str(proposal.keys.get("side"))), []
+            ).append(proposal)
     seen = _moving_points(proposals)
     for family in families.values():
         _settle_family(family, seen, arm)
@@ -396,6 +435,7 @@ def _settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
             told = f"it is {away:.3g} m off the model's point in the base's axes"
             if away < 0.1 * seen.track().size:
                 seen.keys["frame"], seen.why["frame"] = "base", told
+                seen.unknown["frame"] = "how well it is registered; exactly is taken"
                 continue
         seen.keys["frame"] = name
         frames[name] = told
@@ -420,7 +460,7 @@ def _settle_noise(proposals: Sequence[Proposal], arm: Arm) -> None:
         sigma /= abs(gear_ratio(arm, proposal.place[1])) if "before_gear" in proposal.keys else 1.0
         if sigma > 0:
             proposal.keys["noise_std"] = float(f"{sigma:.2g}")
-            proposal.why["noise_std"] = "third differences of neighbours"
+            proposal.why["noise_std"] = "at most: third differences of neighbours"
         else:
             proposal.unknown["noise_std"] = "neighbours do not scatter"
 

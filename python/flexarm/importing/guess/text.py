@@ -76,6 +76,8 @@ def _signal(proposal: Proposal, clocks: Mapping[str, str]) -> Iterator[str]:
     keys["time"] = time.column if time.column is not None else {"rate_hz": 1.0}
     if time.unit not in (None, "s"):
         keys["time_unit"] = time.unit
+    if first.where is not None:
+        keys["where"] = dict([first.where])
     keys["columns"] = [column.column for column in proposal.columns]
     keys["quantity"] = proposal.quantity
     keys[kind] = place or "unknown"
@@ -108,12 +110,16 @@ def _left(left: Sequence[Logged]) -> Iterator[str]:
         yield f"# and {len(left) - MOST_LISTED} more"
 
 
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z_][\w-]*", key, re.ASCII) else _value(key)
+
+
 def _value(value: Any) -> str:
     """Return a value as TOML."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_value(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(_value, value)) + "]"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

@@ -1,0 +1,295 @@
+r"""Measured frequency responses beside those of the linear model about the loaded equilibrium.
+
+.. math:: g = H_{measured} - H_{model},   H_{model} = C (i \omega - A)^{-1} B + D                    (1)
+
+with joints where the record has them and their drives held, but where the input is a motor's torque. Of a
+motor's angle as input the model knows the acceleration; its response is (i omega)^2 times that. Noise is 1
+sigma of real and imaginary part, so that |g| over sqrt(2) noise counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.sensor import Sensor
+from flexarm.arrays import Floats
+from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.bands import Band
+from flexarm.errors import InvalidParameter
+from flexarm.linear.linearise import linearise
+from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.sampling import columns
+from flexarm.measurement.torque import gear_ratio
+from flexarm.modal import modes
+from flexarm.quantities import channel_names
+from flexarm.record.compatibility import unplaced_effects
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.arm import Arm
+    from flexarm.record import Record, Signal
+
+Complex = NDArray[np.complex128]
+PORTS = {"force": "force", "motor_torque": "torque", "joint_angle": "acceleration"}
+"""Kind of input of the linear model, by quantity of the record's input."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseGap:
+    """The gap (1) of one signal.
+
+    Attributes
+    ----------
+    name, input, unit : str
+        Of the signal, the signal it is a response to, output per input in SI.
+    channels : tuple of str
+        Axes; "total" of a scalar.
+    frequency_hz : ndarray, shape (n,)
+        Of the rows with values.
+    measured, model : ndarray, shape (n, channels)
+        H of (1).
+    noise : ndarray, shape (n, channels)
+        1 sigma of real and imaginary part; NaN where nothing is stated.
+    bands : tuple of Band
+        The part of the gap below, about and above the first mode.
+    """
+
+    name: str
+    input: str
+    unit: str
+    channels: tuple[str, ...]
+    frequency_hz: Floats
+    measured: Complex
+    model: Complex
+    noise: Floats
+    bands: tuple[Band, ...] = ()
+
+    @property
+    def rms(self) -> dict[str, float]:
+        """Return the rms of |g| by channel, and in total."""
+        squares = np.mean(np.abs(self.measured - self.model) ** 2, axis=0)
+        return {**self._by_channel(np.sqrt(squares)), "total": float(np.sqrt(squares.sum()))}
+
+    @property
+    def max(self) -> dict[str, float]:
+        """Return the greatest |g| by channel, and in total."""
+        size = np.abs(self.measured - self.model)
+        return {**self._by_channel(size.max(axis=0)), "total": float(np.linalg.norm(size, axis=1).max())}
+
+    @property
+    def noise_rms(self) -> float | None:
+        """Return the rms that noise alone would leave, in total; None if nothing is stated."""
+        found = float(np.sqrt(2 * np.mean(np.sum(self.noise**2, axis=1))))
+        return found if np.isfinite(found) else None
+
+    @property
+    def relative_rms(self) -> float:
+        """Return the total rms over that of the measured response [-]."""
+        size = float(np.sqrt(np.mean(np.sum(np.abs(self.measured) ** 2, axis=1))))
+        return self.rms["total"] / size if size > 0 else float("inf")
+
+    def _by_channel(self, values: Floats) -> dict[str, float]:
+        return {
+            name: float(value) for name, value in zip(self.channels, values, strict=True) if name != "total"
+        }
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return its object in `flexarm compare --json`."""
+        return {
+            "unit": self.unit,
+            "input": self.input,
+            "rms": self.rms,
+            "max": self.max,
+            "relative_rms": self.relative_rms,
+            "bands": [{"hz": [band.low, band.high], "rms": band.rms} for band in self.bands],
+            "noise_rms": self.noise_rms,
+            "frequency_hz": self.frequency_hz.tolist(),
+            **{
+                key: {"real": H.real.tolist(), "imaginary": H.imag.tolist()}
+                for key, H in (("measured", self.measured), ("model", self.model))
+            },
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ResponseComparison:
+    """Hold the gap between a model and a record of frequency responses.
+
+    Attributes
+    ----------
+    arm, record : str
+        Name of the model, description of the record.
+    signals : dict of str to ResponseGap
+        The gap of every response.
+    modes_hz : tuple of float
+        Lowest frequencies of the arm with its drives held [Hz].
+    notes : tuple of str
+        What the reader should know.
+    """
+
+    arm: str
+    record: str
+    signals: Mapping[str, ResponseGap]
+    modes_hz: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return the object of `flexarm compare --json`."""
+        return {
+            "kind": "frequency_response",
+            "signals": {name: gap.to_json_dict() for name, gap in self.signals.items()},
+            "modes_hz": list(self.modes_hz),
+            "notes": list(self.notes),
+        }
+
+    def summary(self) -> str:
+        """Return a table of the gap and its bands as text."""
+        title = f"frequency responses of {self.arm!r} and " + (
+            repr(self.record) if self.record else "the record"
+        )
+        axes = [a for a in "xyz" if any(a in gap.rms for gap in self.signals.values())]
+        columns = [*axes, "total", "of measured", "noise", "max"]
+        lines = [title, "", f"{'rms':<18}{'to':<14}{'unit':<14}" + "".join(f"{c:>13}" for c in columns)]
+        for gap in self.signals.values():
+            cells = [gap.rms.get(name) for name in (*axes, "total")]
+            cells += [gap.relative_rms, gap.noise_rms, gap.max["total"]]
+            values = "".join(f"{'-' if cell is None else f'{cell:.3e}':>13}" for cell in cells)
+            lines.append(f"{gap.name:<18}{gap.input:<14}{gap.unit:<14}{values}")
+        lines.append("")
+        for gap in self.signals.values():
+            parts = [f"{band.low:.3g}-{band.high:.3g} Hz: {band.rms:.3e}" for band in gap.bands]
+            lines.append(f"{gap.name:<18}{gap.unit:<14}" + "   ".join(parts))
+        lines.append(f"modes of the model, drives held: {', '.join(f'{f:.4g}' for f in self.modes_hz)} Hz")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
+        """Plot the size of a measured response and the model's over frequency.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        signal : str, optional
+            Name of the signal; default: the first.
+        """
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        gap = self.signals[signal] if signal is not None else next(iter(self.signals.values()))
+        for k, name in enumerate(gap.channels):
+            label = "" if name == "total" else f" {name}"
+            (line,) = axes.semilogy(gap.frequency_hz, np.abs(gap.model[:, k]), label=f"model{label}")
+            axes.semilogy(
+                gap.frequency_hz,
+                np.abs(gap.measured[:, k]),
+                ".",
+                color=line.get_color(),
+                label=f"measured{label}",
+            )
+        axes.set(xlabel="frequency [Hz]", ylabel=f"|{gap.name} / {gap.input}| [{gap.unit}]")
+        axes.legend()
+        return axes
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+
+def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
+    """Compare frequency responses with those of the linear model.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    record : Record
+        Of kind "frequency_response".
+
+    Raises
+    ------
+    InvalidParameter
+        If the record names what the model does not have, or an output does not follow its input.
+    NotConverged
+        If there is no stable equilibrium.
+    """
+    record.check_against(arm)
+    carried = record.applied_to(arm)
+    found = modes(carried, dict(record.joints), count=MODES).frequency_hz.tolist()
+    gaps = {}
+    for name, signal in record.signals.items():
+        if signal.input and signal.valid.any():
+            gaps[name] = _gap(carried, record, signal, found)
+    if not gaps:
+        raise InvalidParameter("holds no value of a frequency response", where="signals")
+    notes = [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, carried)]
+    silent = [name for name, gap in gaps.items() if gap.noise_rms is None]
+    notes += [f"no noise is stated for {', '.join(silent)}"] if silent else []
+    return ResponseComparison(arm.name, record.description, gaps, tuple(found), tuple(notes))
+
+
+MODES = 6
+"""Most modes that are told."""
+
+
+def _gap(arm: Arm, record: Record, signal: Signal, modes_hz: list[float]) -> ResponseGap:
+    """Return the gap of one response."""
+    assert signal.frequency is not None
+    rows = signal.valid & (signal.frequency > 0)
+    frequency, measured = signal.frequency[rows], signal.response[rows]
+    model = _response(arm, record, signal, frequency)
+    squares = np.sum(np.abs(measured - model) ** 2, axis=1)
+    edges = (
+        [0.0, *(e for e in (0.5 * modes_hz[0], 2 * modes_hz[0]) if e < frequency[-1])] if modes_hz else [0.0]
+    )
+    ends = [*edges[1:], float(frequency[-1])]
+    bands = []
+    for low, high in zip(edges, ends, strict=True):
+        inside = (frequency > low) & (frequency <= high)
+        bands.append(Band(low, high, float(np.sqrt(squares[inside].sum() / len(squares)))))
+    names = channel_names(signal.quantity, signal.axes)
+    channels = ("total",) if names == ("",) else tuple(names)
+    noise = signal.response_noise[rows]
+    return ResponseGap(
+        signal.name, signal.input, signal.unit, channels, frequency, measured, model, noise, tuple(bands)
+    )
+
+
+def _response(arm: Arm, record: Record, signal: Signal, frequency: Floats) -> Complex:
+    """Return H of the model, shape (n, channels)."""
+    to = record.signals[signal.input]
+    place = str(to.point if to.quantity == "force" else to.joint)
+    sensor = _sensor(signal)
+    model = linearise(arm, dict(record.joints), inputs={place: PORTS[to.quantity]}, outputs=[sensor])
+    column = "xyz".index(to.axes[0]) if to.quantity == "force" else 0
+    H = model.frequency_response(frequency)[:, :, column]
+    if to.quantity == "joint_angle":
+        H = H * (2j * np.pi * frequency[:, None]) ** 2  # of the angle, from that of its acceleration
+    elif to.quantity == "motor_torque" and to.side != "output":
+        H = H * gear_ratio(arm, place)  # of the torque at the shaft
+    if signal.quantity == "position":
+        frame = effects_of(arm, signal).registration(stated_placement(record).frame(signal))
+        turned = frame.scale * H @ frame.error_rotation.T @ frame.frame_axes
+        H = turned[:, columns(signal.axes)]
+    return np.asarray(H)
+
+
+def _sensor(signal: Signal) -> Sensor:
+    """Return what reads the output of the linear model; positions along the base's axes."""
+    if signal.quantity == "orientation":
+        raise InvalidParameter(
+            "is an orientation, of which the linear model tells no response; take angular_rate",
+            where=f"signals.{signal.name}.quantity",
+        )
+    table: dict[str, Any] = {
+        "name": signal.name,
+        "quantity": signal.quantity,
+        "rate_hz": 1.0,
+        "axes": list(signal.axes) if signal.quantity != "position" else ["x", "y", "z"],
+        **{key: getattr(signal, key) for key in ("joint", "point", "link", "side", "position", "fibre")},
+    }
+    return Sensor.model_validate({key: value for key, value in table.items() if value not in (None, [])})
