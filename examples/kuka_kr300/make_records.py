@@ -5,7 +5,8 @@
 reads `trajectory_a.mat` and `trajectory_b.mat` of DATA_DIR and writes
 
     OUT_DIR/robot.toml      the model of this folder
-    OUT_DIR/a, OUT_DIR/b    a record of each trajectory, 10 s at 250 Hz
+    OUT_DIR/a, OUT_DIR/b    a record of each trajectory, 10 s at 250 Hz: all encoders
+    OUT_DIR/a_torque, OUT_DIR/b_torque    the same with the motors' torques
 
 How the variables become signals (SI):
 
@@ -37,12 +38,14 @@ from data_script import check_folder, command_line, exit_code
 
 FILES = {"a": "trajectory_a.mat", "b": "trajectory_b.mat"}
 VARIABLES = ("time_cont", "act_pos_mot_deg", "act_pos_se_deg", "act_torque_abs_nm")
+FRICTION = ("f_vis", "f_coul")
+"""The authors' estimates: viscous [N m s/rad] and dry [N m], at the output."""
 AXES = tuple(f"axis_{k}" for k in range(1, 7))
 SECONDARY = AXES[:3]
 
 
 def read_mat(path: Path) -> dict[str, np.ndarray]:
-    """The time [s], angles [rad] and torques [N m] of a file, by variable: shapes (n,) and (6, n).
+    """Time [s], angles [deg] and torques [N m] of a file, shapes (n,) and (6, n), and friction, shape (6,).
 
     Raises
     ------
@@ -50,20 +53,22 @@ def read_mat(path: Path) -> dict[str, np.ndarray]:
         If it cannot be read, or a variable is missing or of another size.
     """
     try:
-        recorded = loadmat(path, squeeze_me=True, struct_as_record=False)["rec"]
-        found = {name: np.asarray(getattr(recorded, name), dtype=float) for name in VARIABLES}
+        content = loadmat(path, squeeze_me=True, struct_as_record=False)
+        found = {name: np.asarray(getattr(content["rec"], name), dtype=float) for name in VARIABLES}
+        friction = {name: np.asarray(getattr(content["para"], name), dtype=float) for name in FRICTION}
     except OSError as error:
         raise InvalidFile(path, "file", f"cannot be read: {error}") from None
-    except (MatReadError, ValueError, TypeError, NotImplementedError) as error:
+    except (MatReadError, ValueError, TypeError, IndexError, NotImplementedError) as error:
         raise InvalidFile(path, "file", f"is no MATLAB file of version 5: {error}") from None
     except (KeyError, AttributeError):
-        raise InvalidFile(path, "rec", f"must hold {', '.join(VARIABLES)}") from None
+        what = f"must hold {', '.join(VARIABLES)} in rec and {', '.join(FRICTION)} in para"
+        raise InvalidFile(path, "rec", what) from None
     for name in VARIABLES[1:]:
         if found[name].shape != (len(AXES), len(found["time_cont"])):
             raise InvalidFile(
                 path, f"rec.{name}", f"must be 6 rows as long as time_cont, got shape {found[name].shape}"
             )
-    return found
+    return found | friction
 
 
 def noise(values: list[np.ndarray]) -> float:
@@ -72,7 +77,7 @@ def noise(values: list[np.ndarray]) -> float:
 
 
 def records(files: dict[str, dict[str, np.ndarray]]) -> dict[str, Record]:
-    """A record of each trajectory."""
+    """Records of each trajectory: of its encoders, and with torques."""
 
     def signals(of: str) -> list[Signal]:
         here, time = files[of], files[of]["time_cont"]
@@ -103,15 +108,17 @@ def records(files: dict[str, dict[str, np.ndarray]]) -> dict[str, Record]:
             ),
         ]  # fmt: skip
 
-    return {
-        name: Record(
+    found = {}
+    for name in files:
+        whole = Record(
             signals=signals(name),
             drive=AXES,
             clocks={"robot": Clock(), "secondary": Clock(unknown=True)},
             description=f"KUKA KR 300 with 200 kg, trajectory {name}",
         )
-        for name in files
-    }
+        angles = {key: each for key, each in whole.signals.items() if each.quantity == "joint_angle"}
+        found |= {name: whole.replace(signals=angles), f"{name}_torque": whole}
+    return found
 
 
 def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
@@ -120,9 +127,10 @@ def make_records(data: Path, out: Path, force: bool = False) -> list[Path]:
     files = {name: read_mat(data / file) for name, file in FILES.items()}
     with output_directory(out, force) as directory:
         shutil.copy(Path(__file__).with_name("robot.toml"), directory / "robot.toml")
-        for name, record in records(files).items():
+        found = records(files)
+        for name, record in found.items():
             record.save(directory / name)
-    return [out / name for name in files]
+    return [out / name for name in found]
 
 
 def main() -> int:

@@ -33,7 +33,12 @@ class Budget:
     @property
     def spent(self) -> bool:
         """Return True if no time is left."""
-        return monotonic() - self._begun >= self.seconds
+        return self.spent_part >= 1
+
+    @property
+    def spent_part(self) -> float:
+        """Return the share of the time that is gone [-]."""
+        return (monotonic() - self._begun) / self.seconds
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -62,10 +67,10 @@ def current() -> Budget:
     return CURRENT.get(Budget())
 
 
-def allows(work: str) -> bool:
-    """Return True if time is left; else note that this work is left out."""
+def allows(work: str, part: float = 1.0) -> bool:
+    """Return True if time is left, or of a part of it; else note that this work is left out."""
     budget = current()
-    spent = budget.spent
+    spent = budget.spent_part >= part
     if spent and work not in budget.left_out:
         budget.left_out.append(work)
     return not spent

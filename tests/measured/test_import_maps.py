@@ -74,15 +74,12 @@ def test_the_kuka_maps_read_the_matrices_row_by_row(name):
     np.testing.assert_allclose(seen, np.radians(rec.act_pos_se_deg[1]), rtol=1e-12)
 
 
-def test_the_justin_map_reads_all_poses():
+def test_the_justin_map_equals_its_script():
     record = imported("dlr_justin", "poses")
-    with (DATA / "dlr_justin" / "poses.csv").open() as file:
-        header = file.readline().strip().split(",")
+    script = load_script("dlr_justin", "make_records")
     rows = np.loadtxt(DATA / "dlr_justin" / "poses.csv", delimiter=",", skiprows=1)
-    table = dict(zip(header, rows.T, strict=True))
+    expected = script.record(rows, "all poses")
+    assert_alike(record, expected)
+    assert record.description == expected.description
     assert len(record.poses) == 400
-    np.testing.assert_array_equal(record.signals["q16"].values[:, 0], table["q16_rad"])
-    upright = record.signals["torso_upright"].values[:, 0]
-    np.testing.assert_allclose(upright, -(table["q1_rad"] + table["q2_rad"]), rtol=1e-12, atol=1e-15)
-    right = np.stack([table[f"right_{axis}_m"] for axis in "xyz"], axis=1)
-    np.testing.assert_array_equal(record.signals["right"].values, right)
+    assert record.poses == expected.poses

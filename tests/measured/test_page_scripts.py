@@ -6,7 +6,7 @@ import sys
 import pytest
 from tests.helpers.example_scripts import EXAMPLES
 
-SCRIPTS = ("asen_flexible_arm", "dlr_justin", "giraf_boom", "hilti_trailblazer")
+SCRIPTS = ("asen_flexible_arm", "dlr_justin", "giraf_boom", "hilti_trailblazer", "kuka_kr300")
 pytestmark = pytest.mark.parametrize("example", SCRIPTS)
 
 

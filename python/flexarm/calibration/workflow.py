@@ -29,10 +29,12 @@ from flexarm.calibration.result import (
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
 from flexarm.diagnosis.noise_model import allow_for_input_noise, impute_noise, weighted_by_input_noise
-from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.nuisance import first_guess, nuisance_model
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.split import Split, named_hold_out, split
 from flexarm.diagnosis.verification import Bench, main_signal
+from flexarm.diagnosis.zeros import with_zeros
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.validation.sensor_check import clean_records, named_records
@@ -108,8 +110,9 @@ def calibrate(
     held, borrowed = impute_noise(clean.records, held)
     parted = split(arm, clean, clean_records(arm, held, step=step, alpha=alpha))
     workers = jobs or os.cpu_count() or 1
-    problem = Problem(arm, parted.training, step=step, alpha=alpha, jobs=workers)
-    allow_for_input_noise(problem, arm)
+    uncertain = with_zeros(arm, parted.training, SelectionPolicy())
+    problem = Problem(uncertain, parted.training, step=step, alpha=alpha, jobs=workers)
+    allow_for_input_noise(problem, uncertain)
     problem = weighted_by_input_noise(problem)
     estimation = _estimation(problem, families, rules)
     steps = count(1)
@@ -180,14 +183,14 @@ def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
     prior = float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
     family = next((each for each in estimation.families if k in estimation.columns(each)), None)
     alone = prior if family is None else family.spread  # what the others tell is no news of this one
-    found = _range(free, u, sigma)
+    found, guess = _range(free, u, sigma), first_guess(free.key, estimation.problem)
     return CalibratedParameter(
         free.key,
         free.kind,
-        found.value,
+        found.value + guess,
         sigma * free.slope(u),
-        found.low90,
-        found.high90,
+        found.low90 + guess,
+        found.high90 + guess,
         free.unit,
         _range(free, float(estimation.centre[k]), prior),
         float(np.clip(1.0 - (sigma / alone) ** 2, 0.0, 1.0)),

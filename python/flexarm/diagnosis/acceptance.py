@@ -37,6 +37,7 @@ from math import inf
 
 import numpy as np
 
+from flexarm.arrays import Floats
 from flexarm.diagnosis.cross_validation import log_odds_lost, predicts_better, press_rms
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit
@@ -100,7 +101,7 @@ class Criteria:
 
     def significant(self, new: Fit, old: Fit) -> bool:
         """Return True if a larger model explains enough of the gap in some channel, eq. (1)."""
-        first, policy = self._above_noise(self.null), self.policy
+        first, policy = self._varying(self.null), self.policy
         for each, where in self.problem.channels():
             square = float(np.mean(old.projected[where] ** 2) - np.mean(new.projected[where] ** 2))
             least = policy.significant_share * first[each.record, each.signal, each.channel]
@@ -145,7 +146,7 @@ class Criteria:
 
     def adequate(self, fit: Fit) -> bool:
         """Return True if nothing significant is left above the noise, whatever the conflict."""
-        first, left, policy = self._above_noise(self.null), self._above_noise(fit), self.policy
+        first, left, policy = self._varying(self.null), self._above_noise(fit), self.policy
         share = policy.adequate_share / 2
         return all(left[c] <= max(policy.significant_noise, share * first[c]) for c in left)
 
@@ -156,7 +157,7 @@ class Criteria:
     def leaves_gap(self, fit: Fit, share: float | None = None) -> bool:
         """Return True if something else must be there, eq. (4); `share` replaces `adequate_share`."""
         share = self.policy.adequate_share if share is None else share
-        first, left = (max(self._above_noise(each).values()) for each in (self.null, fit))
+        first, left = max(self._varying(self.null).values()), max(self._above_noise(fit).values())
         return left > max(self.policy.adequate_noise, share * first)  # eq. (4)
 
     def all_leave_gaps(self, fits: Sequence[Fit]) -> bool:
@@ -172,8 +173,23 @@ class Criteria:
         alike = (1 + self.policy.alike) * least
         return least if least == inf else alike + part * max(without.cost - least, 0.0)
 
+    def _varying(self, fit: Fit) -> dict[tuple[str, str, int], float]:
+        """Return what a model leaves above the noise without the constant of each channel.
+
+        Shares count of that: beside an offset a motion is a small part of the gap, and no small effect.
+        """
+        return above_noise(without_constants(fit.projected, self.problem), self.problem, fit.non_smooth)
+
     def _above_noise(self, fit: Fit) -> dict[tuple[str, str, int], float]:
         return above_noise(fit.projected, self.problem, fit.non_smooth)
+
+
+def without_constants(rest: Floats, problem: Problem) -> Floats:
+    """Return a residual without the mean of each channel."""
+    found = rest.copy()
+    for _, where in problem.channels():
+        found[where] -= np.mean(rest[where])
+    return found
 
 
 def conflict(fit: Fit, policy: SelectionPolicy) -> float:

@@ -9,8 +9,8 @@ clock and one frame, as well known as the record says that knows them best. Nomi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from math import hypot, inf, isinf
 from typing import Literal
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters, with_value
+from flexarm.arm.uncertainty import owner_of
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.candidate_places import weighed
 from flexarm.diagnosis.initial_conditions import SIGMA
@@ -27,6 +28,7 @@ from flexarm.effects.base_tilt import BaseTilt
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
 from flexarm.errors import InvalidParameter
+from flexarm.named_effects import Nuisance
 from flexarm.record import Record
 
 UNKNOWN_DELAY = 1.0
@@ -184,13 +186,15 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
     found = []
     for key in arm.uncertainty:
         value, sigma = arm.sigma(key)
-        bare = bare_key(arm, key)
+        bare, stated = bare_key(arm, key), owner_of(arm, key).unit
         if _known(bare, records):
             continue
         there = parameters(arm, [bare])
         sigmas = np.broadcast_to(sigma, (len(there),)) if isinstance(value, tuple) else [sigma]
         found += [
-            NuisanceParameter(p.key, p.value, float(s), p.unit, "nominal", _has_one_sign(arm, p, float(s)))
+            NuisanceParameter(
+                p.key, p.value, float(s), stated or p.unit, "nominal", _has_one_sign(arm, p, float(s))
+            )
             for p, s in zip(there, sigmas, strict=True)
             if s > 0
         ]
@@ -222,10 +226,36 @@ def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
 
 def bare_key(arm: Arm, key: str) -> str:
     """Return a key of `[uncertainty]` without the unit at its end."""
-    from flexarm.arm.uncertainty import owner_of
-
     place = owner_of(arm, key)
     return ".".join((*place.prefix, place.field))
+
+
+def first_guess(key: str, problem: Problem) -> float:
+    """Return where an unknown clock, whose delay is a parameter, stands already in a problem [s]; else 0."""
+    if not key.startswith(f"effects.{TimeDelay.name}."):
+        return 0.0
+    clock = key.split(".")[2]
+    return next(
+        (
+            problem.placement[name].clocks[clock].delay
+            for name, record in problem.records.items()
+            if clock in record.clocks and record.clocks[clock].unknown
+        ),
+        0.0,
+    )
+
+
+def counted_from_stamps(nuisances: Iterable[Nuisance], problem: Problem) -> tuple[Nuisance, ...]:
+    """Return fitted nuisance parameters with delays of unknown clocks in full, their first guess included."""
+    found = []
+    for each in nuisances:
+        guess = first_guess(f"effects.{each.name}.{each.at}.delay", problem)
+        values = (
+            replace(one, value=one.value + guess, low90=one.low90 + guess, high90=one.high90 + guess)
+            for one in each.parameters
+        )
+        found.append(replace(each, parameters=tuple(values)) if guess else each)
+    return tuple(found)
 
 
 def _clocks(problem: Problem) -> dict[str, float]:

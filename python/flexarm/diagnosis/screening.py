@@ -37,6 +37,8 @@ LONGER = 2.0
 """Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
 HARDLY = 0.02
 """Part of the greatest move below which a component of a vector is not fitted."""
+HALF = 0.5
+"""Part of a budget of time that screening may take: what is screened is still to be fitted."""
 KEPT = 100
 """Sets of which a size is worked out."""
 NONE: Mapping[str, str] = MappingProxyType({})
@@ -80,7 +82,7 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
     probed = []
     with reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
-            if not allows("all effects were screened"):
+            if not allows("all effects were screened", HALF):
                 break
             try:
                 moves = in_proportion(candidate, estimator.nuisance.keys, estimator.jacobian)

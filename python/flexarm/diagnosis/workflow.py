@@ -33,7 +33,7 @@ from flexarm.diagnosis.noise_model import (
     input_noise_remarks,
     weighted_by_input_noise,
 )
-from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Problem
@@ -196,7 +196,7 @@ def _diagnosis(
         arm,
         updated,
         found.effects,
-        found.sizes.nuisances,
+        counted_from_stamps(found.sizes.nuisances, problem),
         refined,
         rejected(choice, problem),
         where=seen.located.where if seen.located else (),

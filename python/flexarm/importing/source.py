@@ -189,7 +189,8 @@ class Source(ABC):
             for key, column in request.others
             for index, pick in [self.find(topic, column, key)]
         )
-        return Samples(np.stack(columns, axis=1), time, unit, others)
+        values = columns[0][:, None] if len(columns) == 1 else np.stack(columns, axis=1)
+        return Samples(values, time, unit, others)
 
     def find(self, topic: str | None, column: str | int, key: str) -> tuple[int, int | None]:
         """Return the place of a column in `names`, and the row of a matrix that it picks, from 0."""

@@ -42,6 +42,8 @@ class Stamps:
         if self.raw.dtype.kind in "iu":
             shift = round(origin / self.factor)
             return np.asarray((self.raw.astype(np.int64) - shift) * self.factor, dtype=float)
+        if self.factor == 1 and origin == 0:
+            return self.raw
         return np.asarray(self.raw * self.factor - origin, dtype=float)
 
 

@@ -132,7 +132,8 @@ class _DriveTest:
         """Return the hypotheses that are worth a simulation, the likely ones first.
 
         Kinematic signals that a drive moves must cost the rigid arm less. A drive that moves none of them,
-        while others are moved, is at fault only if it goes beyond the usual range of joints.
+        while others are moved, is at fault only if it goes beyond the usual range of joints. Factors near the
+        best one stay: a soft arm moves farther than a rigid one.
         """
         as_recorded = self.rigid_cost(())
         if as_recorded is None:
@@ -149,8 +150,13 @@ class _DriveTest:
             if cost is not None and cost < as_recorded:
                 costs.append((cost, hypothesis))
         costs.sort(key=lambda each: each[0])
-        best = min((cost for cost, _ in costs if cost > -inf), default=inf)
-        return [each for cost, each in costs if cost <= best + POLICY.decisive_log_odds]
+        known = [(cost, each) for cost, each in costs if cost > -inf]
+        least, best = known[0] if known else (inf, ())
+        return [
+            each
+            for cost, each in costs
+            if cost <= least + POLICY.decisive_log_odds or similar_factors(each, best)
+        ]
 
     def rigid_cost(self, hypothesis: Hypothesis) -> float | None:
         """Return the cost of the kinematic channels of the rigid arm, or None if there are none."""

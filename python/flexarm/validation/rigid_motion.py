@@ -7,6 +7,7 @@ need the forces, and are left out.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,8 @@ import numpy as np
 from flexarm.arm.kinematics import link_pose
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
-from flexarm.drive import Drive
+from flexarm.drive.from_record import true_time
+from flexarm.measurement.effects_of import effects_of
 from flexarm.simulation.energies import NAMES, Energies
 from flexarm.simulation.simulation import Simulation
 
@@ -44,7 +46,7 @@ def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
     shown = {name: _thinned(signal) for name, signal in kinematic_signals(record).items()}
     if record.kind == "static" or arm.gears or not shown:
         return None
-    run = rigid_motion(record.applied_to(arm), Drive.from_record(record, arm))
+    run = rigid_motion(record.applied_to(arm), *_driven(arm, record))
     found = pair_record(run, record.replace(signals={**drives, **shown}))
     return found if found.evidence else None
 
@@ -64,13 +66,25 @@ def _thinned(signal: Signal) -> Signal:
     return signal.replace(time=signal.time[every], values=signal.values[every])
 
 
-def rigid_motion(arm: Arm, drive: Drive) -> Simulation:
-    """Return the motion of the rigid arm, its joints where the drive says; torques are unknown."""
-    span = drive.end - drive.start
-    time = np.linspace(drive.start, drive.end, int(np.clip(span / SPACING, 10, MOST)))
+def _driven(arm: Arm, record: Record) -> tuple[Floats, dict[str, Floats]]:
+    """Return instants and the angles of the joints there, as the drives say, not smoothed."""
+    samples = {}
+    for signal in (record.signals[name] for name in record.drive):
+        true = effects_of(arm, signal).true(signal.values)[:, 0]
+        known = np.isfinite(true)
+        if signal.joint is not None and known.any():
+            samples[signal.joint] = true_time(signal, arm, float(signal.time[0]))[known], true[known]
+    first = min((float(t[0]) for t, _ in samples.values()), default=0.0)
+    last = max((float(t[-1]) for t, _ in samples.values()), default=record.duration)
+    time = np.linspace(first, last, int(np.clip((last - first) / SPACING, 10, MOST)))
+    rest = {name: np.full(len(time), value) for name, value in record.joints.items()}
+    return time, rest | {joint: np.interp(time, *each) for joint, each in samples.items()}
+
+
+def rigid_motion(arm: Arm, time: Floats, angles: Mapping[str, Floats]) -> Simulation:
+    """Return the motion of the rigid arm, its joints at some angles [rad, m] or 0; torques are unknown."""
     still = np.zeros(len(time))
-    values = {joint.name: still + drive.rest.get(joint.name, 0.0) for joint in arm.joints}
-    values |= {name: each(time) for name, each in drive.joints.items()}
+    values = {joint.name: angles.get(joint.name, still) for joint in arm.joints}
     angle = np.column_stack([values[joint.name] for joint in arm.joints])
     poses = [link_pose(arm, point.link, values) for point in arm.points]
     rotation = [np.broadcast_to(pose.R, (len(time), 3, 3)) for pose in poses]

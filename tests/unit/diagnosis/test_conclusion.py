@@ -28,6 +28,7 @@ def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, consta
     monkeypatch.setattr(
         "flexarm.diagnosis.acceptance.above_noise", lambda rest, problem, non_smooth: {"tip": rest}
     )
+    monkeypatch.setattr("flexarm.diagnosis.acceptance.without_constants", lambda rest, problem: rest)
     for name, said in {
         "estimates": None,
         "constancy": [{"constant": constant}],
