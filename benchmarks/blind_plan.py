@@ -101,10 +101,10 @@ def _none(rng, group):
 
 
 def _outside(rng, group):
-    from unnamed_effects import OUTSIDE
+    from unnamed_effects import OUTSIDE, SEVERAL_JOINTS
 
     for name in cycle(OUTSIDE):
-        yield str(rng.choice(KINDS)), (name,), ("base",)
+        yield str(rng.choice(KINDS[1:] if name in SEVERAL_JOINTS else KINDS)), (name,), ("base",)
 
 
 def _fault(rng, group):

@@ -74,15 +74,22 @@ void bind_model(py::module_& m) {
            }),
            py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
            py::arg("loaded") = false);
+  py::class_<Hinge>(m, "Hinge", "A hinge on a spring, which nothing drives.")
+      .def(py::init([](const Vector3d& axis, double stiffness, double damping) {
+             return Hinge{axis, stiffness, damping};
+           }),
+           py::kw_only(), py::arg("axis"), py::arg("stiffness"), py::arg("damping") = 0.0);
   py::class_<Joint>(m, "Joint", "A joint with its drive train.")
       .def(py::init([](std::string name, flexarm::joints::JointType type, std::string parent,
                        std::string child, bool at_end, const flexarm::geometry::Frame& origin,
-                       const Vector3d& axis, const flexarm::joints::DriveTrain& drive_train) {
+                       const Vector3d& axis, const flexarm::joints::DriveTrain& drive_train,
+                       std::vector<Hinge> mount) {
              return Joint{std::move(name), type, std::move(parent), std::move(child), at_end,
-                          origin,          axis, drive_train};
+                          origin,          axis, drive_train,       std::move(mount)};
            }),
            py::kw_only(), py::arg("name"), py::arg("type"), py::arg("parent"), py::arg("child"),
-           py::arg("at_end") = false, py::arg("origin"), py::arg("axis"), py::arg("drive_train"));
+           py::arg("at_end") = false, py::arg("origin"), py::arg("axis"), py::arg("drive_train"),
+           py::arg("mount") = std::vector<Hinge>{});
   py::class_<Gear>(m, "Gear", "theta of input = ratio times theta of output.")
       .def(py::init([](std::string name, std::string input, std::string output, double ratio) {
              return Gear{std::move(name), std::move(input), std::move(output), ratio};
@@ -90,10 +97,10 @@ void bind_model(py::module_& m) {
            py::kw_only(), py::arg("name"), py::arg("input"), py::arg("output"), py::arg("ratio"));
   py::class_<Pedestal>(m, "Pedestal", "A base that turns on a spring, and may be shaken.")
       .def(py::init(
-               [](const Vector3d& axis, double stiffness, double damping, double amplitude, double frequency,
-                  double phase) { return Pedestal{axis, stiffness, damping, amplitude, frequency, phase}; }),
-           py::kw_only(), py::arg("axis"), py::arg("stiffness"), py::arg("damping") = 0.0,
-           py::arg("amplitude") = 0.0, py::arg("frequency") = 0.0, py::arg("phase") = 0.0);
+               [](std::vector<Hinge> hinges, const Vector3d& axis, double amplitude, double frequency,
+                  double phase) { return Pedestal{std::move(hinges), axis, amplitude, frequency, phase}; }),
+           py::kw_only(), py::arg("hinges"), py::arg("axis"), py::arg("amplitude") = 0.0,
+           py::arg("frequency") = 0.0, py::arg("phase") = 0.0);
   py::class_<Arm>(m, "Arm", "An arm as plain data.")
       .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links,
                        std::vector<Joint> joints, std::vector<Payload> payloads, std::vector<Point> points,

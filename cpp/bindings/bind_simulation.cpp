@@ -57,7 +57,7 @@ std::vector<Variation> variations(const State& state, const std::vector<Varied>&
     if (!p.drives_plus.empty()) {
       one.drive_plus = drives_of_joints(*p.plus, state, p.drives_plus);
       one.drive_minus = drives_of_joints(*p.minus, state, p.drives_minus);
-    } else if (!drives.empty() && p.plus->pedestal().theta >= 0) {
+    } else if (!drives.empty() && !p.plus->pedestal().thetas.empty()) {
       one.drive_plus = drives_of_joints(*p.plus, state, drives);
       one.drive_minus = drives_of_joints(*p.minus, state, drives);
     }

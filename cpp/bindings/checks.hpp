@@ -69,7 +69,7 @@ inline void same_arm(const System& held, const System& system) {
               held.n_scalars() == system.n_scalars() && held.laws().size() == system.laws().size() &&
               held.n_constraints() == system.n_constraints() &&
               held.superelements().size() == system.superelements().size() &&
-              (held.pedestal().theta < 0) == (system.pedestal().theta < 0);
+              held.hinges().size() == system.hinges().size();
   for (std::size_t k = 0; same && k < system.superelements().size(); ++k)
     same = held.superelements()[k].n_modes() == system.superelements()[k].n_modes();
   if (!same) throw InvalidParameter("the two systems must be of the same arm");

@@ -31,6 +31,7 @@ __all__: list[str] = [
     "Frame",
     "Gear",
     "HhtStatistics",
+    "Hinge",
     "Interface",
     "InterfaceKind",
     "Joint",
@@ -377,6 +378,18 @@ class Point:
         loaded: bool = False,
     ) -> None: ...
 
+class Hinge:
+    """
+    A hinge on a spring, which nothing drives.
+    """
+    def __init__(
+        self,
+        *,
+        axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
 class Joint:
     """
     A joint with its drive train.
@@ -392,6 +405,7 @@ class Joint:
         origin: Frame,
         axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         drive_train: DriveTrain,
+        mount: collections.abc.Sequence[Hinge] = [],
     ) -> None: ...
 
 class Gear:
@@ -409,9 +423,8 @@ class Pedestal:
     def __init__(
         self,
         *,
+        hinges: collections.abc.Sequence[Hinge],
         axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
-        stiffness: typing.SupportsFloat | typing.SupportsIndex,
-        damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         amplitude: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         frequency: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         phase: typing.SupportsFloat | typing.SupportsIndex = 0.0,

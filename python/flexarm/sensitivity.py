@@ -14,6 +14,7 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arm.effect import Effect
 from flexarm.arm.parameter import Parameter, neighbours, parameters, path_of
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
@@ -109,7 +110,7 @@ class Sensitivities:
 
 def moves_arm(arm: Arm, parameter: Parameter) -> bool:
     """Return True if a parameter belongs to the mechanics, False if it changes sensors or drives only."""
-    return not isinstance(entry_of(arm, parameter), SignalEffect | ClockEffect | FrameEffect)
+    return not isinstance(entry_of(arm, parameter), SignalEffect | ClockEffect | FrameEffect | DriveEffect)
 
 
 def entry_of(arm: Arm, parameter: Parameter) -> Table:
@@ -121,12 +122,12 @@ def entry_of(arm: Arm, parameter: Parameter) -> Table:
 
 @dataclass(frozen=True)
 class Redrive:
-    """Drive of an arm by a record, given other effects on sensors.
+    """Drive of an arm, given other effects on the sensors of a record and on how joints follow.
 
     Attributes
     ----------
     places : collection of str
-        Signals that drive, and their clocks.
+        Signals that drive, their clocks, and joints that follow late.
     motions : callable
         Motions of an arm's joints.
     """

@@ -177,7 +177,7 @@ def signature(name: str, arm: Arm) -> Signature:
     if visible:
         return Signature(name, model, start, whole, None, {"": whole.gaps, **columns})
     largest = {key: float(np.abs(shown.gaps[FAST]["tip"][:, IN_PLANE]).max()) for key, shown in found.items()}
-    first = next(key for key in found if largest[key] > 0.9 * max(largest.values()))
+    first = next(key for key in found if largest[key] >= 0.9 * max(largest.values()))
     return Signature(name, model, start, found[first], first, columns)
 
 

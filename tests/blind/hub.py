@@ -8,6 +8,12 @@
 
 e is d beyond +-gap/2. What a gap leaves inside is small: 1e-4 of the stiffness, and a part g of the damping
 that falls linearly to 1e-2 within 2e-5 rad.
+
+In no vocabulary: a reducer that softens by a part within 0.2 s of an instant, or on the side d < 0 alone; a
+clamp that slips by an angle within 0.2 s; a bearing that rubs near one angle, and one with a soft stop:
+
+    T_r = (1 - p s((t - t_p)/0.2)) (1 - p_- [d < 0]) k e + ...,   psi = ... + a s((t - t_a)/0.2)          (6)
+    T = ... - T_g exp(-((theta - theta_g)/w_g)^2) z_b - k_s max(theta - theta_s, 0)                      (7)
 """
 
 from __future__ import annotations
@@ -15,12 +21,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from joint_motions import smooth_step
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
 STICK_WIDTH = 2e-5  # w of dry friction in (4) [rad]
 LOOSE_STIFFNESS, LOOSE_DAMPING, FADING = 1e-4, 1e-2, 2e-5
+CHANGES = 0.2  # time in which a reducer softens or a clamp slips [s]
 
 
 @dataclass(frozen=True)
@@ -45,20 +53,38 @@ class Hub:
     cable_rest: float = 0.0
     motor_coulomb: float = 0.0
     motor_viscous: float = 0.0
+    softened: float = 0.0
+    softens_at: float = 0.0
+    cracked: float = 0.0
+    slip: float = 0.0
+    slips_at: float = 0.0
+    rub: float = 0.0
+    rub_at: float = 0.0
+    rub_width: float = 0.05
+    stop: float = 0.0
+    stop_at: float = 0.0
 
     @property
     def rigid(self) -> bool:
         """Whether the link follows the teeth."""
         return bool(np.isinf(self.stiffness))
 
-    def teeth(self, phi: Floats, rate: Floats, acceleration: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """psi of (1), its two derivatives by time, and dpsi/dphi."""
+    def teeth(
+        self, phi: Floats, rate: Floats, acceleration: Floats, time: Floats | float = 0.0
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """psi of (1) and (6), its two derivatives by time, and dpsi/dphi."""
         multiple = self.error_multiple * self.gear_ratio
         angle = multiple * phi + self.error_phase
         slope = 1 / self.ratio_scale + self.error_amplitude * multiple * np.cos(angle)
         bend = -self.error_amplitude * multiple**2 * np.sin(angle)
         psi = phi / self.ratio_scale + self.error_amplitude * np.sin(angle)  # eq. (1)
-        return psi, slope * rate, slope * acceleration + bend * rate**2, slope
+        slipped = [self.slip * each for each in smooth_step((time - self.slips_at) / CHANGES)]  # eq. (6)
+        return (
+            psi + slipped[0],
+            slope * rate + slipped[1] / CHANGES,
+            slope * acceleration + bend * rate**2 + slipped[2] / CHANGES**2,
+            slope,
+        )
 
     def spring(self, d: Floats) -> Floats:
         """Elastic torque of (2)."""

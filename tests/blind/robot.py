@@ -97,7 +97,8 @@ class Slosh:
 
 @dataclass(frozen=True)
 class Robot:
-    """Turns one after the other on a base; what no vocabulary names: `drag` at the tip [N s2/m2], `slosh`.
+    """Turns one after the other on a base; what no vocabulary names: `drag` at the tip [N s2/m2], `slosh`,
+    and `coupling`: the last motor turns by this part of the first one's angle besides.
 
     `tilt` turns the base about x and y; its compliance, in `base`, is about the first joint's axis.
     `planar`: nothing leaves the plane, so that rods bend about y alone.
@@ -109,6 +110,7 @@ class Robot:
     tilt: tuple[float, float] = (0.0, 0.0)
     drag: float = 0.0
     slosh: Slosh | None = None
+    coupling: float = 0.0
     gravity: float = 9.81
 
     def turn(self, name: str) -> Turn:

@@ -146,7 +146,8 @@ def _hubs(hubs: list[Hub], dofs: list[int]) -> Hubs:
         return np.array([float(getattr(hub, name)) for hub in hubs])
 
     rigid = np.array([hub.rigid for hub in hubs])
-    same = ("damping", "cubic", "gap", "hysteresis", "coulomb", "viscous", "cable", "cable_rest")
+    own = {"dof", "rigid", "stiffness", "width"}
+    same = [name for name in Hubs._fields if name not in own]
     stiffness = np.where(rigid, 0.0, each("stiffness"))
     width = each("hysteresis_width")
     return Hubs(np.array(dofs), rigid, stiffness, width=width, **{name: each(name) for name in same})

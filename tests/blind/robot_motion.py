@@ -59,7 +59,9 @@ def _moved(robot: Robot, angles: Mapping[str, Angle], end: float, h: float) -> M
     time = h * np.arange(round(end / h) + 1)
     staged = (time[:, None] - h) + h * STAGES  # stages of the step that ends at a time
     phi = np.stack([np.stack(angles[turn.name](staged), -1) for turn in robot.turns], 2)
-    teeth = [turn.hub.teeth(*np.moveaxis(phi[:, :, j], -1, 0)) for j, turn in enumerate(robot.turns)]
+    if robot.coupling:
+        phi[..., -1, :] += robot.coupling * phi[..., 0, :]
+    teeth = [turn.hub.teeth(*np.moveaxis(phi[:, :, j], -1, 0), staged) for j, turn in enumerate(robot.turns)]
     psi = np.ascontiguousarray(np.stack([np.stack(tooth[:3], -1) for tooth in teeth], 2))
     shaken = robot.base.vibration
     moment = shaken.amplitude * np.sin(2 * np.pi * shaken.frequency * staged + shaken.phase)

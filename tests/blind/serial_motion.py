@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from hub import FADING, LOOSE_DAMPING, LOOSE_STIFFNESS, STICK_WIDTH
+from hub import CHANGES, FADING, LOOSE_DAMPING, LOOSE_STIFFNESS, STICK_WIDTH
 from numba import njit
 from numpy.typing import NDArray
 from serial_chain import Floats, forces_inward, mass_matrix, move_outward
@@ -49,6 +49,14 @@ class Hubs(NamedTuple):
     viscous: Floats
     cable: Floats
     cable_rest: Floats
+    softened: Floats
+    softens_at: Floats
+    cracked: Floats
+    rub: Floats
+    rub_at: Floats
+    rub_width: Floats
+    stop: Floats
+    stop_at: Floats
 
 
 class Step(NamedTuple):
@@ -83,15 +91,20 @@ def dahl(z, way, width):
 
 
 @njit(cache=True)
-def reducer(hubs, j, d, rate, z, dz):
-    """T_r of hub.py (2), and its derivatives by d and d'."""
+def reducer(hubs, j, d, rate, z, dz, t):
+    """T_r of hub.py (2) and (6), and its derivatives by d and d'."""
     half = hubs.gap[j] / 2
+    since = min(max((t - hubs.softens_at[j]) / CHANGES, 0.0), 1.0)
+    left = 1.0 - hubs.softened[j] * since**3 * (10 - 15 * since + 6 * since * since)
+    if d < 0:
+        left *= 1.0 - hubs.cracked[j]
+    stiffness = hubs.stiffness[j] * left
     play = min(max(d, -half), half)
     e = d - play
     depth = min(max((half - abs(d)) / FADING, 0.0), 1.0) if half > 0 else 0.0
     c = hubs.damping[j] * (1 - (1 - LOOSE_DAMPING) * depth)
-    k = hubs.stiffness[j] if abs(d) >= half else LOOSE_STIFFNESS * hubs.stiffness[j]
-    torque = hubs.stiffness[j] * (e + LOOSE_STIFFNESS * play) + hubs.cubic[j] * e**3
+    k = stiffness if abs(d) >= half else LOOSE_STIFFNESS * stiffness
+    torque = stiffness * (e + LOOSE_STIFFNESS * play) + hubs.cubic[j] * e**3
     slope = k + 3 * hubs.cubic[j] * e * e + 1e-9
     if 0 < depth < 1:  # the damper's own derivative, where it does not push away
         slope += max(0.0, hubs.damping[j] * (1 - LOOSE_DAMPING) / FADING * rate * np.sign(d))
@@ -101,9 +114,18 @@ def reducer(hubs, j, d, rate, z, dz):
 
 @njit(cache=True)
 def bearing(hubs, j, theta, rate, z, dz):
-    """What hub.py (3) takes from it, and its derivatives."""
+    """What hub.py (3) and (7) take from it, and its derivatives."""
     torque = hubs.coulomb[j] * z + hubs.viscous[j] * rate + hubs.cable[j] * (theta - hubs.cable_rest[j])
-    return torque, hubs.coulomb[j] * dz + hubs.cable[j], hubs.viscous[j]
+    slope = hubs.coulomb[j] * dz + hubs.cable[j]
+    if hubs.rub[j] > 0:
+        near = (theta - hubs.rub_at[j]) / hubs.rub_width[j]
+        rubs = hubs.rub[j] * np.exp(-near * near)
+        torque += rubs * z
+        slope += rubs * (dz - 2 * near / hubs.rub_width[j] * z)
+    if theta > hubs.stop_at[j]:
+        torque += hubs.stop[j] * (theta - hubs.stop_at[j])
+        slope += hubs.stop[j]
+    return torque, slope, hubs.viscous[j]
 
 
 @njit(cache=True)
@@ -126,7 +148,7 @@ def unbalanced(chain, hubs, q, v, a, z, psi, t, moment, s, out, K, C):
         out[k] += taken
         K[k], C[k] = K[k] + K_b, C[k] + C_b
         if not hubs.rigid[j]:
-            torque, K_r, C_r = reducer(hubs, j, psi[j, 0] - q[k], psi[j, 1] - v[k], z[j, 0], z[j, 2])
+            torque, K_r, C_r = reducer(hubs, j, psi[j, 0] - q[k], psi[j, 1] - v[k], z[j, 0], z[j, 2], t)
             out[k] -= torque
             K[k], C[k] = K[k] + K_r, C[k] + C_r
 
@@ -276,4 +298,4 @@ def reducer_torques(chain, hubs, run, psi, h, s, torques):
             torques[i, j] = out[k]
             if not hubs.rigid[j]:
                 d, rate = teeth[j, 0] - q[k], teeth[j, 1] - v[k]
-                torques[i, j] = reducer(hubs, j, d, rate, z[j, 0], z[j, 2])[0]
+                torques[i, j] = reducer(hubs, j, d, rate, z[j, 0], z[j, 2], i * h)[0]

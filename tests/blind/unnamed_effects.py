@@ -45,9 +45,69 @@ def sloshing_load(truth, at, p, rng):
     return replace(truth, robot=replace(robot, slosh=slosh)), {"part": part, "frequency": 1.3}
 
 
+def _at_soft_joint(truth, **changes):
+    """A change of the last joint that the model knows to be soft, or of the last one, which is soft then."""
+    soft = [turn for turn in truth.robot.turns if not turn.hub.rigid]
+    joint = (soft or truth.robot.turns)[-1].name
+    return replace(truth, robot=truth.robot.with_hub(joint, **changes))
+
+
+def softening_joint(truth, at, p, rng):
+    """A joint that loses a part of its stiffness in the middle of every record."""
+    part = min(0.15 * p, 0.9)
+    return _at_soft_joint(truth, softened=part, softens_at=12.0), {"part": part, "instant": 12.0}
+
+
+def opening_crack(truth, at, p, rng):
+    """A joint that is softer to one side, as a crack that opens makes it."""
+    part = min(0.15 * p, 0.9)
+    return _at_soft_joint(truth, cracked=part), {"part": part}
+
+
+def slipping_clamp(truth, at, p, rng):
+    """A clamp that lets a link slip on its joint once in every record."""
+    hidden = truth.robot.with_hub(truth.arm.joints[-1].name, slip=4e-4 * p, slips_at=11.0)
+    return replace(truth, robot=hidden), {"angle": 4e-4 * p, "instant": 11.0}
+
+
+def rubbing_bearing(truth, at, p, rng):
+    """A bearing that rubs near one angle."""
+    joint, middle = truth.arm.joints[0].name, rng.uniform(-0.1, 0.1)
+    hidden = truth.robot.with_hub(joint, rub=40.0 * p, rub_at=middle, rub_width=0.08)
+    return replace(truth, robot=hidden), {"torque": 40.0 * p, "angle": middle}
+
+
+def soft_stop(truth, at, p, rng):
+    """A rubber stop that the first joint leans on beyond one angle."""
+    joint, begin = truth.arm.joints[0].name, rng.uniform(0.0, 0.2)
+    hidden = truth.robot.with_hub(joint, stop=150.0 * p, stop_at=begin)
+    return replace(truth, robot=hidden), {"stiffness": 150.0 * p, "angle": begin}
+
+
+def coupled_joints(truth, at, p, rng):
+    """A last motor that the first one turns along, as cables through a common hub do."""
+    part = 1e-3 * p
+    return replace(truth, robot=replace(truth.robot, coupling=part)), {"part": part}
+
+
 OUTSIDE: dict[str, Hide] = {
-    hide.__name__: hide for hide in (drag, hardening_link, swaying_tracker, warming_link, sloshing_load)
+    hide.__name__: hide
+    for hide in (
+        drag,
+        hardening_link,
+        swaying_tracker,
+        warming_link,
+        sloshing_load,
+        softening_joint,
+        opening_crack,
+        slipping_clamp,
+        rubbing_bearing,
+        soft_stop,
+        coupled_joints,
+    )
 }
+SEVERAL_JOINTS = ("coupled_joints",)
+"""Of these, what an arm of one joint cannot have: there it is a gear ratio."""
 FAULTS = ("dead_channel", "sign_error", "unit_error", "saturation", "outliers")
 
 

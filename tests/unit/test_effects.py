@@ -12,11 +12,13 @@ from flexarm.effects import (
     Backlash,
     CableTorque,
     CoulombFriction,
+    DriveLag,
     Effect,
     GearRatio,
     JointCompliance,
     JointHysteresis,
     JointStiffening,
+    JointTiltCompliance,
     LugreFriction,
     MotorFriction,
     TransmissionError,
@@ -44,6 +46,8 @@ EXAMPLES = [
     TransmissionError(at="hinge", amplitude=8e-5, multiple=2.0, phase=-1.0),
     GearRatio(at="hinge", scale=1.001),
     CableTorque(at="hinge", stiffness=20.0, rest_angle=0.4),
+    JointTiltCompliance(at="hinge", stiffness=(1e5, 2e5), damping=(30.0, 60.0)),
+    DriveLag(at="hinge", delay=0.01, time_constant=0.02),
 ]
 
 

@@ -50,11 +50,14 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
     }
     joint_coordinates_.push_back(at);
   }
-  if (arm_.pedestal) {
-    scalars.push_back({0, true});
-    pedestal_.theta = static_cast<int>(scalars.size()) - 1;
-    laws_.push_back(
-        {joints::ReducerSpring{arm_.pedestal->stiffness, arm_.pedestal->damping}, pedestal_.theta, -1});
+  std::size_t next = 0;
+  for (const auto* chain : hinge_chains()) {
+    for (const model::Hinge& hinge : *chain) {
+      HingeCoordinates& at = hinges_[next++];
+      at.theta = static_cast<int>(scalars.size());
+      scalars.push_back({0, true});
+      laws_.push_back({joints::ReducerSpring{hinge.stiffness, hinge.damping}, at.theta, -1});
+    }
   }
   for (const PlacedLaw& law : laws_) joints::check(law.law);
 
@@ -72,7 +75,7 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
   }
   const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
   for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi), ordered(at.psi)};
-  pedestal_.theta = ordered(pedestal_.theta);
+  for (HingeCoordinates& at : hinges_) at.theta = ordered(at.theta);
   for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
 }
 
@@ -86,7 +89,35 @@ void System::place_superelements() {
   }
 }
 
+/// Of the pedestal first, then of every joint.
+std::vector<const std::vector<model::Hinge>*> System::hinge_chains() const {
+  std::vector<const std::vector<model::Hinge>*> chains;
+  if (arm_.pedestal) chains.push_back(&arm_.pedestal->hinges);
+  for (const model::Joint& joint : arm_.joints) chains.push_back(&joint.mount);
+  return chains;
+}
+
 void System::place_joints() {
+  std::vector<joints::JointConstraint> of_hinges;
+  /// A chain of hinges from a frame on a node; returns the node that it carries.
+  const auto carried = [&](const std::vector<model::Hinge>& chain, int node, Frame X) {
+    for (const model::Hinge& hinge : chain) {
+      const HingeCoordinates& at = hinges_[of_hinges.size()];
+      of_hinges.emplace_back(JointType::revolute, node, X, at.node, Frame{}, hinge.axis, at.theta);
+      node = at.node;
+      X = Frame{};
+    }
+    return node;
+  };
+  if (arm_.pedestal) {
+    pedestal_.node = carried(arm_.pedestal->hinges, joints::JointConstraint::ground, Frame{});
+    pedestal_.shaking = *arm_.pedestal;
+    for (std::size_t k = 0; k < of_hinges.size(); ++k) {
+      pedestal_.thetas.push_back(hinges_[k].theta);
+      pedestal_.cosines.push_back(
+          arm_.pedestal->hinges[k].axis.normalized().dot(arm_.pedestal->axis.normalized()));
+    }
+  }
   for (std::size_t k = 0; k < arm_.joints.size(); ++k) {
     const model::Joint& joint = arm_.joints[k];
     const Place child = place(joint.child);
@@ -98,15 +129,15 @@ void System::place_joints() {
       X_a = axes(parent) * joint.origin;
     }
     reach_ += joint.origin.x.norm();
+    if (!joint.mount.empty()) {
+      node_a = carried(joint.mount, node_a, X_a);
+      X_a = Frame{};
+    }
     constraints_.emplace_back(joint.type, node_a, X_a, node(child), axes(child), joint.axis,
                               joint_coordinates_[k].theta);
-    n_constraints_ += constraints_.back().rows();
   }
-  if (arm_.pedestal) {
-    constraints_.emplace_back(JointType::revolute, joints::JointConstraint::ground, Frame{}, pedestal_.node,
-                              Frame{}, arm_.pedestal->axis, pedestal_.theta);
-    n_constraints_ += constraints_.back().rows();
-  }
+  constraints_.insert(constraints_.end(), of_hinges.begin(), of_hinges.end());
+  for (const joints::JointConstraint& constraint : constraints_) n_constraints_ += constraint.rows();
 }
 
 void System::place_gears() {

@@ -81,10 +81,14 @@ void require_finite(const model::Arm& arm) {
   for (const auto& j : arm.joints) {
     require_finite("joint '" + j.name + "'", j.origin.R, j.origin.x, j.axis, j.drive_train.gear_ratio,
                    j.drive_train.rotor_inertia);
+    for (const auto& h : j.mount)
+      require_finite("mount of joint '" + j.name + "'", h.axis, h.stiffness, h.damping);
   }
   for (const auto& g : arm.gears) require_finite("gear '" + g.name + "'", g.ratio);
-  if (const auto& p = arm.pedestal)
-    require_finite("pedestal", p->axis, p->stiffness, p->damping, p->amplitude, p->frequency, p->phase);
+  if (const auto& p = arm.pedestal) {
+    require_finite("pedestal", p->axis, p->amplitude, p->frequency, p->phase);
+    for (const auto& h : p->hinges) require_finite("pedestal", h.axis, h.stiffness, h.damping);
+  }
 }
 
 }  // namespace
@@ -104,9 +108,8 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
     if (point.loaded) occupy(point.link, point.position);
   }
   mesh_links(occupied);
-  if (arm_.pedestal) {
-    pedestal_.node = n_nodes_++;
-    pedestal_.shaking = *arm_.pedestal;
+  for (const auto* chain : hinge_chains()) {
+    for (std::size_t k = 0; k < chain->size(); ++k) hinges_.push_back({n_nodes_++});
   }
   place_scalars(drives);
   place_joints();

@@ -140,8 +140,7 @@ class Projection {
     const double length = system_.reach();
     for (std::size_t k = 0; k < system_.constraints().size(); ++k) {
       const JointConstraint& joint = system_.constraints()[k];
-      const bool of_base = k >= system_.arm().joints.size();
-      const std::string name = of_base ? "the base" : "joint '" + system_.arm().joints[k].name + "'";
+      const std::string name = name_of(k);
       const bool on_ground = joint.node_a() == JointConstraint::ground;
       const bool grounded = on_ground || joint.node_a() == system_.pedestal().node;
       const PlaneAxes& at_a = on_ground ? flat_->base_ : flat_->axes_[joint.node_a()];
@@ -171,6 +170,14 @@ class Projection {
     return true;
   }
 
+  /// Of a constraint: behind those of the joints come the hinges of the base, then those of mounts.
+  std::string name_of(std::size_t constraint) const {
+    const auto& joints = system_.arm().joints;
+    if (constraint < joints.size()) return "joint '" + joints[constraint].name + "'";
+    const std::size_t hinge = constraint - joints.size();
+    return hinge < system_.pedestal().thetas.size() ? "the base" : "the mount of a joint";
+  }
+
   void couple_scalars() {
     const auto now = [&](int k) { return k < 0 ? k : new_index_[k]; };
     flat_->gears_ = system_.gears();
@@ -186,7 +193,8 @@ class Projection {
       flat_->joint_coordinates_.push_back({now(at.theta), now(at.phi), now(at.psi)});
     }
     flat_->pedestal_ = system_.pedestal();
-    flat_->pedestal_.theta = now(system_.pedestal().theta);
+    for (int& theta : flat_->pedestal_.thetas) theta = now(theta);
+    for (const HingeCoordinates& at : system_.hinges()) flat_->hinges_.push_back({at.node, now(at.theta)});
     flat_->drives_ = system_.drives();
   }
 

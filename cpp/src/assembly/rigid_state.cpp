@@ -36,6 +36,13 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
     if (law.minus >= 0) state.s[law.minus] = state.s[law.plus];
   }
 
+  std::vector<std::size_t> first_hinge;  // of each joint's mount
+  std::size_t next = pedestal_.thetas.size();
+  for (const model::Joint& joint : arm_.joints) {
+    first_hinge.push_back(next);
+    next += joint.mount.size();
+  }
+
   std::vector<bool> placed(arm_.links.size(), false);
   for (bool progress = true; progress;) {
     progress = false;
@@ -48,6 +55,9 @@ State System::rigid_state(const std::vector<double>& joint_values) const {
         const Place parent = place(joint.parent, joint.at_end);
         if (!placed[parent.link]) continue;
         A = state.frames[node(parent)] * axes(parent) * joint.origin;
+      }
+      for (std::size_t i = 0; i < joint.mount.size(); ++i) {
+        state.frames[hinges_[first_hinge[k] + i].node] = A;
       }
       const Frame B = A * exp6(theta[k] * joints::motion_twist(joint.type, joint.axis));
       const LinkMesh& mesh = meshes_[child.link];

@@ -122,9 +122,10 @@ void RecorderIn<D>::energy(Eigen::Index k, const StateIn<D>& state, const LoadsI
       const double turned = now_.s[joint.phi] - last_.s[joint.phi];
       work += 0.5 * turned * (now_.drives[joint.phi] + last_.drives[joint.phi]);
     }
-    if (const int theta = system_.pedestal().theta; theta >= 0) {
-      const auto& pedestal = system_.pedestal();
-      work += 0.5 * (now_.s[theta] - last_.s[theta]) * (pedestal.moment(now_.t) + pedestal.moment(last_.t));
+    const auto& pedestal = system_.pedestal();
+    for (std::size_t i = 0; i < pedestal.thetas.size(); ++i) {
+      const double turned = now_.s[pedestal.thetas[i]] - last_.s[pedestal.thetas[i]];
+      work += 0.5 * turned * (pedestal.moment(i, now_.t) + pedestal.moment(i, last_.t));
     }
     out_.damped[k] = out_.damped[k - 1] + damped;
     out_.work[k] = out_.work[k - 1] + work;

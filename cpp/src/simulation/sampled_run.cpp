@@ -19,7 +19,9 @@ std::vector<int> scalar_origins(const System& held, const System& system) {
     const int behind = (sprung ? stages : 0) + (to.psi == to.phi ? 0 : 1);
     for (int k = 0; k < behind; ++k) origin[to.theta - k] = from.theta - k;
   }
-  if (system.pedestal().theta >= 0) origin[system.pedestal().theta] = held.pedestal().theta;
+  for (std::size_t k = 0; k < system.hinges().size(); ++k) {
+    origin[system.hinges()[k].theta] = held.hinges()[k].theta;
+  }
   for (std::size_t k = 0; k < system.superelements().size(); ++k) {
     const auto &from = held.superelements()[k], &to = system.superelements()[k];
     for (int mode = 0; mode < to.n_modes(); ++mode) origin[to.mode(mode)] = from.mode(mode);

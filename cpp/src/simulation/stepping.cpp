@@ -68,9 +68,7 @@ Moment Stepping::advance(const Moment& from, const std::vector<JointInput>& inpu
   }
   const std::vector<Path> driven = paths(system_, from.state, inputs, step_);
   const solvers::Drives drives = [&](double t, solvers::DriveValues& values) {
-    if (const int base = system_.pedestal().theta; base >= 0) {
-      values.torques[base] = system_.arm().pedestal->moment(t);
-    }
+    system_.pedestal().shake(t, values.torques);
     const double x = (t - from.state.t) / step_;
     for (const Path& path : driven) {
       const Motion now = x > whole ? path.end.motion : path.at(step_, x);

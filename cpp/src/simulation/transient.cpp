@@ -53,7 +53,7 @@ solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const asse
   }
   return [driven = std::move(driven), pedestal = system.pedestal()](double t,
                                                                     solvers::DriveValues& values) mutable {
-    if (pedestal.theta >= 0) values.torques[pedestal.theta] = pedestal.moment(t);
+    pedestal.shake(t, values.torques);
     for (Driven& d : driven) {
       auto [value, first, second] = d.value(t, d.piece);
       if (d.backwards != nullptr) {  // φ = ψ⁻¹(θ), ψ' φ' = θ', ψ' φ'' + ψ'' φ'² = θ''

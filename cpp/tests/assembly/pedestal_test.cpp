@@ -1,4 +1,4 @@
-/// A base that turns on a spring about an axis through its origin.
+/// Hinges that nothing drives: under the base, and between a joint and its parent.
 #include <doctest/doctest.h>
 
 #include "flexarm/simulation/energy.hpp"
@@ -15,7 +15,7 @@ constexpr double k = 2e4;
 const Vector3d axis = Vector3d(0.2, 1, -0.3);
 
 flexarm::model::Arm on_pedestal(flexarm::model::Arm arm) {
-  arm.pedestal = flexarm::model::Pedestal{.axis = axis, .stiffness = k, .damping = 20};
+  arm.pedestal = flexarm::model::Pedestal{.hinges = {{axis, k, 20}}, .axis = axis};
   return arm;
 }
 
@@ -26,7 +26,7 @@ TEST_CASE("A pedestal turns by the moment of the arm's weight over its stiffness
   const Loads loads{.gravity = {1, 2, -9}};
   const auto rest = static_equilibrium(system, {0.3, 0.1, -0.2}, loads);
   const Vector6d wrench = base_wrench(system, rest.state);
-  const double angle = rest.state.s[system.pedestal().theta];
+  const double angle = rest.state.s[system.pedestal().thetas[0]];
   CHECK(error(wrench.head<3>(), system.mass() * loads.gravity) < 1e-7);
   CHECK(std::abs(angle) > 1e-4);
   CHECK(angle == near(wrench.tail<3>().dot(axis.normalized()) / k, 1e-8));
@@ -35,7 +35,7 @@ TEST_CASE("A pedestal turns by the moment of the arm's weight over its stiffness
 TEST_CASE("An arm on a pedestal stands as the arm whose base was turned by as much") {
   const System system(on_pedestal(spatial_arm()), {});
   const auto rest = static_equilibrium(system, {0.3, 0.1, -0.2}, Loads{});
-  const double angle = rest.state.s[system.pedestal().theta];
+  const double angle = rest.state.s[system.pedestal().thetas[0]];
   auto turned = spatial_arm();
   Vector6d turn = Vector6d::Zero();
   turn.tail<3>() = angle * axis.normalized();
@@ -68,7 +68,7 @@ TEST_CASE("Let go, an arm of super-elements on a pedestal starts from where it w
   const System system(arm, {{"turn", DriveKind::torque}});
   const auto rest = static_equilibrium(held, {0.2, 0, -0.1, 0}, Loads{});
   const auto free = released(held, rest, system);
-  CHECK(free.state.s[system.pedestal().theta] == rest.state.s[held.pedestal().theta]);
+  CHECK(free.state.s[system.pedestal().thetas[0]] == rest.state.s[held.pedestal().thetas[0]]);
   CHECK(energies(system, free.state, Loads{}).elastic == near(energies(held, rest.state, Loads{}).elastic));
 }
 
@@ -87,4 +87,65 @@ TEST_CASE("A base is shaken in a sampled run as in a whole one, beside what the 
   const System still(arm, {{"hinge", DriveKind::torque}});
   const auto calm = simulate(still, rest, {PiecewisePolynomial::constant(150)}, {.end = 0.2, .step = 1e-3});
   CHECK(error(calm.position, run.position) > 1e-4);
+}
+
+namespace {
+
+/// The same arm with hinges as joints and links of their own, behind its own ones.
+flexarm::model::Arm spelt_out(flexarm::model::Arm arm, const std::string& joint) {
+  const int k = System(arm, {}).joint_index(joint);
+  auto below = arm.joints[k];
+  for (const flexarm::model::Hinge& hinge : arm.joints[k].mount) {
+    below.name = below.child = "hinge " + std::to_string(arm.links.size());
+    below.type = JointType::revolute;
+    below.axis = hinge.axis;
+    below.drive_train = compliant(hinge.stiffness, hinge.damping);
+    below.mount.clear();
+    arm.links.push_back(flexarm::model::RigidLink{.name = below.name});
+    arm.joints.push_back(below);
+    below.parent = below.child;
+    below.at_end = false;
+    below.origin = Frame{};
+  }
+  arm.joints[k].parent = below.parent;
+  arm.joints[k].at_end = false;
+  arm.joints[k].origin = Frame{};
+  arm.joints[k].mount.clear();
+  return arm;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "A mount gives way as joints of their own do, at rest and in motion, at the first joint or a later one") {
+  for (const int k : {0, 1}) {
+    auto arm = spatial_arm();
+    arm.joints[k].mount = {{{0.3, 1, 0}, 3e4, 20}, {{0, 0.2, 1}, 2e4, 5}};
+    const System mounted(arm, {}), separate(spelt_out(arm, arm.joints[k].name), {});
+    const auto rest = static_equilibrium(mounted, {0.3, 0.1, -0.2}, Loads{});
+    const auto same = static_equilibrium(separate, {0.3, 0.1, -0.2, 0, 0}, Loads{});
+    CHECK(error(base_wrench(mounted, rest.state), base_wrench(separate, same.state)) < 1e-6);
+    std::vector<PiecewisePolynomial> moved(3, PiecewisePolynomial({0, 0.3}, MatrixXd{{5}, {1}, {0}, {0.1}}));
+    const System driven(arm, {{arm.joints[0].name, DriveKind::motor_angle}});
+    const System other(spelt_out(arm, arm.joints[k].name), {{arm.joints[0].name, DriveKind::motor_angle}});
+    const auto run = simulate(driven, static_equilibrium(driven, {0.1, 0.1, -0.2}, Loads{}), moved,
+                              {.end = 0.3, .step = 2e-3});
+    moved.resize(5, PiecewisePolynomial::constant(0));
+    const auto reference = simulate(other, static_equilibrium(other, {0.1, 0.1, -0.2, 0, 0}, Loads{}), moved,
+                                    {.end = 0.3, .step = 2e-3});
+    CHECK(error(run.position, reference.position) < 1e-8);
+    CHECK(run.joint_angle.rows() == 3);
+  }
+}
+
+TEST_CASE("A base on two hinges is shaken about each by its part of the moment") {
+  auto arm = paper_arm({.elements = 2, .damping_ratio = 0.01});
+  arm.pedestal =
+      flexarm::model::Pedestal{.hinges = {{Vector3d::UnitX(), 1e5, 50}, {Vector3d::UnitY(), 1e5, 50}},
+                               .axis = {1, 1, 0},
+                               .amplitude = 40,
+                               .frequency = 3};
+  const System system(arm, {});
+  CHECK(system.pedestal().moment(0, 0.1) == near(arm.pedestal->moment(0.1) / std::sqrt(2)));
+  CHECK(system.pedestal().moment(1, 0.1) == near(arm.pedestal->moment(0.1) / std::sqrt(2)));
 }

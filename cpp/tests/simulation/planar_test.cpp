@@ -145,8 +145,10 @@ TEST_CASE("A bow that grows and a base that shakes, both in the plane, leave the
   model::Arm arm = flat_two_link_arm();
   std::get<model::BeamLink>(arm.links[0]).bow = {0, 0, 0.02};
   std::get<model::BeamLink>(arm.links[0]).bow_time = 0.3;
-  arm.pedestal = model::Pedestal{
-      .axis = Vector3d::UnitY(), .stiffness = 2e4, .damping = 10, .amplitude = 20, .frequency = 3};
+  arm.pedestal = model::Pedestal{.hinges = {{.axis = Vector3d::UnitY(), .stiffness = 2e4, .damping = 10}},
+                                 .axis = Vector3d::UnitY(),
+                                 .amplitude = 20,
+                                 .frequency = 3};
   check_same(both(arm, both_driven));
 }
 

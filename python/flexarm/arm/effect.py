@@ -178,6 +178,11 @@ class Effect(EffectTraits):
             effect = cls.model_construct(at=at, **values)
         return cls.model_validate({"at": at, **values})
 
+    @classmethod
+    def variants(cls, at: str, arm: Arm, stated: Effect | None) -> Sequence[Self]:
+        """Return the forms in which a search tries it with typical values; that of a stated one, if any."""
+        return [cls.typical(at, arm)]
+
     def null(self, arm: Arm) -> dict[str, float]:
         """Return the value of each parameter at which a model without the effect stays as it is."""
         return {name: 1.0 if name == "scale" else 0.0 for name, _, _ in self.parameters()}

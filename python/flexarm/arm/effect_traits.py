@@ -26,6 +26,9 @@ class EffectTraits(Table):
     At the output of a rigid joint the drive takes it, and no place moves. At the motor it moves the arm where
     the joint follows commands; else only a motor's torque shows it.
     """
+    sought_of_commands: ClassVar[tuple[str, ...]] = ()
+    """Parameters that a search fits only at joints that follow commands; elsewhere another effect stands for
+    them."""
     driven_joints_only: ClassVar[bool] = False
     """True if it is a constant angle, and no error, at a joint that no drive turns."""
     stated_by_records: ClassVar[bool] = False
@@ -58,6 +61,11 @@ class EffectTraits(Table):
     """True if a machine may well have next to none of it, so that the lower end of its size is no warning."""
 
     # ------------------------------------------------------------------ where it shows
+
+    leaves_plane: ClassVar[bool] = False
+    """True if it moves nothing, to first order, in an arm that moves in a plane and is symmetric to it."""
+    always_turns: ClassVar[bool] = False
+    """True if its angles and moments are such at a joint that slides, too."""
 
     varies_with: ClassVar[Literal["angle", "rate", "torque", "time"]] = "angle"
     """State of a joint against which a figure shows its law best."""

@@ -21,20 +21,21 @@ SLIDING = {
 """Units along a prismatic joint by those about a revolute one."""
 
 
-def unit_at(arm: Arm, at: str, parameter: str, unit: str) -> str:
-    """Return the unit of a parameter of an effect at a place; phases of waves are angles everywhere."""
-    return SLIDING.get(unit, unit) if _slides(arm, at) and parameter != "phase" else unit
+def unit_at(effect: Effect, arm: Arm, parameter: str, unit: str) -> str:
+    """Return the unit of a parameter of an effect where it acts; phases of waves are angles everywhere."""
+    along = not effect.always_turns and _slides(arm, effect.at) and parameter != "phase"
+    return SLIDING.get(unit, unit) if along else unit
 
 
 def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
     """Parameters of an effect as (name, value, unit), in the units of its place in an arm."""
-    return [(name, value, unit_at(arm, effect.at, name, unit)) for name, value, unit in effect.parameters()]
+    return [(name, value, unit_at(effect, arm, name, unit)) for name, value, unit in effect.parameters()]
 
 
 def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
     """Return what is plausible of an effect, in the units of its place in an arm."""
     return {
-        name: replace(prior, unit=unit_at(arm, effect.at, name, prior.unit))
+        name: replace(prior, unit=unit_at(effect, arm, name, prior.unit))
         for name, prior in effect.priors(arm).items()
     }
 

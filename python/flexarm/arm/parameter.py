@@ -167,7 +167,7 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
             )
         unit = unit_of(type(owner).model_fields[path.fields[-1]])
         if isinstance(owner, Effect):
-            unit = unit_at(arm, owner.at, path.fields[-1], unit)
+            unit = unit_at(owner, arm, path.fields[-1], unit)
         found.append(Parameter(name, path.get(arm), unit, rule == "one-sided"))
     return found
 
@@ -217,7 +217,7 @@ def _size(arm: Arm, parameter: Parameter, path: Path) -> float:
     """Return the scale of a parameter: its value, its vector, a plausible value, or one unit."""
     owner = path.owner(arm)
     whole = getattr(owner, path.fields[-1])
-    if path.component is not None:
+    if path.component is not None and not (isinstance(owner, Effect) and owner.is_spring):
         length = sum(item * item for item in whole) ** 0.5
         if length > 0:
             return float(length)

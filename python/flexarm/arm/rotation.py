@@ -45,6 +45,16 @@ def from_axes(x: Vector, up: Vector) -> Matrix:
     return transposed((ex, ey, ez))
 
 
+def across(axis: Vector) -> tuple[Vector, Vector]:
+    """Return two unit vectors normal to an axis and to one another: x made normal to it, and axis times that.
+
+    Of an axis within 26 degrees of x, y takes the place of x.
+    """
+    towards = (0.0, 1.0, 0.0) if abs(axis[0]) > 0.9 * hypot(*axis) else (1.0, 0.0, 0.0)
+    _, second, first = transposed(from_axes(axis, towards))
+    return first, scaled(-1.0, second)
+
+
 def dot(a: Vector, b: Vector) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -2,7 +2,8 @@ r"""Springs with dampers: effects whose prediction is linear in the flexibility 
 
 .. math:: 1/(k + i \omega c) = 1/k - i \omega c / k^2 + \dots                                           (1)
 
-In series flexibilities 1/k add up, and so do the losses c/k^2.
+In series flexibilities 1/k add up, and so do the losses c/k^2. A spring about two axes has a stiffness for
+each; a search then begins with one of them soft and the other as good as rigid.
 """
 
 from __future__ import annotations
@@ -10,14 +11,39 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isinf
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+
+from pydantic import BeforeValidator, model_validator
 
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.joint_units import priors_in
+from flexarm.tables import Inconsistent, Number, Vector2
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.arm.prior import Prior
+    from flexarm.arm.rotation import Vector
+
+
+def _one_or_two(unit: str, positive: bool) -> BeforeValidator:
+    def check(value: Any) -> Any:
+        value = value.tolist() if hasattr(value, "tolist") else value
+        numbers = tuple(value) if isinstance(value, list | tuple) else (value,)
+        right = all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers)
+        if len(numbers) not in (1, 2) or not right:
+            raise ValueError(f"must be one number or two, one for each axis [{unit}], got {value!r}")
+        for number in numbers:
+            if number < 0 or (positive and number == 0):
+                what = "be positive" if positive else "not be negative"
+                raise ValueError(f"must {what}, got {number:g} {unit}")
+        return tuple(map(float, numbers)) if len(numbers) == 2 else float(numbers[0])
+
+    return BeforeValidator(check)
+
+
+Stiffness = Annotated[Number | Vector2, _one_or_two("N m/rad", positive=True)]
+Damping = Annotated[Number | Vector2, _one_or_two("N m s/rad", positive=False)]
+"""About one axis, or about each of two."""
 
 
 class SpringEffect(Effect):
@@ -25,8 +51,8 @@ class SpringEffect(Effect):
 
     is_spring = True
     one_signed = True
-    shape = ("damping",)
-    in_motion = ("damping",)
+    shape = ("damping", "damping.x", "damping.y")
+    in_motion = ("damping", "damping.x", "damping.y")
     varies_with = "torque"
     typical_stiffness: ClassVar[float] = 1e5
     """Of a rotary reducer that moves such arms [N m/rad]; a rigid spring is probed with it."""
@@ -38,30 +64,71 @@ class SpringEffect(Effect):
     """The same of a stated spring, besides `softer`."""
     stated_within: ClassVar[float] = 5.0
     """Factor within which 95 % of springs are as stated."""
+    rigid: ClassVar[float] = 1e12
+    """About one of two axes a spring as stiff as this counts as rigid [N m/rad]."""
+
+    @model_validator(mode="after")
+    def _as_many(self) -> Self:
+        if len(self.stiffnesses) < len(self._keyed("damping")):
+            raise Inconsistent((("damping",), "has two numbers and the stiffness one; give it two as well"))
+        return self
+
+    @property
+    def stiffnesses(self) -> dict[str, float]:
+        """Stiffness [N m/rad] about its axis, or about each of two, by its key."""
+        return self._keyed("stiffness")
+
+    def _keyed(self, name: str) -> dict[str, float]:
+        value = getattr(self, name)
+        if isinstance(value, tuple):
+            return {f"{name}.{axis}": item for axis, item in zip("xy", value, strict=True)}
+        return {name: value}
+
+    def about_both_axes(self) -> list[tuple[float, float]]:
+        """Return stiffness and damping about each of two axes; a single number holds for both."""
+        k, c = (list(self._keyed(name).values()) for name in ("stiffness", "damping"))
+        return list(zip(k * (2 // len(k)), c * (2 // len(c)), strict=True))
+
+    def soft_about(self, axes: Sequence[Vector]) -> list[tuple[Vector, float, float]]:
+        """Return axis, stiffness and damping about such axes, without those about which it is rigid."""
+        each = zip(axes, self.about_both_axes(), strict=False)
+        return [(axis, k, c) for axis, (k, c) in each if k < self.rigid]
+
+    @property
+    def softest(self) -> float:
+        """Return the least stiffness [N m/rad]."""
+        return min(self.stiffnesses.values())
 
     @property
     def inert(self) -> bool:
         """Return True if it is rigid."""
-        return isinf(self.value_of("stiffness"))
+        return isinf(self.softest)
+
+    def null(self, arm: Arm) -> dict[str, float]:
+        """Return no damping, and of two stiffnesses both rigid."""
+        soft = self.stiffnesses
+        return {**super().null(arm), **(dict.fromkeys(soft, self.rigid) if len(soft) == 2 else {})}
 
     def stated_priors(self, arm: Arm) -> dict[str, Prior]:
         """Return priors about this spring as a model states it: near that, whatever others have."""
         if self.inert:
             return {}
-        k, within = self.value_of("stiffness"), self.stated_within
+        within = self.stated_within
         source = f"engineering judgement: data sheets and earlier fits hold to a factor of {within:g}"
-        usual = priors_in(self, arm)["stiffness"]
-        return {"stiffness": replace(usual, low=k / within, high=k * within, typical=k, source=source)}
+        usual = priors_in(self, arm)
+        return {
+            key: replace(usual[key], low=k / within, high=k * within, typical=k, source=source)
+            for key, k in self.stiffnesses.items()
+        }
 
     def trials(
         self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
     ) -> Iterator[Trial]:
         """Yield softer and softer springs, from the typical or the stated one on."""
-        if stated is None or stated.inert:
-            stiffness = self.typical_stiffness
-        else:
-            stiffness = stated.value_of("stiffness") / self.least_softer
-        yield from (Trial(start={"stiffness": stiffness / times}) for times in softer)
+        start = dict.fromkeys(self.stiffnesses, self.typical_stiffness)
+        if isinstance(stated, SpringEffect) and not stated.inert:
+            start = {key: k / self.least_softer for key, k in stated.stiffnesses.items()}
+        yield from (Trial(start={key: k / times for key, k in start.items()}) for times in softer)
 
     def probes(
         self,
@@ -70,13 +137,13 @@ class SpringEffect(Effect):
         null: Mapping[str, float],
         priors: Mapping[str, Prior],
     ) -> Iterator[Self]:
-        """Yield this spring, with a damping in proportion."""
-        k = self.value_of("stiffness")
-        if stated is None or stated.inert:
-            damping = self.typical_damping * k
-        else:
-            damping = stated.value_of("damping") * self.least_softer * k / stated.value_of("stiffness")
-        yield self.with_parameters({"stiffness": k, "damping": damping})
+        """Yield this spring, about one axis after the other, with a damping in proportion."""
+        for key, k in self.stiffnesses.items():
+            rest = {other: null[other] for other in self.stiffnesses if other != key}
+            soft, loss = flexibility(stated, key)
+            seconds = self.least_softer * loss / soft if soft else self.typical_damping
+            damping = dict.fromkeys(self._keyed("damping"), seconds * k)
+            yield self.with_parameters({**rest, key: k, **damping})
 
     def sized(
         self,
@@ -86,16 +153,21 @@ class SpringEffect(Effect):
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:
-        """Return the spring of a multiple of its probe's flexibility, eq. (1)."""
-        soft, nominal = 1.0 / probes[0].value_of("stiffness"), flexibility(stated)[0]
-        return self._of_flexibility(max(nominal + multiples[0] * (soft - nominal), least * soft), 0.0)
+        """Return the spring of a multiple of the flexibility of each of its probes, eq. (1)."""
+        found: dict[str, float] = {}
+        for multiple, probe in zip(multiples, probes, strict=True):
+            assert isinstance(probe, SpringEffect)
+            key = next(key for key, k in probe.stiffnesses.items() if k != null[key])
+            soft, nominal = 1.0 / probe.stiffnesses[key], flexibility(stated, key)[0]
+            found[key] = 1.0 / max(nominal + multiple * (soft - nominal), least * soft)
+        return {**found, **self._damped(min(found.values()))}
 
     def acting_as(
         self, other: Effect, other_stated: Effect | None, stated: Effect | None
     ) -> dict[str, float]:
         """Return a spring as much softer and more lossy than stated as another spring is, eq. (1).
 
-        It stays as it is where nothing softer than rigid would do that.
+        It stays as it is where nothing softer than rigid would do that. Of two axes both become as soft.
         """
         soft, loss = (
             here + there - before
@@ -103,18 +175,21 @@ class SpringEffect(Effect):
                 flexibility(stated), flexibility(other), flexibility(other_stated), strict=True
             )
         )
-        return self._of_flexibility(soft, loss) if soft > 0 else {}
-
-    def _of_flexibility(self, soft: float, loss: float) -> dict[str, float]:
-        """Return k and c of 1/k and c/k^2; a typical damping where there is no loss."""
+        if soft <= 0:
+            return {}
         stiffness = 1.0 / soft
-        damping = loss * stiffness**2 if loss > 0 else self.typical_damping * stiffness
-        return {"stiffness": stiffness, "damping": damping}
+        return {**dict.fromkeys(self.stiffnesses, stiffness), **self._damped(stiffness, loss * stiffness)}
+
+    def _damped(self, stiffness: float, seconds: float = 0.0) -> dict[str, float]:
+        """Return a damping over stiffness of so many seconds; a typical one where that is no loss."""
+        damping = (seconds if seconds > 0 else self.typical_damping) * stiffness
+        return dict.fromkeys(self._keyed("damping"), damping)
 
 
-def flexibility(spring: Effect | None) -> tuple[float, float]:
-    """Return 1/k and c/k^2 of a spring; zeros without one."""
-    if spring is None or spring.inert:
+def flexibility(spring: Effect | None, key: str | None = None) -> tuple[float, float]:
+    """Return 1/k and c/k^2 of a spring about an axis, by default the softest; zeros without one."""
+    if not isinstance(spring, SpringEffect) or spring.inert:
         return 0.0, 0.0
-    k = spring.value_of("stiffness")
-    return 1.0 / k, spring.value_of("damping") / k**2
+    about = dict(zip(spring.stiffnesses, spring.about_both_axes(), strict=False))
+    k, c = about[key] if key else min(about.values())
+    return 1.0 / k, c / k**2

@@ -135,7 +135,7 @@ def _units(arm: Arm, owner: Table, field: str) -> tuple[str, ...]:
         sensor = next((sensor for sensor in arm.sensors if sensor.name == owner.at), None)
         named = tuple(_SUFFIXES.values()) if sensor is None else sensor.spec.units
     else:
-        named = (unit_at(arm, owner.at, field, unit),)
+        named = (unit_at(owner, arm, field, unit),)
     plain = ("-" if unit == "1" else unit for unit in named)
     return tuple(unit for unit in plain if unit in _SUFFIXES.values())
 

@@ -14,7 +14,7 @@ from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, RigidLink, SuperElementLink
 from flexarm.arm.rotation import Frame, chained, from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
-from flexarm.assembly.base import pedestal, tilted
+from flexarm.assembly.base import core_hinges, pedestal, tilted
 from flexarm.assembly.machine import Load, Machine, Member, machine_of, nominal_machine
 from flexarm.errors import InvalidParameter
 from flexarm.tables.ranges import out_of_range
@@ -234,4 +234,5 @@ def _joint(joint: Joint, machine: Machine) -> _core.Joint:
         origin=_core.Frame(np.array(origin[0]), np.array(origin[1])),
         axis=np.array(joint.axis if joint.moves else (0.0, 0.0, 1.0)),
         drive_train=machine.drive_trains[joint.name].core(),
+        mount=core_hinges(machine.mounts[joint.name]),
     )

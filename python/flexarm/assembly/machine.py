@@ -8,8 +8,8 @@ not depend on values: sensitivities difference two systems of one structure.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from flexarm.arm import Arm
 from flexarm.arm.inertia import Matrix, inertia_matrix
@@ -70,6 +70,27 @@ class Member:
     bow_time: float = 0.0
 
 
+Spring = tuple[Vector, float, float]
+"""Axis, stiffness and damping of a hinge."""
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """A hinge that nothing drives, between two parts that were one.
+
+    Attributes
+    ----------
+    axis : (3,)
+        Direction; its length is arbitrary.
+    stiffness, damping : float
+        Of its spring and damper [N m/rad], [N m s/rad].
+    """
+
+    axis: Vector
+    stiffness: float
+    damping: float
+
+
 @dataclass
 class Base:
     """The base of the arm.
@@ -78,28 +99,39 @@ class Base:
     ----------
     tilt : (2,)
         Rotation vector about the base's x and y [rad]; gravity and trackers do not turn.
-    stiffness, damping : float
-        About the arm's first axis, through the base's origin [N m/rad], [N m s/rad]; infinite: stands still.
+    hinges : list of Hinge
+        Through the base's origin, axes in the base's frame; none: it stands still.
     vibration : (3,) or None
-        Amplitude [N m], frequency [Hz], phase [rad] of a moment about that axis.
+        Amplitude [N m], frequency [Hz], phase [rad] of a moment about the arm's first axis.
     """
 
     tilt: tuple[float, float] = (0.0, 0.0)
-    stiffness: float = inf
-    damping: float = 0.0
+    hinges: list[Hinge] = field(default_factory=list)
     vibration: tuple[float, float, float] | None = None
+
+    def hinge(self, springs: Iterable[Spring]) -> None:
+        """Put the base on hinges, one behind the other."""
+        self.hinges = [Hinge(*spring) for spring in springs]
 
 
 @dataclass
 class Machine:
-    """An arm's data, by name, in the order of the model; `arm` is the model itself."""
+    """An arm's data, by name, in the order of the model; `arm` is the model itself.
+
+    `mounts` are hinges between a joint and its parent, axes in the joint's frame.
+    """
 
     arm: Arm
     drive_trains: dict[str, DriveTrain]
+    mounts: dict[str, list[Hinge]]
     payloads: dict[str, Load]
     links: dict[str, Member]
     points: dict[str, Place]
     base: Base
+
+    def mount(self, joint: str, springs: Iterable[Spring]) -> None:
+        """Put hinges between a joint and its parent, one behind the other."""
+        self.mounts[joint] = [Hinge(*spring) for spring in springs]
 
 
 def machine_of(arm: Arm) -> Machine:
@@ -115,6 +147,7 @@ def nominal_machine(arm: Arm) -> Machine:
     return Machine(
         arm=arm,
         drive_trains={joint.name: DriveTrain(joint.gear_ratio, joint.rotor_inertia) for joint in arm.joints},
+        mounts={joint.name: [] for joint in arm.joints},
         payloads={
             load.name: Load(load.link, load.position, load.mass, inertia_matrix(load.inertia))
             for load in arm.payloads

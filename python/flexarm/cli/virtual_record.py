@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm.measurement.clocks import EXACT
 from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.encoder import follows_late
 from flexarm.measurement.measure import measure
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
 from flexarm.record import Clock, Record, Signal
@@ -67,7 +68,8 @@ def _again(signal: Signal, run: Simulation, record: Record, placement: Placement
     """Return a signal of the record as simulated; inputs of the simulation stay as they were."""
     if signal.quantity not in READINGS and signal.quantity not in FRAMED_READINGS:
         return signal
-    if signal.name in record.drive and signal.quantity != "joint_angle":
+    late = follows_late(run, signal.joint)
+    if signal.name in record.drive and (signal.quantity != "joint_angle" or late):
         return signal
     return signal.replace(values=predict(run, signal, placement.clock(signal), placement.frame(signal)))
 
@@ -94,7 +96,7 @@ def _position(run: Simulation, i: int, name: str) -> Signal:
 
 
 def _drive(run: Simulation, joint: str, taken: dict[str, Signal], clock: str = CLOCK) -> Signal:
-    """Return the drive of a joint: the motor's angle over the ratio at every step."""
+    """Return the drive of a joint: what it was told where it lags, else the motor's angle over the ratio."""
     name = joint if joint not in taken else f"{joint}_drive"
     signal = Signal(
         name=name,
@@ -108,7 +110,11 @@ def _drive(run: Simulation, joint: str, taken: dict[str, Signal], clock: str = C
         file="drive.csv",
         clock=clock,
     )
-    return _shown(signal, run)
+    shown = _shown(signal, run)
+    if run.joint_command is None or not follows_late(run, joint):
+        return shown
+    told = run.joint_command[:, [run.joints.index(joint)]]
+    return shown.replace(values=effects_of(run.arm, signal).reading(told))
 
 
 def _shown(signal: Signal, run: Simulation) -> Signal:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import SensorEffects, effects_of
+from flexarm.measurement.encoder import told
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import read
@@ -113,7 +114,8 @@ class SimulatedRecord:
         instants = self.instants(signal, placement)
         if hold:
             instants = np.minimum(instants, self.simulation.time[-1])
-        true = read(self.simulation, signal, instants, self.frame(signal, placement))
+        what = told(self.simulation, signal, self.record.drive)
+        true = read(self.simulation, what, instants, self.frame(signal, placement))
         return self.effects(signal).reading(true, rounded=False)
 
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:

@@ -21,6 +21,7 @@ from flexarm.control.back_emf import with_losses
 from flexarm.control.dual import value_of
 from flexarm.control.sensing import Sensing
 from flexarm.drive import Drive
+from flexarm.drive.lag import as_followed
 from flexarm.errors import InvalidParameter
 from flexarm.simulation.prepared import motions
 
@@ -95,7 +96,7 @@ class ControlledArm:
     def motions(self) -> list[_core.PiecewisePolynomial]:
         """Motions that drive the other joints; commanded ones are not read."""
         others = {name: joint for name, joint in self.drive.joints.items() if name not in self.controllers}
-        return motions(self.arm, replace(self.drive, joints=others))
+        return motions(self.arm, as_followed(replace(self.drive, joints=others), self.arm))
 
     def first_values(self, start: float) -> dict[str, float]:
         """Return the positions of driven joints at the start [rad or m]."""

@@ -30,6 +30,7 @@ from flexarm.control.loop import Loop
 from flexarm.control.plant import DifferentiatedPlant
 from flexarm.control.sensing import DifferentiatedSensing, Sensing
 from flexarm.drive import Drive
+from flexarm.drive.lag import lagging
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive, Sensitivities, collected, entry_of, varied
@@ -70,7 +71,7 @@ class Differentiation:
             task.arm,
             wanted,
             lambda other: replace(task, arm=other).system,
-            Redrive(places, lambda other: self._redriven(other).motions),
+            Redrive(places | set(lagging(task.drive, task.arm)), lambda other: self._redriven(other).motions),
         )
         self._still, _ = varied(
             task.arm,

@@ -72,10 +72,13 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     records = problem.records.values()
     evidence = dict.fromkeys((row.record, row.signal) for row in problem.rows)
     signals = [problem.records[record].signals[signal] for record, signal in evidence]
+    if kind.leaves_plane and problem.planar:
+        return []
     if kind.place == "joint":
         joints = [joint.name for joint in arm.joints if joint.moves]
         if kind.torque_at == "motor":
-            shown = {s.joint for s in signals if s.quantity == "motor_torque"} | commanded(records)
+            shown = {s.joint for s in signals if s.quantity == "motor_torque"}
+            shown |= commanded(records) & {controller.joint for controller in arm.controllers}
             return [joint for joint in joints if joint in shown]
         turned = driven_joints(arm, records)
         return [joint for joint in joints if not kind.driven_joints_only or joint in turned]
@@ -102,7 +105,7 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
 
 
 def commanded(records: Iterable[Record]) -> set[str | None]:
-    """Joints that follow commands: there a motor's friction moves the arm, it does not only cost torque."""
+    """Joints that follow commands: under a controller a motor's friction moves the arm there."""
     drives = (record.signals[name] for record in records for name in record.drive)
     return {signal.joint for signal in drives if signal.quantity == "joint_command"}
 

@@ -24,7 +24,7 @@ from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, nulls
-from flexarm.diagnosis.candidate_places import late_commands, places_of
+from flexarm.diagnosis.candidate_places import commanded, late_commands, places_of
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.external_vibration import ExternalVibration
 from flexarm.errors import InvalidParameter
@@ -78,12 +78,17 @@ def _at_place(
         if required is None or required.inert:
             needs = effect_class(kind.requires).typical(at, arm)
     there = arm if needs is None else arm.with_effect(needs)
-    typical = kind.typical(at, there) if without is None or kind.is_spring else without
-    for start, fixed in typical.trials(without, arm, rhythm, softer):
+    unsought = () if at in commanded(problem.records.values()) else kind.sought_of_commands
+    forms: Sequence[Effect] = kind.variants(at, there, without)
+    if without is not None and not kind.is_spring:
+        forms = [without]
+    trials = ((form, *trial) for form in forms for trial in form.trials(without, arm, rhythm, softer))
+    for typical, start, fixed in trials:
+        null = nulls(typical, without, arm)
+        fixed = {**fixed, **{key: null[key] for key in unsought}}
         effect = typical.with_parameters({**start, **fixed})
         priors = {**priors_in(effect, there), **stated}
         free = tuple(key for key in priors if key not in fixed and _has(effect, key))
-        null = nulls(effect, without, arm)
         steps = tuple(effect.probes(without, free, null, priors))
         try:
             for probe in steps:

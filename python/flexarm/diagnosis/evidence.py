@@ -22,11 +22,10 @@ correlated. Poses have no order in time; there s^2 = (gamma_0 - 1 - d)/(1 + d), 
 makes so large a gamma_0 of so few poses by a chance of more than `chance` of the policy.
 
 No simulation agrees with a machine to better than a part delta of the noise, `discrepancy` of the policy, and
-its error may lie along what two models differ by. If that is v over N samples, such an error adds to the
-variance along v, so that
+its error may lie along what two models differ by. If that is v over N samples, such an error adds to C of
+both models, before they are compared,
 
-.. math:: \ln B = \frac{\Delta \ln p}{1 + \delta^2 N_v w} + \ldots, \quad
-          N_v = \frac{(\sum v^2)^2}{\sum v^4}, \quad w = \frac{v^T C^{-1} v}{v^T v}                    (3)
+.. math:: c v v^T, \quad c = \delta^2 N_v/v^T v, \quad N_v = \frac{(\sum v^2)^2}{\sum v^4}               (3)
 
 Where finer time steps move more than that part, delta^2 is the mean square of what they move, weighed by v^2.
 Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
@@ -117,6 +116,12 @@ class Evidence:
         """Return the root of C^-1 times values of shape (n, ...)."""
         return whitened(values, problem, self.discrepancies)
 
+    def with_error(self, v: Floats, c: float, problem: Problem) -> float:
+        """Return the log likelihood where c v v^T adds to C (matrix determinant lemma)."""
+        white = self.whitened(np.column_stack([v, self.left]), problem)
+        along, square = float(white[:, 0] @ white[:, 1]), float(white[:, 0] @ white[:, 0])
+        return self.log_likelihood + (c * along**2 / (1 + c * square) - log(1 + c * square)) / 2
+
     def covariance_times(self, values: Floats, problem: Problem) -> Floats:
         """Return C times values of shape (n, ...)."""
         found = np.empty_like(values)
@@ -196,13 +201,12 @@ def log_bayes_factor(one: Fit, other: Fit, problem: Problem) -> float:
 def log_likelihood_ratio(one: Fit, other: Fit, problem: Problem) -> float:
     """Return the same without what parameters cost: how much better one model fits."""
     first, second = evidence_of(one, problem), evidence_of(other, problem)
-    gain = first.log_likelihood - second.log_likelihood
     v = first.left - second.left
-    white = (first if gain > 0 else second).whitened(v, problem)
-    spread = float(v @ v) * float(white @ white) / max(float(np.sum(v**4)), 1e-300)
     errors = simulation_errors(problem, one.non_smooth or other.non_smooth)
-    delta = float(v**2 @ errors**2) / max(float(v @ v), 1e-300)
-    return gain / (1 + delta * spread) + second.pulls - first.pulls  # eq. (3)
+    fourth = max(float(np.sum(v**4)), 1e-300)
+    c = float(v**2 @ errors**2) / fourth  # eq. (3), delta^2 weighed by v^2
+    gain = first.with_error(v, c, problem) - second.with_error(v, c, problem)
+    return gain + second.pulls - first.pulls
 
 
 def simulation_errors(problem: Problem, non_smooth: bool) -> Floats:

@@ -77,8 +77,8 @@ class SelectionPolicy:
     """1 sigma [rad, m] of the zero of an encoder or inclinometer that is evidence: 0.3 degrees."""
 
     # Stopping
-    most_effects: int = 3
-    """Effects in a diagnosis, and swaps in a search [1]: more fit anything."""
+    most_effects: int = 12
+    """Effects in a diagnosis, and swaps in a search [1]: evidence ends a search before."""
     most_of_gap: float = 0.5
     """Part of the gap [-]: two effects explain it for a third, the best screened one for no more starts."""
     hardly_helps: float = 0.15

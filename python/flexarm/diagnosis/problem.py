@@ -73,6 +73,8 @@ class Problem:
         What the entries of a residual are.
     skipped : dict of str to str
         Signals of no use, "record: signal", and why.
+    planar : bool
+        True if the nominal arm moves in a plane in all records.
     initial_conditions : tuple of InitialCondition
         What the arm may swing with where records begin in motion.
     tilts : tuple of UncertainTilt
@@ -92,6 +94,7 @@ class Problem:
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
     rows: tuple[Rows, ...] = field(init=False, default=())
     skipped: dict[str, str] = field(init=False, default_factory=dict)
+    planar: bool = field(init=False, default=False)
     initial_conditions: tuple[InitialCondition, ...] = field(init=False, default=())
     tilts: tuple[UncertainTilt, ...] = field(init=False, default=())
     simulations: SimulationCache = field(init=False)
@@ -105,6 +108,8 @@ class Problem:
         self.simulations = SimulationCache(self.records, self.step, self.alpha)
         rows: list[Rows] = []
         pairs = [self.simulations.beside(name, self.arm) for name in self.records]
+        motions = all(record.kind == "motion" for record in self.records.values())
+        self.planar = motions and all(pair.simulation.solver.get("dimension") == 2 for pair in pairs)
         guesses = initial_guesses(pairs, [stated_placement(record) for record in self.records.values()])
         self.placement = dict(zip(self.records, guesses, strict=True))
         for name, pair in zip(self.records, pairs, strict=True):

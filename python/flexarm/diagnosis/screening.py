@@ -131,7 +131,9 @@ def _seen(probed: Probed) -> Probed:
     seen = {sized[k] for k in keep}
     free = tuple(name for name in candidate.free if name in seen or name in candidate.effect.shape)
     probes = tuple(candidate.probes[k] for k in keep)
-    return Probed(replace(candidate, free=free, probes=probes), moves[:, keep])
+    none = {name: candidate.null[name] for name in sized if name not in seen}
+    effect = candidate.effect.with_parameters(none)
+    return Probed(replace(candidate, effect=effect, free=free, probes=probes), moves[:, keep])
 
 
 def screen(

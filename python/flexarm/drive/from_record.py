@@ -44,7 +44,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
         if signal.quantity not in ("joint_angle", "joint_command") or signal.joint is None:
             raise InvalidParameter(
                 f"signal {name!r} ({signal.quantity}) cannot drive; a joint_angle drives directly, a "
-                "joint_command through the joint's controller",
+                "joint_command through the joint's controller, directly where it has none",
                 where="drive",
             )
         if signal.joint in joints:
@@ -94,9 +94,13 @@ def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float
 
 
 def _joint_drive(signal: Signal, arm: Arm, start: float) -> JointDrive:
-    """Return a command as it is held, or an angle without its noise."""
+    """Return a command as its controller holds it, or an angle without its noise.
+
+    Without a controller in the model a joint follows its command as it does an angle.
+    """
     samples = _true_samples(signal, arm, start)
-    if signal.quantity == "joint_command":
+    controlled = any(controller.joint == signal.joint for controller in arm.controllers)
+    if signal.quantity == "joint_command" and controlled:
         return JointDrive.held(samples.time, samples.values)
     joint = arm.joint(str(signal.joint))
     shown = (samples.stamps, samples.reading)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flexarm.effects.clock_drift import ClockDrift
     from flexarm.effects.coulomb_friction import CoulombFriction
     from flexarm.effects.dead_channel import DeadChannel
+    from flexarm.effects.drive_lag import DriveLag
     from flexarm.effects.encoder_eccentricity import EncoderEccentricity
     from flexarm.effects.encoder_offset import EncoderOffset
     from flexarm.effects.encoder_quantisation import EncoderQuantisation
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from flexarm.effects.joint_compliance import JointCompliance
     from flexarm.effects.joint_hysteresis import JointHysteresis
     from flexarm.effects.joint_stiffening import JointStiffening
+    from flexarm.effects.joint_tilt_compliance import JointTiltCompliance
     from flexarm.effects.link_bow import LinkBow
     from flexarm.effects.link_damping import LinkDamping
     from flexarm.effects.link_length import LinkLength
@@ -59,6 +61,7 @@ __all__ = [
     "ClockDrift",
     "CoulombFriction",
     "DeadChannel",
+    "DriveLag",
     "Effect",
     "EncoderEccentricity",
     "EncoderOffset",
@@ -71,6 +74,7 @@ __all__ = [
     "JointCompliance",
     "JointHysteresis",
     "JointStiffening",
+    "JointTiltCompliance",
     "LinkBow",
     "LinkDamping",
     "LinkLength",

@@ -2,17 +2,18 @@ r"""Something shakes the base: a pump, a crane, traffic.
 
 .. math:: M(t) = A \sin(2 \pi f t + p)                                                               (1)
 
-M [N m] is a moment on the compliant base (`base_compliance`), about the axis about which that turns; t is the
-time of the run, that of the records. It begins with the run: the equilibrium from which a motion starts is
-without it.
+M [N m] is a moment on the compliant base (`base_compliance`) about the axis of the arm's first joint; t is
+the time of the run, that of the records. It begins with the run: the equilibrium from which a motion starts
+is without it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from math import pi
+from collections.abc import Iterable, Iterator, Sequence
+from math import hypot, pi
 from typing import TYPE_CHECKING, ClassVar
 
+from flexarm.arm.base_axis import base_axis
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
 from flexarm.arm.wave_effect import WaveEffect
@@ -43,6 +44,19 @@ class ExternalVibration(WaveEffect):
     amplitude: Number = value_in("N m", "amplitude of the moment", 0.0, ge=0)
     frequency: Number = value_in("Hz", "its frequency", 0.0, ge=0)
     phase: Number = value_in("rad", "its phase at t = 0", 0.0)
+
+    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
+        """Refuse a base that does not turn about the axis of the moment."""
+        yield from super().problems(arm)
+        base = arm.effect("base_compliance", self.at)
+        if base is not None and len(getattr(base, "stiffnesses", ())) == 2:
+            x, y, _ = base_axis(arm)
+            if not hypot(x, y) > 0:
+                yield (
+                    "at",
+                    "shakes the base about the axis of the first joint, about which a base_compliance with "
+                    "two stiffnesses does not turn; give it one",
+                )
 
     def patch(self, machine: Machine) -> None:
         """Add a moment, eq. (1)."""

@@ -12,7 +12,6 @@ the arm with its effects.
 
 from __future__ import annotations
 
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -88,12 +87,17 @@ def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
     arm = as_built(machine)
     point = arm.point(_point(model, what).name)
     link = link_of(point.link)
-    if machine.base.stiffness != inf:
+    if machine.base.hinges:
         raise CannotMeasure(
             f"signal {what.name!r}: the deflection of {link!r} is measured from a frame that stands on a "
             "compliant base (effect base_compliance); the base must be rigid"
         )
     for joint in chain_to(arm, link):
+        if machine.mounts[joint.name]:
+            raise CannotMeasure(
+                f"signal {what.name!r}: the deflection of {link!r} is measured from a frame beyond the soft "
+                f"bearing of {joint.name!r} (effect joint_tilt_compliance), whose angles nothing measures"
+            )
         if joint.at == "end" or ":" in joint.parent:
             raise CannotMeasure(
                 f"signal {what.name!r}: the deflection of {link!r} is measured from a frame "

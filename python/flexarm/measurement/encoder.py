@@ -7,10 +7,12 @@ most step/2 and, over many steps, of step/sqrt(12) rms.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
+from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arrays import Floats
 from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
 
@@ -41,6 +43,22 @@ def joint_command(simulation: Any, what: Described, instants: Floats) -> Floats:
     if not np.isfinite(command).all():
         raise CannotMeasure(f"signal {what.name!r}: the joint {what.joint!r} has no controller here")
     return sample(simulation.time, command, instants)
+
+
+def told(simulation: Any, what: Any, drives: Collection[str]) -> Any:
+    """Return a signal or sensor, as a command where it drives a joint that lags behind its drive."""
+    late = what.name in drives and follows_late(simulation, what.joint)
+    return what.replace(quantity="joint_command", side=None) if late else what
+
+
+def follows_late(simulation: Any, joint: str | None) -> bool:
+    """Return True if a joint lags behind its drive, which is then the command that the run holds."""
+    told = getattr(simulation, "joint_command", None)
+    if told is None:
+        return False
+    effects = simulation.arm.effects
+    lags = any(isinstance(e, DriveEffect) and e.at == joint and any(e.lag()) for e in effects)
+    return lags and bool(np.isfinite(told[:, simulation.joints.index(joint)]).all())
 
 
 def quantised(values: Floats, step: float) -> Floats:

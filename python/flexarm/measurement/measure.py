@@ -12,7 +12,7 @@ Every random number comes from the generator that is passed in, sensor by sensor
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.encoder import quantised
+from flexarm.measurement.encoder import quantised, told
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
 
@@ -106,13 +106,14 @@ def measure(
             stated_frames.setdefault(sensor.frame, Frame())
     places = {name: Registration(origin=f.xyz, rpy=f.rpy) for name, f in stated_frames.items()}
     places |= dict(registrations or {})
+    drives = tuple(drive)
     signals = [
-        _signal(simulation, sensor, rng, sensor.clock or reference, clock_errors or {}, places)
+        _signal(simulation, sensor, rng, sensor.clock or reference, clock_errors or {}, places, drives)
         for sensor in sensors
     ]
     return Record(
         signals={signal.name: signal for signal in signals},
-        drive=tuple(drive),
+        drive=drives,
         clocks=stated_clocks,
         frames=stated_frames,
         description=description,
@@ -127,15 +128,16 @@ def _signal(
     clock: str,
     clock_errors: Mapping[str, ClockError],
     places: Mapping[str, Registration],
+    drives: Collection[str],
 ) -> Signal:
-    """Return the signal that one sensor writes."""
+    """Return the signal that one sensor writes; those that drive show what joints were told."""
     from flexarm.record import Signal
 
     planned, instants = _instants(simulation, sensor, rng)
     unit, factor = sensor.si if sensor.unit else (_default_unit(simulation.arm, sensor), 1.0)
     seen = effects_of(simulation.arm, sensor, clock)
     place = seen.registration(places.get(sensor.frame or "base", IDENTITY))
-    values = seen.sensed(read(simulation, sensor, instants, place))
+    values = seen.sensed(read(simulation, told(simulation, sensor, drives), instants, place))
     values = values + (sensor.noise_std or 0.0) * factor * rng.standard_normal(values.shape)
     values = seen.written(quantised(values, sensor.step * factor))  # eq. (2)
     values[rng.random(len(values)) < sensor.drop_out] = np.nan

@@ -8,15 +8,27 @@ from math import ceil
 from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.drive import Drive
+from flexarm.drive.lag import as_followed
 from flexarm.errors import InvalidParameter
 from flexarm.record.step_limit import check_step_count
 
 
 @dataclass(frozen=True)
 class PreparedRun:
-    """Input of the core."""
+    """Input of the core.
+
+    Attributes
+    ----------
+    arm : Arm
+        The model.
+    told, drive : Drive
+        The drive, and how motors follow it.
+    options : TransientOptions
+        Of the core.
+    """
 
     arm: Arm
+    told: Drive
     drive: Drive
     options: _core.TransientOptions
 
@@ -57,8 +69,7 @@ def prepared(
             raise InvalidParameter(
                 f"the drive moves {name!r}, which is no moving joint; there are {', '.join(moving)}"
             )
-    if all(joint.side != "command" for joint in drive.joints.values()):
-        drive = drive.at_inputs(arm)
+    told, drive = drive, as_followed(drive, arm)
     options = _core.TransientOptions()
     options.step, options.alpha = float(step), float(alpha)
     led = ceil(drive.lead / step) if drive.lead > 0 else 0
@@ -66,7 +77,7 @@ def prepared(
     options.end = drive.end if end is None else float(end)
     check_step_count(options.start, options.end, options.step)
     options.record_forces, options.record_rotations = forces, rotations
-    return PreparedRun(arm, drive, options)
+    return PreparedRun(arm, told, drive, options)
 
 
 def coordinates(name: str) -> _core.Dimension:

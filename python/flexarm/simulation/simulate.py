@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from flexarm import _core
 from flexarm.arguments import ARM, DRIVE, FLAG, NAMES, NUMBER, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
+from flexarm.drive.lag import as_followed, lagging
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive
 from flexarm.simulation.prepared import coordinates, motions, prepared
@@ -101,12 +103,18 @@ def simulate(
     if isinstance(drive, Record):
         record, carried = drive, drive.applied_to(arm)
         run = prepared(carried, Drive.from_record(record, carried), step, alpha, end, forces, rotations)
-        redrive = Redrive(
-            {*record.drive, *(record.signals[name].clock for name in record.drive)},
-            lambda other: motions(other, Drive.from_record(record, other).at_inputs(other)),
-        )
+        places = {*record.drive, *(record.signals[name].clock for name in record.drive)}
     else:
-        run, redrive = prepared(arm, drive, step, alpha, end, forces, rotations), None
+        record = None
+        run, places = prepared(arm, drive, step, alpha, end, forces, rotations), set()
+    told = run.told
+
+    def redriven(other: Arm) -> list[_core.PiecewisePolynomial]:
+        return motions(
+            other, as_followed(told if record is None else Drive.from_record(record, other), other)
+        )
+
+    redrive = Redrive({*places, *lagging(told, run.arm)}, redriven)
     wanted = parameters(run.arm, sensitivities)
     run.options.record_energies = energies
     run.options.consistent_forces = consistent_forces

@@ -57,8 +57,8 @@ class Simulation(Result):
     base_wrench : ndarray, shape (n, 6), or None
         Force and moment on the base about its origin, base axes [N, N m]; with `forces=True`.
     joint_command, motor_voltage : ndarray, shape (n, joint), or None
-        What controllers were asked for [rad] and the voltages they set [V], NaN where there is none; of runs
-        along a command.
+        What controllers, and drives that lag, were asked for [rad] and the voltages controllers set [V], NaN
+        where there is none; of runs along a command, and `joint_command` also of runs with a `drive_lag`.
     sensitivities : Sensitivities or None
         Derivatives of the arrays by parameters of the model; of runs with `sensitivities=`.
     solver : dict

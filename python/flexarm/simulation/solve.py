@@ -12,8 +12,9 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm.parameter import Parameter
-from flexarm.arrays import Floats
+from flexarm.arrays import Floats, read_only
 from flexarm.assembly import assemble, joint_values
+from flexarm.drive.lag import lagging
 from flexarm.sensitivity import Redrive, collected, varied
 from flexarm.simulation.energies import energies_of
 from flexarm.simulation.from_core import simulation_of
@@ -51,7 +52,18 @@ def solved(run: PreparedRun, report: Report) -> Simulation:
         equilibrium = _core.released(held, equilibrium, system)
     found = _core.simulate(system, equilibrium, motions, run.options, report)
     energies = energies_of(found, system, equilibrium, motions, run.options, run.led)
-    return simulation_of(run.arm, found, run.options, energies, run.led)
+    return _with_commands(run, simulation_of(run.arm, found, run.options, energies, run.led))
+
+
+def _with_commands(run: PreparedRun, found: Simulation) -> Simulation:
+    """Return a run with what joints were told that follow late."""
+    late = lagging(run.told, run.arm)
+    if not late:
+        return found
+    command = np.full(found.drive_angle.shape, np.nan)
+    for name in late:
+        command[:, found.joints.index(name)] = run.told.joints[name](found.time)
+    return replace(found, joint_command=read_only(command))
 
 
 def differentiated(
@@ -83,7 +95,7 @@ def differentiated(
         system, equilibrium, motions, run.options, varied_systems, initial, report
     )
     energies = energies_of(both.run, system, equilibrium, motions, run.options, run.led)
-    found = simulation_of(run.arm, both.run, run.options, energies, run.led)
+    found = _with_commands(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
     arrays = derived(found, both.derivatives, len(places), run.led)
     return replace(found, sensitivities=collected(wanted, places, arrays))
 

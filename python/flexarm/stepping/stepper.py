@@ -21,6 +21,7 @@ from flexarm import _core
 from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
+from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values, point_loads
 from flexarm.errors import InvalidParameter
@@ -71,6 +72,12 @@ class Stepper:
         step: float = 2e-3,
         alpha: float = -0.05,
     ) -> None:
+        if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in told and any(e.lag())]:
+            raise InvalidParameter(
+                f"{late[0].name} at {late[0].at!r}: the joints of a stepper follow their inputs at once; "
+                "leave the effect out and give inputs that lag",
+                where="arm",
+            )
         self._arm = arm
         self._inputs = Inputs(arm, told)
         self._joints = {joint.name: i for i, joint in enumerate(arm.joints)}

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.evidence import above_noise, autocovariance, explained_share, occam
+from flexarm.diagnosis.discrepancy import TimeDiscrepancy
+from flexarm.diagnosis.evidence import Evidence, above_noise, autocovariance, explained_share, occam
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.parameters import TransformedParameter
 
@@ -110,3 +111,22 @@ def test_a_registration_that_is_an_effect_spares_the_frame_its_own_freedom():
         for p in (known, unknown, Projection(none, np.zeros(0)))
     ]
     assert costs == pytest.approx([-0.5 * np.log(46.0), 0.0, 0.0])
+
+
+# ------------------------------------------------------------------------------------- errors of simulations
+
+
+def test_an_error_along_the_difference_of_two_models_adds_to_the_covariance():
+    """-(r (C + c v v^T)^-1 r + ln|C + c v v^T|)/2, written out."""
+    n = 60
+    there = one_channel(n)
+    discrepancy = TimeDiscrepancy([slice(0, n)], 1.1, 4.0, 7.0)
+    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    v, left, c = RNG.normal(size=n), 3 * RNG.normal(size=n), 0.3
+    matrix = 1.1 * np.eye(n) + 4.0 * np.exp(-apart / 7.0)
+
+    def likely(matrix):
+        return -(left @ np.linalg.solve(matrix, left) + np.linalg.slogdet(matrix)[1]) / 2
+
+    found = Evidence((discrepancy,), left, likely(matrix), 0.0, 0.0).with_error(v, c, there)
+    assert found == pytest.approx(likely(matrix + c * np.outer(v, v)), rel=1e-6)

@@ -48,12 +48,24 @@ struct PlacedLaw {
   int plus, minus;
 };
 
-/// The base's own node and angle, where it turns on a pedestal; −1 where it stands still.
-struct PedestalCoordinates {
-  int node = joints::JointConstraint::ground, theta = -1;
-  model::Pedestal shaking = {};  ///< whose moment acts on theta
+/// The node that turns on a hinge of the base or of a joint's mount, and its angle.
+struct HingeCoordinates {
+  int node, theta = -1;
+};
 
-  double moment(double t) const { return shaking.moment(t); }  ///< [N m]
+/// The base's own node, where it turns on a pedestal (−1 where it stands still), and what shakes that.
+struct PedestalCoordinates {
+  int node = joints::JointConstraint::ground;
+  std::vector<int> thetas = {};      ///< of its hinges
+  std::vector<double> cosines = {};  ///< of the angles between their axes and that of the moment
+  model::Pedestal shaking = {};
+
+  double moment(std::size_t hinge, double t) const { return cosines[hinge] * shaking.moment(t); }  ///< [N m]
+
+  /// Puts the moment into the places of the angles.
+  void shake(double t, VectorXd& torques) const {
+    for (std::size_t k = 0; k < thetas.size(); ++k) torques[thetas[k]] = moment(k, t);
+  }
 };
 
 /// A force and a moment at a point: in the base's axes (dead) or in the link's (following).
@@ -134,6 +146,8 @@ class SystemIn {
   const std::vector<JointCoordinates>& joints() const { return joint_coordinates_; }
   const std::vector<DriveKind>& drives() const { return drives_; }
   const PedestalCoordinates& pedestal() const { return pedestal_; }
+  /// Those of the pedestal first, then those of each joint's mount. Their constraints follow the joints'.
+  const std::vector<HingeCoordinates>& hinges() const { return hinges_; }
   const std::vector<AttachmentIn<D>>& points() const { return points_; }
   double reach() const { return reach_; }  ///< a length of the arm, to scale by [m]
   double mass() const { return mass_; }    ///< of everything [kg]
@@ -225,6 +239,7 @@ class SystemIn {
   std::vector<PlacedLaw> laws_;
   std::vector<JointCoordinates> joint_coordinates_;
   PedestalCoordinates pedestal_;
+  std::vector<HingeCoordinates> hinges_;
   std::vector<DriveKind> drives_;
   std::vector<double> scalar_inertia_;
   std::vector<AttachmentIn<D>> points_;

@@ -25,6 +25,7 @@ class System : public SystemIn<3> {
   void place_scalars(const std::map<std::string, DriveKind>& drives);
   void place_superelements();
   void place_joints();
+  std::vector<const std::vector<model::Hinge>*> hinge_chains() const;
   void place_gears();
   void place_transmissions();
   void place_masses();

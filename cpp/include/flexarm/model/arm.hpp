@@ -89,6 +89,12 @@ struct Point {
   bool loaded = false;                   ///< carries point loads: gets a node of its own
 };
 
+/// A hinge that nothing drives, on a spring and a damper, without mass.
+struct Hinge {
+  Vector3d axis = Vector3d::UnitZ();
+  double stiffness = 0, damping = 0;  ///< [N m/rad], [N m s/rad]
+};
+
 struct Joint {
   std::string name;
   joints::JointType type = joints::JointType::revolute;
@@ -97,6 +103,7 @@ struct Joint {
   geometry::Frame origin;
   Vector3d axis = Vector3d::UnitZ();
   joints::DriveTrain drive_train;
+  std::vector<Hinge> mount = {};  ///< between parent and joint, one behind the other; axes in its frame
 };
 
 /// θ_input = ratio φ_output, φ = θ where the output's drive train is rigid.
@@ -105,11 +112,11 @@ struct Gear {
   double ratio = 1;
 };
 
-/// A base that turns about an axis through its origin, on a spring and a damper; without mass. A moment
-/// A sin(2π f t + p) about the axis can shake it, at the times t of a run; it has no part in statics.
+/// A base that turns on hinges through its origin, one behind the other; without mass. A moment
+/// A sin(2π f t + p) about an axis can shake it, at the times t of a run; it has no part in statics.
 struct Pedestal {
-  Vector3d axis = Vector3d::UnitZ();
-  double stiffness = 0, damping = 0;               ///< [N m/rad], [N m s/rad]
+  std::vector<Hinge> hinges;
+  Vector3d axis = Vector3d::UnitZ();               ///< of the moment
   double amplitude = 0, frequency = 0, phase = 0;  ///< A [N m], f [Hz], p [rad]
 
   double moment(double t) const { return amplitude * std::sin(2 * std::numbers::pi * frequency * t + phase); }

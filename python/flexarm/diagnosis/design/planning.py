@@ -68,7 +68,7 @@ def planned_effect(
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
     times = sqrt(SelectionPolicy.strong_evidence / seen) if seen > 0 else inf
     if candidate.effect.is_spring:
-        there = value_of(candidate.without, "stiffness") if candidate.without is not None else inf
+        there = value_of(candidate.without, name) if candidate.without is not None else inf
         change = 1.0 / value - 1.0 / there
         least = 1.0 / (1.0 / there + times * change)
     else:

@@ -23,7 +23,7 @@ from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.minimisers import multi_start
@@ -223,5 +223,5 @@ def _relaxed(member: Candidate) -> Candidate:
     """Return a spring with a typical damping: what it had may have stood in for the effect that is added."""
     if not isinstance(member.effect, SpringEffect) or "damping" not in member.free:
         return member
-    damping = member.effect.typical_damping * value_of(member.effect, "stiffness")
+    damping = member.effect.typical_damping * member.effect.softest
     return replace(member, effect=member.effect.with_parameters({"damping": damping}))

@@ -1,0 +1,165 @@
+r"""Lag of joints that follow their drives late: a delay D and a filter of first order.
+
+.. math:: \tau \dot y + y = u(t - D)                                                                 (1)
+
+A piece of the drive is a polynomial p(s) of the time s since its begin. There (1) is solved exactly by
+
+.. math:: y(s) = P(s) + C e^{-s/\tau}, \qquad P = p - \tau p' + \tau^2 p'' - \dots                   (2)
+
+with C from the end of the piece before; at the start y rests at the drive's first value. The core takes
+polynomials: between knots, closer where the exponential is alive, (2) is put by the quintic that has its
+values, rates and accelerations at both ends. With knots a quarter of a time constant apart that is exact to
+(1/4)^6/46080 = 5e-9 of C.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil, exp, isfinite, log
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arm.drive_effect import DriveEffect
+from flexarm.drive.joint_drive import JointDrive
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.arrays import Floats
+    from flexarm.drive.drive import Drive
+
+APART = 0.25
+"""Distance of knots over the time constant where the exponential of (2) is alive."""
+GONE = 1e-12
+"""Part of the drive's range below which it is not."""
+
+
+def as_followed(drive: Drive, arm: Arm) -> Drive:
+    """Return the motions with which motors follow their drives, those of outputs of gears at the inputs.
+
+    Raises
+    ------
+    InvalidParameter
+        If a joint is to follow a torque or a held command late.
+    """
+    effects = {effect.at: effect for effect in arm.effects if isinstance(effect, DriveEffect)}
+    late = _late(drive, effects)
+    if any(joint.side == "command" for joint in drive.joints.values()):
+        return late
+    at_inputs = late.at_inputs(arm)
+    return _late(at_inputs, {name: e for name, e in effects.items() if name not in drive.joints})
+
+
+def lagging(drive: Drive, arm: Arm) -> list[str]:
+    """Return the driven joints that follow late."""
+    return [e.at for e in arm.effects if isinstance(e, DriveEffect) and e.at in drive.joints and any(e.lag())]
+
+
+def _late(drive: Drive, effects: dict[str, DriveEffect]) -> Drive:
+    joints = dict(drive.joints)
+    for name in joints.keys() & effects.keys():
+        delay, time_constant = effects[name].lag()
+        if joints[name].side not in ("motor", "output"):
+            raise InvalidParameter(
+                f"{effects[name].name} at {name!r} acts on a prescribed angle, and this run prescribes a "
+                f"{joints[name].side}; leave the effect out",
+                where=f"effects.{effects[name].name}.{name}",
+            )
+        joints[name] = lagged(joints[name], delay, time_constant)
+    return replace(drive, joints=joints)
+
+
+def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
+    """Return the response (1) to a drive.
+
+    Parameters
+    ----------
+    drive : JointDrive
+        u.
+    delay, time_constant : float
+        D and tau [s], not negative.
+    """
+    drive = replace(drive, breaks=drive.breaks + delay)
+    if not time_constant > 0:
+        return drive
+    last = np.zeros((len(drive.coefficients), 1))
+    last[-1] = drive(drive.breaks[-1])
+    p = np.hstack([drive.coefficients, last])  # it is held after its end
+    part = _settled(p, time_constant)
+    widths = [*np.diff(drive.breaks), np.inf]
+    c = _transients(part, widths, float(p[-1, 0]), time_constant)
+    floor = GONE * max(float(np.ptp(p[-1])), abs(float(p[-1, 0])), 1e-300)
+    knots = [_knots(width, abs(size), floor, time_constant) for width, size in zip(widths, c, strict=True)]
+    piece = np.repeat(np.arange(len(knots)), [len(each) for each in knots])
+    values = _at(np.concatenate(knots), part[:, piece], c[piece], time_constant)
+    return _joined(drive, np.concatenate(knots) + drive.breaks[piece], piece, values)
+
+
+def _derivative(p: Floats) -> Floats:
+    """Return the derivative of polynomials, highest power first, shape (order + 1, pieces), as many rows."""
+    powers = np.arange(len(p) - 1, -1, -1)[:, None]
+    return np.vstack([np.zeros_like(p[:1]), (powers * p)[:-1]])
+
+
+def _settled(p: Floats, time_constant: float) -> Floats:
+    """Return P of (2) of every piece."""
+    part, term = p, p
+    for _ in range(len(p) - 1):
+        term = -time_constant * _derivative(term)
+        part = part + term  # eq. (2)
+    return part
+
+
+def _transients(part: Floats, widths: list[float], first: float, time_constant: float) -> Floats:
+    """Return C of (2) of every piece."""
+    found, now = [], first
+    for column, width in zip(part.T, widths, strict=True):
+        found.append(now - float(column[-1]))
+        if isfinite(width):
+            now = float(np.polyval(column, width)) + found[-1] * exp(-width / time_constant)
+    return np.array(found)
+
+
+def _knots(width: float, c: float, floor: float, time_constant: float) -> Floats:
+    """Return times since the begin of a piece at which (2) is joined, its end the last one."""
+    apart = APART * time_constant
+    alive = time_constant * log(c / floor) if c > floor else 0.0
+    alive = width if alive > width - apart else alive
+    inside = np.linspace(0.0, alive, ceil(alive / apart) + 1)
+    if alive == width:
+        return inside
+    return np.append(inside, width if isfinite(width) else alive + apart)
+
+
+def _at(s: Floats, part: Floats, c: Floats, time_constant: float) -> Floats:
+    """Return value, rate and acceleration of (2), shape (3, n), of a piece for each instant."""
+    settled = c * np.exp(-s / time_constant)
+    found = []
+    for sign in (1.0, -1.0 / time_constant, 1.0 / time_constant**2):
+        value = np.zeros_like(s)
+        for row in part:
+            value = value * s + row
+        found.append(value + sign * settled)
+        part = _derivative(part)
+    return np.array(found)
+
+
+def _joined(drive: JointDrive, time: Floats, piece: NDArray[np.intp], values: Floats) -> JointDrive:
+    """Return quintics through values, rates and accelerations at the knots of every piece."""
+    within = piece[1:] == piece[:-1]
+    starts, h = time[:-1][within], np.diff(time)[within]
+    (y0, v0, a0), (y1, v1, a1) = values[:, :-1][:, within], values[:, 1:][:, within]
+    d, v, a = y1 - y0 - h * v0 - h**2 * a0 / 2, v1 - v0 - h * a0, a1 - a0
+    coefficients = np.array(
+        [
+            (6 * d - 3 * h * v + h**2 * a / 2) / h**5,
+            (-15 * d + 7 * h * v - h**2 * a) / h**4,
+            (10 * d - 4 * h * v + h**2 * a / 2) / h**3,
+            a0 / 2,
+            v0,
+            y0,
+        ]
+    )
+    return replace(drive, breaks=np.append(starts, time[-1]), coefficients=coefficients)

@@ -1,0 +1,80 @@
+r"""Tilt of a joint: its bearing gives about the two axes across the joint's own.
+
+.. math:: k_i \psi_i + c_i \dot\psi_i = M_i, \qquad i = 1, 2                                         (1)
+
+\psi_i [rad] turns the joint about its own origin, with its axis and all that it carries, relative to its
+parent; M_i [N m] is the moment that the joint takes about that axis. The first of the two is the x axis of
+the joint's frame made normal to the joint's own axis (y where that is along x), the second is the joint's
+axis times the first. They are fixed to the parent. The bearing itself has no mass. An arm that moves in a
+plane loads no bearing across it: there this changes nothing but the modes that leave the plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import inf
+from typing import TYPE_CHECKING, ClassVar
+
+from flexarm.arm.prior import Prior
+from flexarm.arm.rotation import across
+from flexarm.arm.spring_effect import Damping, SpringEffect, Stiffness
+from flexarm.tables import value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+    from flexarm.arm.effect import Effect, Trial
+    from flexarm.assembly.machine import Machine
+
+
+class JointTiltCompliance(SpringEffect):
+    """Linear springs and dampers of a joint's bearing, about the two axes across its own.
+
+    Parameters
+    ----------
+    at : str
+        The joint.
+    stiffness : float or (2,)
+        k of (1) [N m/rad], one number for both axes or two; 1e12 about one of two is rigid. Left out:
+        infinite, so without effect.
+    damping : float or (2,)
+        c of (1) [N m s/rad], one number for both axes or two; default 0.
+    """
+
+    name: ClassVar[str] = "joint_tilt_compliance"
+    leaves_plane = True
+    always_turns = True
+    typical_stiffness = 2e5
+    hardly_softer: ClassVar[float] = 100.0
+    """Factor by which bearings are hardly softer than typical: a search does not try more."""
+    stiffness: Stiffness = value_in("N m/rad", "stiffness of the bearing, or of both axes", inf)
+    damping: Damping = value_in("N m s/rad", "damping of the bearing, or of both axes", 0.0)
+
+    def patch(self, machine: Machine) -> None:
+        """Put two hinges between the parent and the joint, eq. (1)."""
+        axes = across(machine.arm.joint(self.at).axis)
+        machine.mount(self.at, self.soft_about(axes))  # eq. (1)
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield softer and softer bearings."""
+        return super().trials(stated, arm, frequencies, [s for s in softer if s < self.hardly_softer])
+
+    def priors(self, arm: Arm) -> dict[str, Prior]:
+        """From small bearings to large slewing rings; damping in proportion to the stiffness."""
+        stiffness = self.typical_stiffness if self.inert else self.softest
+        source = (
+            "catalogues: tilting stiffness of crossed roller bearings, 1e4 (bore of 20 mm) to 1e7 N m/rad "
+            "(bore of 400 mm), less in a light housing"
+        )
+        loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz"
+        spring = Prior(5e3, 1e7, self.typical_stiffness, "log", "N m/rad", source)
+        damper = Prior(
+            1e-4 * stiffness,
+            1e-2 * stiffness,
+            self.typical_damping * stiffness,
+            "log",
+            "N m s/rad",
+            loss,
+        )
+        return {**dict.fromkeys(self.stiffnesses, spring), **dict.fromkeys(self._keyed("damping"), damper)}
