@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-import numpy as np
-
 from flexarm.arguments import PATH, takes
 from flexarm.arrays import Floats
+from flexarm.calibration.estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter, ChiSquare
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.comparison.before_after import BeforeAfter
 from flexarm.output import SavedAsDirectory
@@ -20,114 +19,6 @@ if TYPE_CHECKING:
 
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
-
-
-@dataclass(frozen=True)
-class Range:
-    """A value with its 90 % interval [its unit]."""
-
-    value: float
-    low90: float
-    high90: float
-
-
-@dataclass(frozen=True)
-class CalibratedParameter:
-    """An estimate.
-
-    Attributes
-    ----------
-    name : str
-        Key of the model's parameter.
-    kind : {"family", "nominal", "clock", "frame", "base"}
-        What it is.
-    value, std, low90, high90 : float
-        Posterior mode, 1 sigma and 90 % interval [unit].
-    unit : str
-        Of all values.
-    prior : Range
-        What was known before.
-    identifiability : float
-        Share of the prior variance that the data removed [-], 0 to 1; of a member of a family, of its spread.
-    family : str
-        Effect of its family; empty without one.
-    """
-
-    name: str
-    kind: str
-    value: float
-    std: float
-    low90: float
-    high90: float
-    unit: str
-    prior: Range
-    identifiability: float
-    family: str = ""
-
-    @property
-    def determined(self) -> bool:
-        """Return True if the data removed most of the prior variance."""
-        return self.identifiability > CalibrationPolicy.known
-
-
-@dataclass(frozen=True)
-class CalibratedFamily:
-    """A family of effects.
-
-    Attributes
-    ----------
-    effect, parameter, unit : str
-        The effect, one of its parameters, and that one's unit.
-    at : tuple of str
-        Its places.
-    shared : Range or None
-        Size that the members share; None for errors of either sign.
-    spread : float
-        Of the members about it: of their logarithms [-], or of errors of either sign [unit].
-    """
-
-    effect: str
-    parameter: str
-    unit: str
-    at: tuple[str, ...]
-    shared: Range | None
-    spread: float
-
-
-@dataclass(frozen=True)
-class CalibratedFrame:
-    """Pose of a frame of measurement in the base, as it was found: xyz [m], and roll, pitch, yaw [rad]."""
-
-    name: str
-    xyz: tuple[float, ...]
-    rpy: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class ChiSquare:
-    """Goodness of fit on the training.
-
-    Attributes
-    ----------
-    value : float
-        Sum of squared residuals over their stated noise [-].
-    rows : int
-        Number of residuals.
-    parameters : float
-        Effective number of parameters that the data determine: sum of identifiabilities of directions [-].
-    inflation : dict of str to float
-        By signal: variance of what is left over that of the noise, by which intervals are widened [-].
-    """
-
-    value: float
-    rows: int
-    parameters: float
-    inflation: Mapping[str, float]
-
-    @property
-    def reduced(self) -> float:
-        """Chi-square over its degrees of freedom [-]; 1 of a model that leaves noise."""
-        return self.value / max(self.rows - self.parameters, 1.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -270,9 +161,3 @@ class Calibration(BeforeAfter, SavedAsDirectory):
 
     def __repr__(self) -> str:
         return self.summary()
-
-
-def matrix(values: Any) -> Floats:
-    """Return correlations as a square array."""
-    found = np.asarray(values, dtype=float)
-    return found.reshape(len(found), len(found))

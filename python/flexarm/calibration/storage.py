@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.arm import Arm
-from flexarm.calibration.result import (
+from flexarm.calibration.estimates import (
     CalibratedFamily,
     CalibratedFrame,
     CalibratedParameter,

@@ -14,18 +14,18 @@ import numpy as np
 from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.calibration.estimates import (
+    CalibratedFamily,
+    CalibratedFrame,
+    CalibratedParameter,
+    ChiSquare,
+    Range,
+)
 from flexarm.calibration.estimation import Estimation, Posterior, shared_first
 from flexarm.calibration.families import Family, with_families
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.calibration.result import (
-    CalibratedFamily,
-    CalibratedFrame,
-    CalibratedParameter,
-    Calibration,
-    ChiSquare,
-    Range,
-)
+from flexarm.calibration.result import Calibration
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
 from flexarm.diagnosis.noise_model import allow_for_input_noise, impute_noise, weighted_by_input_noise

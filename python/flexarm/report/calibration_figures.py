@@ -14,7 +14,8 @@ from flexarm.wording import effect_words, scale
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexarm.calibration.result import CalibratedFamily, Calibration
+    from flexarm.calibration.estimates import CalibratedFamily
+    from flexarm.calibration.result import Calibration
 
 UNKNOWN = "#999999"
 NAMED = 30

@@ -13,7 +13,8 @@ from flexarm.report.summary import WIDTH
 from flexarm.wording import effect_words, interval, listed, number, with_unit
 
 if TYPE_CHECKING:
-    from flexarm.calibration.result import CalibratedFamily, CalibratedParameter, Calibration
+    from flexarm.calibration.estimates import CalibratedFamily, CalibratedParameter
+    from flexarm.calibration.result import Calibration
 
 COLUMNS = ("rms before", "rms after", "noise", "max before", "max after")
 MOST_PAIRS = 12
