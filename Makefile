@@ -1,4 +1,4 @@
-# make build | test | torture | check | reproduce | format | stubs | clean. Each does its own set-up and may be repeated.
+# make build | test | torture | check | docs | reproduce | format | stubs | clean. Each does its own set-up and may be repeated.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := build
@@ -13,7 +13,7 @@ unexport PYTHONPATH
 
 CXX_FILES = $(shell find cpp -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: setup build module test torture reproduce check format stubs clean
+.PHONY: setup build module test torture docs reproduce check format stubs clean
 
 ## Set-up: compiler and libraries, then .venv; each is touched again only when its list changed.
 build/stamps/system: scripts/system-packages.txt scripts/install_system_packages.sh
@@ -62,6 +62,11 @@ SEED ?= 1
 torture: build
 	@cd tests && OPENBLAS_NUM_THREADS=1 ../$(BIN)/python -m torture --jobs $(JOBS) --scale $(SCALE) --seed $(SEED) \
 	  --table ../docs/reliability.md
+
+## The documentation site, into build/docs; a warning is an error
+docs: module setup
+	@$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/docs
+	@echo "make docs: build/docs/index.html"
 
 ## The figures of the paper, into results/
 reproduce: build

@@ -27,6 +27,7 @@ FLAGS = (
     "--remote-debugging-port=0",
 )
 SECONDS = 60.0
+DRAWN = "window.flexarm !== undefined"
 Tab = Callable[..., Any]
 
 needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")
@@ -75,18 +76,20 @@ class Page:
         return np.asarray(imread(BytesIO(b64decode(shot["data"])))[..., :3], dtype=float)
 
 
-def visit(file: Path, profile: Path, look: Callable[[Page], Any], fragment: str = "") -> Page:
+def visit(
+    file: Path, profile: Path, look: Callable[[Page], Any], fragment: str = "", ready: str = DRAWN
+) -> Page:
     """Open a file in Chromium, wait until it is loaded, and let `look` do the rest."""
     command = ["chromium", *FLAGS, f"--user-data-dir={profile}", "about:blank"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        return asyncio.run(_visited(file.as_uri() + fragment, profile / "DevToolsActivePort", look))
+        return asyncio.run(_visited(file.as_uri() + fragment, profile / "DevToolsActivePort", look, ready))
     finally:
         process.terminate()
         process.wait(SECONDS)
 
 
-async def _visited(address: str, told: Path, look: Callable[[Page], Any]) -> Page:
+async def _visited(address: str, told: Path, look: Callable[[Page], Any], ready: str) -> Page:
     from tornado.httpclient import AsyncHTTPClient
     from tornado.websocket import websocket_connect
 
@@ -104,7 +107,7 @@ async def _visited(address: str, told: Path, look: Callable[[Page], Any]) -> Pag
             await page.call(f"{domain}.enable")
         await page.call("Page.navigate", url=address)
         for _ in range(int(10 * SECONDS)):
-            if await page.run("document.readyState === 'complete' && window.flexarm !== undefined"):
+            if await page.run(f"document.readyState === 'complete' && ({ready})"):
                 break
             await asyncio.sleep(0.1)
         await look(page)

@@ -219,7 +219,8 @@ class Signal:
     def response_noise(self) -> Floats:
         r"""1 sigma of real and imaginary part, shape (n, channels); NaN where nothing is stated.
 
-        Of a coherence \gamma^2 over n averages |H| sqrt((1 - \gamma^2)/(2 n \gamma^2)); else `noise_std`.
+        Of a coherence \gamma^2 over n averages: ``|H| sqrt((1 - \gamma^2)/(2 n \gamma^2))``;
+        else `noise_std`.
         """
         found = np.full(self.response.shape, np.nan if self.noise_std is None else self.noise_std)
         if self.coherence is None or self.noise_std is not None:

@@ -64,7 +64,7 @@ def accept_matrices(
     mass_matrix, damping_matrix : str or Path, optional
         Files of mass and damping where they do not stand with the stiffness; no damping if there is none.
     grids : str or Path
-        Bulk data (GRID, CORD) or input deck (*NODE) with the points of the matrices.
+        Bulk data (GRID, CORD) or input deck (``*NODE``) with the points of the matrices.
     order : str or Path, optional
         Order of the freedoms where the file does not hold it, as a file or a list such as "11, 12,
         101-104.0".
