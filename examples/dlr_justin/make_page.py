@@ -28,6 +28,7 @@ LADDER = (
     ("zeros", PLACES, ("encoder_offset",)),
     ("joints", ("points.", "joints."), ("encoder_offset",)),
     ("compliance", ("",), ("encoder_offset", "joint_compliance")),
+    ("tilt", ("",), ("encoder_offset", "joint_compliance", "joint_tilt_compliance")),
 )
 """Name of a step, beginnings of the keys that are uncertain in it, and its families."""
 
