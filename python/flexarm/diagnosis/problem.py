@@ -109,7 +109,9 @@ class Problem:
         rows: list[Rows] = []
         pairs = [self.simulations.beside(name, self.arm) for name in self.records]
         motions = all(record.kind == "motion" for record in self.records.values())
-        self.planar = motions and all(pair.simulation.solver.get("dimension") == 2 for pair in pairs)
+        self.planar = motions and all(
+            getattr(pair.simulation, "solver", {}).get("dimension") == 2 for pair in pairs
+        )
         guesses = initial_guesses(pairs, [stated_placement(record) for record in self.records.values()])
         self.placement = dict(zip(self.records, guesses, strict=True))
         for name, pair in zip(self.records, pairs, strict=True):

@@ -15,7 +15,7 @@ def bench(tmp_path_factory):
     directory = tmp_path_factory.mktemp("bench")
     diagnoses.nominal().to_toml(directory / "arm.toml")
     for (seed, rate), name in zip(((1, 0.15), (2, 0.25), (3, 0.2)), ("slow", "fast", "other"), strict=True):
-        diagnoses.record(seed, rate).save(directory / name)
+        diagnoses.record(seed, rate, step=2e-3).save(directory / name)
     training = [str(directory / name) for name in ("slow", "fast")]
     command = ["diagnose", str(directory / "arm.toml"), *training, "--hold-out", str(directory / "other")]
     assert run([*command, "--out", str(directory / "out")]) == 0
