@@ -196,7 +196,7 @@ def test_a_diagnosis_with_a_load_at_the_tip_names_the_joint(folders):
 
 
 def test_a_diagnosis_without_the_load_foretells_the_longest_boom(folders):
-    """A soft joint, and a bow or a tilt that the data cannot tell apart; what is left is above the reading."""
+    """A soft joint, and a bow or a tilt that no data tell apart; what is left is above the reading."""
     found = diagnosed_without_the_longest(folders, "boom.toml")
     assert found.verdict == "unexplained"
     named = {(effect.name, effect.at): effect for effect in found.effects}

