@@ -92,7 +92,6 @@ def write_reference(app: Any) -> None:
         "```",
     ]
     _write("python.md", lines)
-    (HERE / "reference" / "python").mkdir(exist_ok=True)
     for name in flexarm.__all__:
         directive = "autoclass" if inspect.isclass(getattr(flexarm, name)) else "autofunction"
         lines = [f"# {name}", "", "```{eval-rst}", f".. {directive}:: flexarm.{name}", "```", ""]
@@ -103,6 +102,7 @@ def _write(name: str, lines: list[str]) -> None:
     """Write a page, unless it stands there already."""
     file, text = HERE / "reference" / name, "\n".join(lines)
     if not file.exists() or file.read_text(encoding="utf-8") != text:
+        file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
 
 
