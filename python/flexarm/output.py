@@ -8,7 +8,6 @@ process ends, however it ends, so the next run clears what a killed one left, an
 from __future__ import annotations
 
 import atexit
-import fcntl
 import os
 import re
 import shutil
@@ -21,6 +20,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from flexarm import file_lock
 from flexarm.arguments import FLAG, PATH, takes
 from flexarm.errors import InvalidFile
 from flexarm.termination import undone_on_exit
@@ -245,10 +245,9 @@ class _Claim:
         _places.pop(self.partial, None)
         if self._lock is not None:
             shutil.rmtree(self.partial.parent, ignore_errors=True)
+            file_lock.remove(self._lock, self._hidden / LOCK)
             with suppress(OSError):
-                (self._hidden / LOCK).unlink()
                 self._hidden.rmdir()
-            os.close(self._lock)
             self._lock = None
             atexit.unregister(self.release)
         for parent in self._parents:
@@ -306,27 +305,19 @@ def _lock(hidden: Path, target: Path) -> int:
             os.close(lock)
             what = f"another run is writing it; allowed is another place (if none runs, remove {hidden})"
             raise InvalidFile(target, "output", what)
-        if _is_at(lock, hidden / LOCK):
+        if file_lock.is_at(lock, hidden / LOCK):
             return lock
         os.close(lock)
 
 
 def _holds(lock: int, made: bool) -> bool:
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        file_lock.lock(lock)
     except BlockingIOError:
         return False
     except OSError:  # a file system without locks: the place is his who made the directory
         return made
     return True
-
-
-def _is_at(file: int, path: Path) -> bool:
-    """Return False if an owner removed the file before this process could lock it."""
-    try:
-        return os.path.samestat(os.fstat(file), path.stat())
-    except FileNotFoundError:
-        return False
 
 
 def _refuse_occupied(target: Path, force: bool) -> None:
