@@ -30,6 +30,7 @@ from flexarm.diagnosis.noise_model import (
     discretisation_remarks,
     impute_noise,
     input_noise_by_signal,
+    input_noise_errors,
     input_noise_remarks,
     weighted_by_input_noise,
 )
@@ -252,7 +253,8 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
-    sizes = estimates(choice.best, problem)
+    arm = choice.estimator.with_effects(choice.best.members)
+    sizes = estimates(choice.best, problem, input_noise_errors(problem, arm))
     drifts = tuple(constancy(choice.best, problem))
     criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
