@@ -14,6 +14,7 @@ from flexarm.comparison.align import KEPT
 from flexarm.comparison.before_after import BeforeAfter
 from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
 from flexarm.fit_statistics import FitStatistics
+from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import viewed
@@ -143,6 +144,8 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
         Chi-square and autocorrelation by channel, correlations, motions, effects that no signal could show.
     provenance : dict
         version, git, inputs_sha256, seed, seconds.
+    laws : tuple of LawCurve
+        After "unexplained": what is missing, as curves, the most probable first.
     """
 
     verdict: Verdict
@@ -169,6 +172,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
     next_experiment: str = ""
     statistics: FitStatistics = field(default_factory=FitStatistics)
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    laws: tuple[LawCurve, ...] = ()
 
     @property
     def frames(self) -> dict[str, dict[str, tuple[list[float], list[float]]]]:

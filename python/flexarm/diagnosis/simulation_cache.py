@@ -14,7 +14,7 @@ from flexarm.comparison.aligned_record import end_of_simulation
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
-from flexarm.drive import Drive
+from flexarm.drive import Drive, JointDrive
 from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
 
@@ -99,6 +99,15 @@ class SimulationCache:
         jerk = jerked(drive.joints[start.joint], start.before, start.width, height)
         self.made += 1
         run = self._along(replace(drive, joints={**drive.joints, start.joint: jerk}), start.record, carried)
+        return pair_record(run, record, arm=carried)
+
+    def driven(self, name: str, arm: Arm, joints: Mapping[str, JointDrive]) -> SimulatedRecord:
+        """Return a run beside its record along other drives of some joints; it is not remembered."""
+        record = self.records[name]
+        carried = record.applied_to(arm)
+        drive = self.drive(name, carried)
+        self.made += 1
+        run = self._along(replace(drive, joints={**drive.joints, **joints}), name, carried)
         return pair_record(run, record, arm=carried)
 
     def _along(self, drive: Drive, name: str, arm: Arm) -> Any:

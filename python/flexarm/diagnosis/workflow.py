@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import ARM, COUNT, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
+from flexarm.arguments import ARM, COUNT, FLAG, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.budget import allows, current, limited
@@ -49,6 +49,8 @@ from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
 from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
+from flexarm.law_curve import LawCurve
+from flexarm.missing_law.search import missing_laws
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
@@ -72,6 +74,7 @@ COARSE = 2.0
     alpha=NUMBER,
     policy=POLICY,
     max_seconds=SECONDS,
+    laws=FLAG,
 )
 def diagnose(
     arm: Arm,
@@ -84,6 +87,7 @@ def diagnose(
     alpha: float = -0.05,
     policy: SelectionPolicy | None = None,
     max_seconds: float | None = None,
+    laws: bool = True,
     progress: Progress = None,
 ) -> Diagnosis:
     """Name the physical effect that a model lacks, where it sits, and how sure that is.
@@ -107,6 +111,8 @@ def diagnose(
         Thresholds of the search; all have a default.
     max_seconds : float, optional
         Time for the search [s]: then it concludes from what was fitted, and remarks say what was left out.
+    laws : bool
+        Infer the missing law where the gap stays unexplained (`flexarm.missing_law`).
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -127,7 +133,7 @@ def diagnose(
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
     with limited(max_seconds):
-        return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, progress)
+        return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, laws, progress)
 
 
 def _diagnosis(
@@ -139,6 +145,7 @@ def _diagnosis(
     step: float,
     alpha: float,
     policy: SelectionPolicy | None,
+    laws: bool,
     progress: Progress,
 ) -> Diagnosis:
     """Return the diagnosis, within the budget of time."""
@@ -193,6 +200,10 @@ def _diagnosis(
     seen = verified(
         bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
     )
+    curves: tuple[LawCurve, ...] = ()
+    if laws and found.verdict == "unexplained" and allows("the missing law was sought"):
+        tell(0.92, "missing law")
+        curves = missing_laws(problem, choice.best, parted.held_out, seen.main_signal)
     told = Diagnosis(
         found.verdict,
         arm,
@@ -230,6 +241,7 @@ def _diagnosis(
         provenance=_provenance(seed, step, begun),
         located=seen.located,
         located_after=seen.located_after,
+        laws=curves,
     )
     no_gap = no_gap_of(problem, choice.best.non_smooth)
     return adequate_if_foretold(told, no_gap, bool(problem.initial_conditions))

@@ -16,6 +16,7 @@ from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.files import Drawing, drawn, write_files
 from flexarm.report.gap_curves import sides
 from flexarm.report.gap_figures import by_band, gap_along, waterfall
+from flexarm.report.law_figures import laws
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
 from flexarm.report.updated_model import write_updated
@@ -52,6 +53,13 @@ def drawings(d: Diagnosis) -> list[Drawing]:
 def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     if d.has_gap:
         yield from _of_gap(d)
+    yield (
+        "laws",
+        "laws",
+        "What is missing: the curve with its 90 % band, and the latent motion that no curve was assumed for "
+        "(dots), of the most probable place and the next one.",
+        laws(d),
+    )
     yield (
         "candidates",
         "candidates",

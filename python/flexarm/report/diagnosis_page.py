@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
 from flexarm.report.gap_tables import gap_tables
+from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
     FITS_TOO,
     foretold_sentence,
@@ -79,6 +80,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         correlations=list(correlation_rows(d.statistics)),
         motions=list(motion_rows(d.statistics)),
         unseen=unseen_sentence(d.statistics),
+        laws=law_rows(d),
         drawn=drawings,
         fits_too=FITS_TOO,
         provenance=report["provenance"],

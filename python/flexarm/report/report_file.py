@@ -18,6 +18,7 @@ from flexarm.report.sentences import foretold_sentence, remarks_beside
 if TYPE_CHECKING:
     from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis
+    from flexarm.law_curve import LawCurve
 
 
 FORMAT = "flexarm-diagnosis/1"
@@ -206,6 +207,32 @@ class DetailsEntry(Entry):
     statistics: StatisticsEntry = Field(default_factory=StatisticsEntry)
 
 
+class LawGapsEntry(Entry):
+    """The gap without and with a law."""
+
+    train: GapEntry
+    held_out: GapEntry
+
+
+class LawEntry(Entry):
+    """A missing law as a curve."""
+
+    at: str
+    quantity: str
+    of: str
+    unit: str
+    of_unit: str
+    x: list[float]
+    value: list[float]
+    low90: list[float]
+    high90: list[float]
+    kind: Literal["law", "law with memory", "change", "time", "none"]
+    instant_s: Known
+    probability: Probability
+    says: str
+    gap: LawGapsEntry
+
+
 class ReportFile(BaseModel):
     """The whole file."""
 
@@ -220,6 +247,7 @@ class ReportFile(BaseModel):
     next_experiment: str
     provenance: ProvenanceEntry
     details: DetailsEntry
+    laws: list[LawEntry] = Field(default_factory=list)
 
 
 def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -239,8 +267,15 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
             "rejected": [asdict(candidate) for candidate in d.rejected],
         },
         "details": _details(d),
+        "laws": [law_dict(law) for law in d.laws],
     }
     return ReportFile.model_validate(plain(content)).model_dump(mode="json")
+
+
+def law_dict(law: LawCurve) -> dict[str, Any]:
+    """Return the entry of a missing law."""
+    found = {key: getattr(law, key) for key in LawEntry.model_fields if key != "gap"}
+    return {**found, "gap": {"train": asdict(law.train), "held_out": asdict(law.held_out)}}
 
 
 def gaps_of(d: BeforeAfter) -> dict[str, Any]:

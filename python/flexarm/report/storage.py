@@ -27,6 +27,7 @@ from flexarm.comparison.simulated_record import Placement
 from flexarm.configuration import version
 from flexarm.errors import InvalidFile
 from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion
+from flexarm.law_curve import LawCurve, LawGap
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.netcdf import Contents, Variable
 from flexarm.reading import reading
@@ -141,8 +142,15 @@ def stored(path: str | Path) -> dict[str, Any]:
         "remarks": tuple(details["remarks"]),
         "next_experiment": told["next_experiment"],
         "statistics": _statistics(details["statistics"]),
+        "laws": tuple(map(_law, told["laws"])),
         "provenance": {key: value for key, value in told["provenance"].items() if key != "rejected"},
     }
+
+
+def _law(entry: Entry) -> LawCurve:
+    rows = {key: tuple(entry[key]) for key in ("x", "value", "low90", "high90")}
+    gaps = {key: LawGap(**entry["gap"][key]) for key in ("train", "held_out")}
+    return LawCurve(**{**{key: each for key, each in entry.items() if key != "gap"}, **rows, **gaps})
 
 
 def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Comparison]]]:

@@ -1,0 +1,141 @@
+r"""Linear Gaussian model of low rank: marginal likelihood and cross-validation.
+
+.. math:: y = s A \xi + B u + e, \quad \xi, u \sim N(0, 1), \quad e \sim N(0, v)                       (1)
+
+With P the projection that eliminates u (`diagnosis.fit`), and P A = Q \Lambda^{1/2} V^T,
+
+.. math:: -2 \ln p(y) = n \ln v + \sum_i \ln(1 + s^2 \lambda_i/v)
+          + \frac1v \Big(|P y|^2 - \sum_i \frac{s^2 c_i^2}{v + s^2 \lambda_i}\Big), \quad
+          c = V^T (P A)^T P y                                                                         (2)
+
+up to a constant. s and v, at least the noise's own 1, maximise (2). With U = [s A/sqrt(v), B] the covariance
+is v (1 + U U^T), and a block b left out has the predictive density [Rasmussen2006, 5.4.2]
+
+.. math:: \ln p(y_b | y_{-b}) = -\tfrac12 (\alpha_b^T C_b \alpha_b + \ln |C_b| + n_b \ln 2\pi), \quad
+          C_b = ((\Sigma^{-1})_{bb})^{-1}, \quad \alpha = \Sigma^{-1} y                                (3)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.fit import Projection
+
+
+@dataclass(frozen=True, eq=False)
+class GaussianData:
+    """y and B of (1).
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Minus the residual over its noise.
+    projection : Projection
+        What eliminates nuisance parameters.
+    """
+
+    y: Floats
+    projection: Projection
+
+    @property
+    def nuisance(self) -> Floats:
+        """B of (1), shape (n, k); parameters without a prior get a wide one."""
+        known = np.isfinite(self.projection.sigma)
+        wide = np.where(known, 1.0, 1e3 * max(float(np.linalg.norm(self.y)), 1.0))
+        found: Floats = self.projection.jacobian * (self.projection.scale * wide)
+        return found
+
+    def cost(self) -> float:
+        """|P y|^2."""
+        projected = self.projection.project(self.y)
+        return float(projected @ projected)
+
+
+@dataclass(frozen=True, eq=False)
+class GaussianModel:
+    """Eq. (1) at the s and v that maximise (2).
+
+    Attributes
+    ----------
+    data : GaussianData
+        y and B.
+    factor : ndarray, shape (n, m)
+        s A.
+    noise : float
+        v.
+    log_evidence : float
+        Eq. (2).
+    """
+
+    data: GaussianData
+    factor: Floats
+    noise: float
+    log_evidence: float
+
+    @classmethod
+    def of(cls, data: GaussianData, columns: Floats) -> GaussianModel:
+        """Maximise (2) for A = columns, over a grid of s and v."""
+        n = len(data.y)
+        a, y = data.projection.project(columns), data.projection.project(data.y)
+        values, vectors = np.linalg.eigh(a.T @ a)
+        values = np.maximum(values, 0.0)
+        c = vectors.T @ (a.T @ y)
+        yy, greatest = float(y @ y), float(values.max(initial=0.0)) or 1.0
+        s2 = np.concatenate([[0.0], np.geomspace(1.0, 1e12, 61) / greatest])[:, None, None]
+        v = np.geomspace(1.0, max(yy / n, 1.0) * 1.01, 25)[None, :, None]
+        square = yy - np.sum(s2 * c**2 / (v + s2 * values), axis=2)
+        logs = np.sum(np.log1p(s2 * values / v), axis=2)
+        found = -0.5 * (n * np.log(v[:, :, 0]) + logs + square / v[:, :, 0])  # eq. (2)
+        i, j = np.unravel_index(int(np.argmax(found)), found.shape)
+        size = float(np.sqrt(s2[i, 0, 0]))
+        return cls(data, size * columns, float(v[0, j, 0]), float(found[i, j]))
+
+    def _whitened(self) -> tuple[Floats, Floats]:
+        """Return U and the Cholesky factor of 1 + U^T U."""
+        u = np.column_stack([self.factor / np.sqrt(self.noise), self.data.nuisance])
+        return u, np.linalg.cholesky(u.T @ u + np.eye(u.shape[1]))
+
+    def posterior(self) -> tuple[Floats, Floats]:
+        """Return mean of s^-1 s xi and a root of its covariance, for what multiplies `factor`."""
+        from scipy.linalg import solve_triangular
+
+        u, lower = self._whitened()
+        m = self.factor.shape[1]
+        inverse = solve_triangular(lower, np.eye(len(lower)), lower=True)
+        mean = inverse.T @ (inverse @ (u.T @ self.data.y)) / np.sqrt(self.noise)
+        return mean[:m], inverse[:, :m].T
+
+    def predictive(self, blocks: Sequence[NDArray[np.intp]]) -> float:
+        """Return the sum of (3) over blocks."""
+        from scipy.linalg import solve_triangular
+
+        u, lower = self._whitened()
+        half = solve_triangular(lower, u.T, lower=True).T
+        alpha = (self.data.y - half @ (half.T @ self.data.y)) / self.noise
+        total = 0.0
+        for rows in blocks:
+            inverse = (np.eye(len(rows)) - half[rows] @ half[rows].T) / self.noise
+            sign, logdet = np.linalg.slogdet(inverse)
+            if sign <= 0:
+                return -np.inf
+            square = float(alpha[rows] @ np.linalg.solve(inverse, alpha[rows]))
+            total -= 0.5 * (square - float(logdet) + len(rows) * np.log(2 * np.pi))  # eq. (3)
+        return total
+
+    def left(self) -> float:
+        """Return the squared residual that the posterior mean leaves, nuisance parameters fitted along."""
+        mean, _ = self.posterior()
+        rest = self.data.projection.project(self.data.y - self.factor @ mean)
+        return float(rest @ rest)
+
+
+def matern_root(places: Floats, length: float) -> Floats:
+    """Return L of K = L L^T, the Matern covariance (5/2) of size one [Rasmussen2006, 4.2.1]."""
+    d = np.sqrt(5.0) * np.abs(places[:, None] - places[None]) / length
+    covariance = (1 + d + d**2 / 3) * np.exp(-d)
+    return np.asarray(np.linalg.cholesky(covariance + 1e-9 * np.eye(len(places))))

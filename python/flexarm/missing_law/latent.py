@@ -1,0 +1,161 @@
+r"""Latent motions: unknown functions of time at each place, with a Gaussian process prior.
+
+.. math:: r(c) \approx r + J c + J_x x + e, \quad c \sim N(0, s^2 K(\ell))                              (1)
+
+J is the linear response to spline coefficients c (`windup`), x are nuisance parameters and the found effects'
+own, with their priors. K is the Matern covariance of the places of the splines, a block a record. Size s,
+length l and noise maximise the marginal likelihood (`gaussian`). The residual about the mean of c is
+simulated again, J stays:
+
+.. math:: r \leftarrow r(c) - J c                                                                       (2)
+
+An offset of a sensor is a function of time for each of its channels; there J is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
+from flexarm.diagnosis.problem import Problem
+from flexarm.drive.doubts import slides
+from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
+from flexarm.missing_law.policy import LawPolicy
+from flexarm.missing_law.windup import TimeBasis, WindupResponse
+
+
+@dataclass(frozen=True, eq=False)
+class Latent:
+    """A latent motion at a place.
+
+    Attributes
+    ----------
+    at, quantity, unit : str
+        Place, and what is missing there.
+    data : GaussianData
+        Residual without the motion, and nuisance parameters.
+    model : GaussianModel
+        Eq. (1) with the motion.
+    length : float
+        l of (1) [s].
+    mean, root : ndarray, shapes (m,) and (m, m)
+        Of c: posterior mean and a root of the covariance.
+    bases : sequence of TimeBasis
+        Splines of the coefficients, one after the other.
+    response : WindupResponse or None
+        Linear response of a joint; None of a sensor.
+    """
+
+    at: str
+    quantity: str
+    unit: str
+    data: GaussianData
+    model: GaussianModel
+    length: float
+    mean: Floats
+    root: Floats
+    bases: Sequence[TimeBasis]
+    response: WindupResponse | None = None
+
+    @property
+    def nothing(self) -> float:
+        """Log evidence without the motion."""
+        return GaussianModel.of(self.data, np.zeros((len(self.data.y), 1))).log_evidence
+
+    @property
+    def gain(self) -> float:
+        """Log evidence of the motion over none."""
+        return self.model.log_evidence - self.nothing
+
+
+def noise_scale(problem: Problem, fit: Fit) -> Floats:
+    """Return what divides residuals where input noise and time steps add to the noise, shape (n,)."""
+    found = np.ones(len(problem))
+    for rows, where in problem.channels():
+        found[where] = np.sqrt(1.0 + rows.explained_square(fit.non_smooth))
+    return found
+
+
+def nuisance_projection(problem: Problem, fit: Fit) -> Projection:
+    """Return what eliminates nuisance parameters and, with a flat prior, the found effects' parameters."""
+    scale = noise_scale(problem, fit)[:, None]
+    jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian]) / scale
+    return Projection(jacobian, np.concatenate([np.full(len(fit.z), np.inf), fit.projection.sigma]))
+
+
+def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[Latent]:
+    """Yield the latent motion of each place: windup of driven joints, offsets of sensors."""
+    from flexarm.diagnosis.candidate import with_members
+
+    arm = with_members(fit.nuisance.arm, fit.members)
+    names = {joint for name in problem.records for joint in problem.simulations.drive(name, arm).joints}
+    for joint in (each.name for each in arm.moving_joints if each.name in names):
+        try:
+            response = WindupResponse.of(problem, arm, joint, policy)
+            unit = "m" if slides(arm, joint) else "rad"
+            yield _inferred(joint, "windup", unit, problem, fit, response, policy)
+        except FIT_ERRORS:
+            continue
+    for signal in dict.fromkeys(rows.signal for rows in problem.rows):
+        yield _offset(signal, problem, fit, policy)
+
+
+def _inferred(
+    at: str, quantity: str, unit: str, problem: Problem, fit: Fit, response: WindupResponse, policy: LawPolicy
+) -> Latent:
+    """Return the latent motion of a joint, linearised until it rests."""
+    scale, projection = noise_scale(problem, fit), nuisance_projection(problem, fit)
+    jacobian = response.jacobian / scale[:, None]
+    residual = fit.residual / scale
+    data = GaussianData(-residual, projection)
+    places = [basis.places for basis in response.bases.values()]
+    for round_ in range(policy.linearisations + 1):
+        model, mean, deviation, length = _most_likely(data, jacobian, places, policy)
+        if round_ < policy.linearisations:
+            moved = response.moved(mean) / scale
+            data = GaussianData(-(residual + moved - jacobian @ mean), projection)  # eq. (2)
+    return Latent(
+        at, quantity, unit, data, model, length, mean, deviation, list(response.bases.values()), response
+    )
+
+
+def _most_likely(
+    data: GaussianData, jacobian: Floats, places: Sequence[Floats], policy: LawPolicy
+) -> tuple[GaussianModel, Floats, Floats, float]:
+    """Return (1) with the most likely length, mean and root of the covariance of c, and that length."""
+    found = []
+    for length in policy.lengths:
+        root = block_diag(*(matern_root(each, length) for each in places))
+        found.append((GaussianModel.of(data, jacobian @ root), root, length))
+    model, root, length = max(found, key=lambda each: each[0].log_evidence)
+    root = root * size_of(model, jacobian @ root)
+    mean, deviation = model.posterior()
+    return model, root @ mean, root @ (np.sqrt(model.noise) * deviation), length
+
+
+def size_of(model: GaussianModel, columns: Floats) -> float:
+    """Return s of a model of columns."""
+    return float(np.linalg.norm(model.factor) / max(float(np.linalg.norm(columns)), 1e-300))
+
+
+def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:
+    """Return the offset of a sensor, a function of time for each channel and record."""
+    scale = noise_scale(problem, fit)
+    data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
+    rows = [each for each in problem.rows if each.signal == signal]
+    bases = [TimeBasis.over(float(each.time[0]), float(each.time[-1]) + 1e-6, policy) for each in rows]
+    blocks = np.cumsum([0, *map(len, bases)])
+    jacobian = np.zeros((len(problem), blocks[-1]))
+    for each, basis, first in zip(rows, bases, blocks, strict=False):
+        values = basis.at(each.time) / (each.sigma * scale[each.where])[:, None]
+        jacobian[each.where, first : first + len(basis)] = values
+    model, mean, deviation, length = _most_likely(data, jacobian, [basis.places for basis in bases], policy)
+    unit = {"position": "m", "orientation": "-"}.get(
+        problem.records[rows[0].record].signals[signal].quantity, ""
+    )
+    return Latent(signal, "offset", unit, data, model, length, mean, deviation, bases)

@@ -1,0 +1,234 @@
+r"""Laws: a latent motion as a function of a state of its joint.
+
+The values of the motion where spline coefficients act are those of a curve f over knots of the state y,
+
+.. math:: c = N^{-1} H(y) f, \qquad f \sim N(0, s^2 K(\ell)), \qquad r \approx r_0 + J c + J_x x + e    (1)
+
+N interpolates by the splines in time, H linearly between knots, K is the Matern covariance of the knots. So
+a curve is inferred from the data, not from the latent motion. A *law* has one curve; a *law with memory* one
+for each sense of the motion; a *change* one before and one after an instant, in each record or once in one
+of them. Hyperparameters maximise the marginal likelihood; the kind and the state are decided by the
+predictive density of blocks left out (`gaussian`, eq. (3)): a curve learned on some data foretells the rest,
+with its own uncertainty. The probability of an instant is that of the evidence over all instants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from flexarm.arrays import Floats
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.problem import Problem
+from flexarm.law_curve import LawKind
+from flexarm.missing_law.gaussian import GaussianModel, matern_root
+from flexarm.missing_law.latent import Latent, noise_scale, size_of
+from flexarm.missing_law.policy import LawPolicy
+from flexarm.missing_law.states import States
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A curve or two over a state.
+
+    Attributes
+    ----------
+    kind : {"law", "law with memory", "change"}
+        What tells the curves apart.
+    of : str
+        The state.
+    knots : ndarray, shape (k,)
+        Of the state.
+    mean, root : ndarray, shapes (b k,) and (b k, b k)
+        Posterior mean and a root of the covariance of the curves' values, b curves one after the other.
+    model : GaussianModel
+        Eq. (1).
+    predictive : float
+        Log predictive density of blocks left out.
+    left : float
+        Squared residual that the curve leaves.
+    instant : tuple of float
+        When it changes, and the 90 % interval [s]; empty without one.
+    only : int
+        Number of the record in which it changes; -1: in each.
+    """
+
+    kind: LawKind
+    of: str
+    knots: Floats
+    mean: Floats
+    root: Floats
+    model: GaussianModel
+    predictive: float
+    left: float
+    instant: tuple[float, ...] = ()
+    only: int = -1
+
+    def curve(self, which: int) -> tuple[Floats, Floats]:
+        """Return mean and covariance of one of the curves, shapes (k,) and (k, k)."""
+        rows = slice(which * len(self.knots), (which + 1) * len(self.knots))
+        return self.mean[rows], self.root[rows] @ self.root[rows].T
+
+    def values(self, states: dict[str, Floats], time: Floats, record: int = -1) -> Floats:
+        """Return the motion at states and instants; `record` is -1 for one that was not fitted."""
+        y = states[self.of]
+        curves = [
+            np.interp(y, self.knots, self.curve(k)[0]) for k in range(len(self.mean) // len(self.knots))
+        ]
+        if self.kind == "law with memory":
+            return np.where(states["rate"] >= 0, curves[0], curves[1])
+        if self.kind == "change":
+            return np.where(
+                _after(time, np.full(len(time), record), self.instant[0], self.only), *curves[::-1]
+            )
+        return curves[0]
+
+
+def _after(time: Floats, record: np.ndarray, instant: float, only: int) -> Mask:
+    """Return where an instant is over; `only` as of `Law`."""
+    if only < 0:
+        return np.asarray(time >= instant)
+    return np.asarray((record > only) | ((record == only) & (time >= instant)) | (record < 0))
+
+
+def blocks_of(problem: Problem, policy: LawPolicy) -> list[NDArray[np.intp]]:
+    """Return rows of blocks of time, all signals of a record together."""
+    found = []
+    for name in problem.records:
+        rows = list(problem.rows_of(name))
+        time = np.concatenate([each.time for each in rows])
+        place = np.concatenate([np.arange(each.where.start, each.where.stop) for each in rows])
+        edges = np.linspace(time.min(), time.max(), policy.blocks + 1)[1:-1]
+        number = np.searchsorted(edges, time)
+        found += [place[number == k] for k in range(policy.blocks) if np.any(number == k)]
+    return found
+
+
+class LawSearch:
+    """Curves of a latent motion over the states of its joint."""
+
+    def __init__(self, latent: Latent, states: States, problem: Problem, fit: Fit, policy: LawPolicy) -> None:
+        assert latent.response is not None
+        self.latent, self.states, self.policy = latent, states, policy
+        self.blocks = blocks_of(problem, policy)
+        bases = latent.response.bases.values()
+        inverse = block_diag(*(np.linalg.inv(basis.at(basis.places)) for basis in bases))
+        self.response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
+        self.explained = max(self.left_without - latent.model.left(), 1e-300)
+
+    @property
+    def left_without(self) -> float:
+        """Squared residual without the motion."""
+        return self.latent.data.cost()
+
+    def motion(self) -> Floats:
+        """Return the latent motion where states are known, shape (m,)."""
+        response = self.latent.response
+        assert response is not None
+        parts = response.parts(self.latent.mean)
+        return np.concatenate([basis.at(basis.places) @ parts[k] for k, basis in response.bases.items()])
+
+    def share(self, law: Law) -> float:
+        """Part of what the latent motion explains that a law explains [-]."""
+        return (self.left_without - law.left) / self.explained
+
+    def law(self, of: str) -> Law:
+        """Return the law of a state."""
+        return self._fitted("law", of, [np.ones(len(self.states.time), dtype=bool)])
+
+    def with_memory(self, of: str) -> Law:
+        """Return the law with memory of a state."""
+        return self._fitted("law with memory", of, [self.states.rising, ~self.states.rising])
+
+    def change(self, of: str, length: float) -> Law | None:
+        """Return the law that changes at the most likely instant."""
+        tried = [(each, self._evidence_of_change(of, each, length)) for each in self._instants()]
+        if not tried:
+            return None
+        (instant, only), _ = max(tried, key=lambda each: each[1])
+        step = float(np.ptp(self.states.time)) / self.policy.instants
+        near = instant + np.linspace(-step, step, 21)
+        values = np.array([self._evidence_of_change(of, (t, only), length) for t in near])
+        weight = np.exp(values - values.max())
+        share = np.cumsum(weight) / weight.sum()
+        at = float(near[int(np.argmax(values))])
+        half = float(near[1] - near[0]) / 2
+        low, high = (float(np.interp(p, share, near + half)) for p in (0.05, 0.95))
+        interval = (min(low, at - half), max(high, at + half))
+        return self._fitted("change", of, self._sides(at, only), (at, *interval), only, (length,))
+
+    def _instants(self) -> Iterator[tuple[float, int]]:
+        time, record = self.states.time, self.states.record
+        inner = np.linspace(time.min(), time.max(), self.policy.instants + 2)[1:-1]
+        count = int(record.max()) + 1
+        yield from ((float(t), -1) for t in inner)
+        if count > 1:
+            yield from ((float(t), k) for k in range(count) for t in inner if t < time[record == k].max())
+
+    def _sides(self, instant: float, only: int) -> list[Mask]:
+        after = _after(self.states.time, self.states.record, instant, only)
+        return [~after, after]
+
+    def _evidence_of_change(self, of: str, when: tuple[float, int], length: float) -> float:
+        sides = self._sides(*when)
+        if min(map(np.count_nonzero, sides)) < len(self.states.time) // self.policy.instants:
+            return -np.inf
+        return self._model(of, sides, length)[0].log_evidence
+
+    def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
+        y = self.states.values[of]
+        low, high = np.quantile(y, (0.005, 0.995)).tolist()
+        knots = np.linspace(low, high, self.policy.curve_knots)
+        between = np.stack([np.interp(y, knots, unit) for unit in np.eye(len(knots))], axis=1)
+        design = np.column_stack([mask[:, None] * between for mask in masks])
+        root = block_diag(*[matern_root(knots, length * float(np.ptp(knots)))] * len(masks))
+        columns = self.response @ (design @ root)
+        model = GaussianModel.of(self.latent.data, columns)
+        return model, root * size_of(model, columns), knots
+
+    def _fitted(
+        self,
+        kind: LawKind,
+        of: str,
+        masks: Sequence[Mask],
+        instant: tuple[float, ...] = (),
+        only: int = -1,
+        lengths: Sequence[float] = (),
+    ) -> Law:
+        tried = [self._model(of, masks, length) for length in lengths or self.policy.curve_lengths]
+        model, root, knots = max(tried, key=lambda each: each[0].log_evidence)
+        mean, deviation = model.posterior()
+        return Law(
+            kind,
+            of,
+            knots,
+            root @ mean,
+            np.sqrt(model.noise) * (root @ deviation),
+            model,
+            model.predictive(self.blocks),
+            model.left(),
+            instant,
+            only,
+        )
+
+    def best(self) -> list[Law]:
+        """Return a law of each state, the best first: of several kinds the simplest that foretells."""
+        return sorted((self._of(each) for each in self.states.values), key=lambda law: -law.predictive)
+
+    def _of(self, of: str) -> Law:
+        chosen = self.law(of)
+        length = max(self.policy.curve_lengths)
+        for other in (self.with_memory(of), self.change(of, length)):
+            if (
+                other is not None
+                and other.predictive > chosen.predictive + self.policy.evidence
+                and self.share(other) > self.share(chosen) + self.policy.memory_share
+            ):
+                chosen = other
+        return chosen

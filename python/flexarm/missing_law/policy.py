@@ -1,0 +1,41 @@
+"""Settings of the inference of a missing law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class LawPolicy:
+    """Settings of the inference of a missing law, all with a default."""
+
+    spacing: float = 0.1
+    """Distance of knots in time [s]: a sudden change takes about two of them."""
+    most_knots: int = 300
+    """Greatest number of knots a record [1]: each costs a run."""
+    lengths: tuple[float, ...] = (0.3, 1.0, 3.0, 10.0)
+    """Correlation lengths of a latent motion [s]: from one knot to a third of a record."""
+    response_step: float = 0.016
+    """Time step of linear responses [s]: a mode of 3 Hz is 0.8 % slow, and the residual itself is exact."""
+    perturbation: float = 1e-3
+    """Perturbation of a drive for a difference quotient [rad, m], above where Newton's iterations stop."""
+    linearisations: int = 2
+    """Times that the residual is simulated about the latent motion [1]."""
+    curve_knots: int = 41
+    """Knots of a curve over its state [1]: a peak a tenth of the range wide has four."""
+    curve_lengths: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0)
+    """Correlation lengths of a curve over the range of its state [-]."""
+    blocks: int = 8
+    """Blocks a record of cross-validation [1]: longer than what a smooth latent motion bridges."""
+    instants: int = 40
+    """Instants a record at which a law may change [1]; the best ones are scanned ten times as finely."""
+    evidence: float = 6.0
+    """Difference of log evidence that decides [-]: odds of 400."""
+    least_share: float = 0.5
+    """Part of what the latent motion explains [-] that a law explains."""
+    memory_share: float = 0.02
+    """The same [-] that two branches, or an instant, explain beyond one curve."""
+    shape_error: float = 0.1
+    """Rms difference from a known shape over the peak [-] up to which a curve has that shape."""
+    most_laws: int = 4
+    """Laws that are reported [1]."""

@@ -1,0 +1,76 @@
+"""States of a joint along a run: what a latent motion may be a function of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.missing_law.latent import Latent
+
+if TYPE_CHECKING:
+    from flexarm.simulation import Simulation
+
+STATES = ("torque", "angle", "rate", "motor_angle")
+"""Names of the states; the motor's angle is that within a turn."""
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """States of a joint where the coefficients of a latent motion act.
+
+    Attributes
+    ----------
+    record : ndarray of int, shape (m,)
+        Number of the record.
+    time : ndarray, shape (m,)
+        Instants [s].
+    values : dict of str to ndarray, shape (m,)
+        Each state.
+    """
+
+    record: np.ndarray
+    time: Floats
+    values: dict[str, Floats]
+
+    @property
+    def rising(self) -> np.ndarray:
+        """Where the link's angle rises."""
+        return np.asarray(self.values["rate"] >= 0)
+
+
+def states_of(run: Simulation, joint: str, time: Floats, gear_ratio: float | None) -> dict[str, Floats]:
+    """Return the states of a joint at instants."""
+    k = [each.name for each in run.arm.moving_joints].index(joint)
+
+    def at(values: Floats) -> Floats:
+        return np.interp(time, run.time, values[:, k])
+
+    found = {"torque": at(run.joint_torque), "angle": at(run.joint_angle), "rate": at(run.joint_rate)}
+    if gear_ratio is not None:
+        turn = at(run.drive_angle) * gear_ratio
+        step = np.abs(np.diff(turn))
+        if np.ptp(turn) > 4 * np.pi and float(np.quantile(step, 0.9)) < np.pi / 4:
+            found["motor_angle"] = np.mod(turn, 2 * np.pi)
+    return found
+
+
+def joint_states(latent: Latent) -> States:
+    """Return the states of the joint along the runs with its latent motion."""
+    response = latent.response
+    assert response is not None
+    joint = response.arm.joint(latent.at)
+    parts = response.parts(latent.mean)
+    found: dict[str, list[Floats]] = {}
+    for name, basis in response.bases.items():
+        run = response.run(name, parts[name]).simulation
+        for key, values in states_of(run, latent.at, basis.places, joint.gear_ratio).items():
+            found.setdefault(key, []).append(values)
+    count = len(response.bases)
+    return States(
+        np.repeat(np.arange(count), [len(basis) for basis in response.bases.values()]),
+        np.concatenate([basis.places for basis in response.bases.values()]),
+        {key: np.concatenate(each) for key, each in found.items() if len(each) == count},
+    )
