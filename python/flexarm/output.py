@@ -15,7 +15,7 @@ import signal
 import threading
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,9 @@ from flexarm.termination import undone_on_exit
 
 PARTIAL, LOCK, ROOM = ".partial", "lock", "new"
 """Ending of the hidden directory's name; in it the locked file, and the directory of what is written."""
+
+PAGE, FIGURE = "report.html", "flexarm report"
+"""Name of a report's page, and the software that its figures name in their first bytes."""
 
 written: deque[Path] = deque(maxlen=10)
 """The last files and directories that were put in their places."""
@@ -46,7 +49,7 @@ def output_directory(
         Where the output shall be; parents are made.
     force : bool
         Write into a directory that holds files. Files of the same name are replaced, one after the other,
-        and others stay.
+        and others stay; figures of a former report go with its page.
     inputs : iterable of Path
         Files that are never replaced.
     names : iterable of str
@@ -348,11 +351,20 @@ def _move(partial: Path, target: Path, inputs: tuple[Path, ...]) -> None:
     for item, place in pairs:
         if place.exists() and item.is_dir() != place.is_dir():
             raise InvalidFile(place, "output", f"is a {'file' if item.is_dir() else 'directory'} in the way")
+    if (partial / PAGE).exists():
+        for figure in _outdated_figures(target, {item.name for item, _ in pairs}):
+            figure.unlink()
     for item, place in pairs:
         if item.is_dir():
             place.mkdir(exist_ok=True)
         else:
             item.replace(place)
+
+
+def _outdated_figures(directory: Path, names: Collection[str]) -> list[Path]:
+    """Return figures of a former report that the new one, of these files, does not replace."""
+    figures = [each for each in directory.glob("*.png") if each.is_file() and each.name not in names]
+    return [each for each in figures if FIGURE.encode() in each.read_bytes()[:256]]
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from flexarm.arm.parameter import parameters, path_of
 from flexarm.comparison.align import KEPT
 from flexarm.comparison.before_after import BeforeAfter
 from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
+from flexarm.fit_statistics import FitStatistics
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import viewed
@@ -138,6 +139,8 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
         What the reader should know: outliers removed, what the data cannot tell.
     next_experiment : str
         One sentence, empty if nothing is left to separate.
+    statistics : FitStatistics
+        Chi-square and autocorrelation by channel, correlations, motions, effects that no signal could show.
     provenance : dict
         version, git, inputs_sha256, seed, seconds.
     """
@@ -164,6 +167,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
     remainder: str = ""
     remarks: tuple[str, ...] = ()
     next_experiment: str = ""
+    statistics: FitStatistics = field(default_factory=FitStatistics)
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.netcdf import save
-from flexarm.output import stems, write_file
+from flexarm.output import PAGE, stems, write_file
 from flexarm.report.calibration_figures import correlations, members
 from flexarm.report.calibration_summary import family_sentence, fit_sentence, headline, pair_sentence, row
 from flexarm.report.files import Drawing, drawn, write_files
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from flexarm.calibration.result import Calibration
 
-REPORT, PAGE, KIND = "calibration.json", "report.html", "calibration"
+REPORT, KIND = "calibration.json", "calibration"
 
 
 def write(found: Calibration, directory: Path) -> None:

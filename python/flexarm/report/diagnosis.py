@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.netcdf import save
-from flexarm.output import stems
+from flexarm.output import PAGE, stems
 from flexarm.report.diagnosis_page import page
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.files import Drawing, drawn, write_files
@@ -25,10 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.result import Diagnosis
-
-
-PAGE = "report.html"
-"""The page, beside the files that `Diagnosis.load` reads and the figures."""
 
 
 def write(diagnosis: Diagnosis, directory: Path) -> None:
