@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.errors import InvalidFile
-from flexarm.foreign_files import foreign_kind, table_of_text
+from flexarm.foreign_files import foreign_kind, prose, table_of_text
 from flexarm.reading import regular_file
 
 
@@ -52,6 +52,8 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         if kind := table_of_text(text):
             raise InvalidFile(file, "file", kind) from None
+        if kind := prose(text):
+            raise InvalidFile(file, "file", f"{kind}; allowed is {expected_format!r}") from None
         what, place = _split_place(str(error))
         raise InvalidFile(file, place, f"not valid TOML: {what}") from None
     except ValueError:  # Python reads no integer of more digits
