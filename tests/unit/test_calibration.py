@@ -153,7 +153,7 @@ def test_families_that_cannot_be_are_refused(families, said):
 
 
 def test_a_mistyped_family_is_refused_before_faults_of_the_records():
-    with pytest.raises(InvalidParameter, match="unknown effect 'slack'; known are .*joint_compliance"):
+    with pytest.raises(InvalidParameter, match=r"unknown effect 'slack'; known are .*joint_compliance"):
         flexarm.calibrate(robot(), {}, ["slack"], jobs=1)
 
 

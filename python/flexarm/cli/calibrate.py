@@ -83,7 +83,7 @@ def calibrate(
         with blame_one_of(model, names, read, arm):
             found = _calibrated(arm, training, family or [], held_out, jobs, step)
         found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
-        found.write(directory)
+        found.write(directory, model)
     if json:
         print_json(found.to_json_dict())
     else:
