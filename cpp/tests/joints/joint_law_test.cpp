@@ -112,7 +112,7 @@ TEST_CASE("What a law does not dissipate it stores: Q − loss is the derivative
     for (double x : {-0.07, 0.03, 0.11}) {
       const LawResponse r = respond(law, x, 0.4, memory);
       CAPTURE(law.index());
-      CHECK(std::abs(r.force - r.loss - derivative(energy, x, 1e-3)) <
+      CHECK(std::abs(r.force - r.loss - derivative(energy, x, 1e-4)) <
             1e-8 * std::max(1.0, std::abs(r.force)));
     }
   }
