@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.workflow import diagnose
     from flexarm.drive import Drive, JointDrive
     from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
+    from flexarm.export import export_mjcf, export_part, export_urdf
     from flexarm.importing import import_record
     from flexarm.linear import LinearModel
     from flexarm.linear.linearise import linearise
@@ -72,6 +73,9 @@ _EXPORTS = {
     "compare_responses": "flexarm.comparison",
     "config": "flexarm.configuration",
     "diagnose": "flexarm.diagnosis.workflow",
+    "export_mjcf": "flexarm.export",
+    "export_part": "flexarm.export",
+    "export_urdf": "flexarm.export",
     "import_record": "flexarm.importing",
     "linearise": "flexarm.linear",
     "measure": "flexarm.measurement",
@@ -116,6 +120,9 @@ __all__ = [
     "compare_responses",
     "config",
     "diagnose",
+    "export_mjcf",
+    "export_part",
+    "export_urdf",
     "import_record",
     "linearise",
     "measure",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -35,6 +36,8 @@ OTHERS = {
 """First bytes of what no command reads."""
 SHEETS = (".xlsx", ".xlsm", ".xlsb", ".ods")
 """Endings of spreadsheets, which are zip archives."""
+TOML_LINE = re.compile(r"""\s*([\w."' -]+=|\[\[?[\w."' -]+\]\]?\s*(#.*)?$)""")
+"""A line that begins a value or a table of TOML."""
 ADVICE = "write a map and read it with `flexarm import` (docs/importing.md)"
 
 
@@ -67,6 +70,13 @@ def table_of_text(text: str) -> str | None:
     if len(rows) < 2 or sum(count > 1 for count in rows) < 0.8 * len(rows):
         return None
     return f"is a table of numbers, such as CSV; {ADVICE}"
+
+
+def prose(text: str) -> str | None:
+    """Return a sentence on a text without a key or a table of TOML, or None."""
+    if any(TOML_LINE.match(line) for line in text.splitlines()):
+        return None
+    return "is a plain text, without a key or a table of TOML"
 
 
 def _numbers(line: str) -> int:

@@ -8,7 +8,6 @@ process ends, however it ends, so the next run clears what a killed one left, an
 from __future__ import annotations
 
 import atexit
-import fcntl
 import os
 import re
 import shutil
@@ -16,17 +15,21 @@ import signal
 import threading
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from flexarm import file_lock
 from flexarm.arguments import FLAG, PATH, takes
 from flexarm.errors import InvalidFile
 from flexarm.termination import undone_on_exit
 
 PARTIAL, LOCK, ROOM = ".partial", "lock", "new"
 """Ending of the hidden directory's name; in it the locked file, and the directory of what is written."""
+
+PAGE, FIGURE = "report.html", "flexarm report"
+"""Name of a report's page, and the software that its figures name in their first bytes."""
 
 written: deque[Path] = deque(maxlen=10)
 """The last files and directories that were put in their places."""
@@ -46,7 +49,7 @@ def output_directory(
         Where the output shall be; parents are made.
     force : bool
         Write into a directory that holds files. Files of the same name are replaced, one after the other,
-        and others stay.
+        and others stay; figures of a former report go with its page.
     inputs : iterable of Path
         Files that are never replaced.
     names : iterable of str
@@ -245,10 +248,9 @@ class _Claim:
         _places.pop(self.partial, None)
         if self._lock is not None:
             shutil.rmtree(self.partial.parent, ignore_errors=True)
+            file_lock.remove(self._lock, self._hidden / LOCK)
             with suppress(OSError):
-                (self._hidden / LOCK).unlink()
                 self._hidden.rmdir()
-            os.close(self._lock)
             self._lock = None
             atexit.unregister(self.release)
         for parent in self._parents:
@@ -306,27 +308,19 @@ def _lock(hidden: Path, target: Path) -> int:
             os.close(lock)
             what = f"another run is writing it; allowed is another place (if none runs, remove {hidden})"
             raise InvalidFile(target, "output", what)
-        if _is_at(lock, hidden / LOCK):
+        if file_lock.is_at(lock, hidden / LOCK):
             return lock
         os.close(lock)
 
 
 def _holds(lock: int, made: bool) -> bool:
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        file_lock.lock(lock)
     except BlockingIOError:
         return False
     except OSError:  # a file system without locks: the place is his who made the directory
         return made
     return True
-
-
-def _is_at(file: int, path: Path) -> bool:
-    """Return False if an owner removed the file before this process could lock it."""
-    try:
-        return os.path.samestat(os.fstat(file), path.stat())
-    except FileNotFoundError:
-        return False
 
 
 def _refuse_occupied(target: Path, force: bool) -> None:
@@ -357,11 +351,20 @@ def _move(partial: Path, target: Path, inputs: tuple[Path, ...]) -> None:
     for item, place in pairs:
         if place.exists() and item.is_dir() != place.is_dir():
             raise InvalidFile(place, "output", f"is a {'file' if item.is_dir() else 'directory'} in the way")
+    if (partial / PAGE).exists():
+        for figure in _outdated_figures(target, {item.name for item, _ in pairs}):
+            figure.unlink()
     for item, place in pairs:
         if item.is_dir():
             place.mkdir(exist_ok=True)
         else:
             item.replace(place)
+
+
+def _outdated_figures(directory: Path, names: Collection[str]) -> list[Path]:
+    """Return figures of a former report that the new one, of these files, does not replace."""
+    figures = [each for each in directory.glob("*.png") if each.is_file() and each.name not in names]
+    return [each for each in figures if FIGURE.encode() in each.read_bytes()[:256]]
 
 
 @contextmanager

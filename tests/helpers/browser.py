@@ -60,7 +60,8 @@ class Page:
         elif message["method"] == "Network.webSocketCreated":
             self.requests.append(told["url"])
         elif message["method"] == "Runtime.exceptionThrown":
-            self.errors.append(told["exceptionDetails"]["exception"].get("description", ""))
+            details = told["exceptionDetails"]
+            self.errors.append(details.get("exception", {}).get("description", details["text"]))
 
     async def run(self, script: str) -> Any:
         found = await self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from flexarm.errors import InvalidFile
-from flexarm.output import output_directory, output_file
+from flexarm.output import FIGURE, PAGE, output_directory, output_file
 
 
 def test_output_appears_when_the_block_ends(tmp_path: Path) -> None:
@@ -89,3 +89,35 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     message = "output: cannot be written: No space left"
     with pytest.raises(InvalidFile, match=message), output_file(tmp_path / "run.nc"):
         raise full
+
+
+def picture(path: Path, **options: object) -> None:
+    """A figure as reports draw it, or of the user's own."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(1, 1))
+    figure.add_subplot().plot([0, 1])
+    figure.savefig(path, **options)
+
+
+def test_a_new_report_replaces_the_figures_of_the_former_one(tmp_path: Path) -> None:
+    """Figures of the user and of other results stay; what is no report removes nothing."""
+    for name in ("kept.png", "former.png"):
+        picture(tmp_path / name, metadata={"Software": FIGURE})
+    picture(tmp_path / "own.png")
+    with output_directory(tmp_path, force=True) as directory:
+        (directory / "run.nc").write_text("a run")
+    assert (tmp_path / "former.png").exists()
+    with output_directory(tmp_path, force=True) as directory:
+        (directory / PAGE).write_text("a page")
+        picture(directory / "kept.png", metadata={"Software": FIGURE})
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["kept.png", "own.png", PAGE, "run.nc"]
+
+
+def test_figures_of_a_report_are_marked_as_such(tmp_path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from flexarm.report.files import drawn
+
+    (drawing,) = drawn([("one", "where", "a caption", Figure(figsize=(1, 1)))])
+    assert FIGURE.encode() in drawing.png[:256]

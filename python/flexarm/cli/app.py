@@ -22,6 +22,7 @@ COMMANDS = (
     "calibrate",
     "plan",
     "reduce",
+    "export",
     "view",
     "reproduce",
 )
@@ -48,6 +49,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm calibrate arm.toml measured --out fit   estimate what is uncertain
     flexarm plan arm.toml --drive swing.csv         what could an experiment tell
     flexarm reduce hub.inp --interface ...          a solid part as a link
+    flexarm export found.toml --urdf robot.urdf --out found.urdf
     flexarm view run                                see it move, in the browser
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted

@@ -158,7 +158,7 @@ def _features(arm: Arm, record: Record) -> Features:
         found |= {
             f"least of {joint}": _Feature(f"{joint} goes down to", signal.unit, least, -1),
             f"most of {joint}": _Feature(f"{joint} goes up to", signal.unit, most, 1),
-            f"rate of {joint}": _Feature(f"the rms rate of {joint} is", f"{signal.unit}/s", _rate(signal)),
+            f"rate of {joint}": _Feature(f"the rms rate of {joint} is", f"{signal.unit}/s", rms_rate(signal)),
         }
     return found | _masses(arm, record)
 
@@ -182,8 +182,8 @@ def _range(signal: Signal) -> tuple[float, float]:
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
-def _rate(signal: Signal) -> float:
-    """Rms rate of a drive over tenths of a second, so that noise does not count; 0 for poses."""
+def rms_rate(signal: Signal) -> float:
+    """Return the rms rate of a drive over tenths of a second, so that noise does not count; 0 for poses."""
     if signal.pose is not None or len(signal.time) < 3:
         return 0.0
     step = max(1, round(0.1 / float(np.median(np.diff(signal.time)))))

@@ -18,7 +18,8 @@ impacts have no order: after some of them the motions of two time steps diverge.
 
 E(h/2) - E(h) is an error of each channel.
 
-The mean squares of both errors count as noise in the evidence (`diagnosis.evidence`), not as a gap.
+The mean squares of both errors count as noise in the evidence (`diagnosis.evidence`), not as a gap. What
+input noise does to estimates follows from the errors themselves (`diagnosis.uncertainty`).
 """
 
 from __future__ import annotations
@@ -82,6 +83,8 @@ def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -
 
 DRAWS = 4
 """Of n in (1): a mode is shaken by little more than its own bandwidth, which is few values."""
+ERROR_DRAWS = 8
+"""The same for intervals: their width is then known to a quarter."""
 DRIVE_ERROR_COUNTS = 0.3
 """Least error of some channel, over its noise, that counts: a smaller one is 4 % of it."""
 SAID = 0.5
@@ -141,11 +144,28 @@ def weighted_by_input_noise(problem: Problem) -> Problem:
 
 def _squared_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
     """Return what (1) does to each of `rows`, mean square over its variance."""
+    moved = _input_error(problem, arm, rng)
+    return np.array([float(np.mean(moved[each.where] ** 2)) for each in problem.rows])
+
+
+def input_noise_errors(problem: Problem, arm: Arm) -> Floats:
+    """Return what draws of (1) do to the residual, over its noise, shape (draws, n); (0, n) if nothing."""
+    rng, found = np.random.default_rng(SEED), np.empty((0, len(problem)))
+    with suppress(*FIT_ERRORS):
+        for _ in range(ERROR_DRAWS):
+            error = _input_error(problem, arm, rng)
+            if not error.any():
+                break
+            found = np.vstack([found, error])
+    return found
+
+
+def _input_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
+    """Return what one draw of (1) does to the residual, over its noise, shape (n,)."""
     again = {name: _noisy_again(record, arm, rng) for name, record in problem.records.items()}
     if all(again[name] is record for name, record in problem.records.items()):
-        return np.zeros(len(problem.rows))
-    moved = problem.with_drives(again).residual(arm) - problem.residual(arm)
-    return np.array([float(np.mean(moved[each.where] ** 2)) for each in problem.rows])
+        return np.zeros(len(problem))
+    return np.asarray(problem.with_drives(again).residual(arm) - problem.residual(arm))
 
 
 def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:

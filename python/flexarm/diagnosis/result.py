@@ -13,6 +13,7 @@ from flexarm.arm.parameter import parameters, path_of
 from flexarm.comparison.align import KEPT
 from flexarm.comparison.before_after import BeforeAfter
 from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
+from flexarm.fit_statistics import FitStatistics
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import viewed
@@ -138,6 +139,8 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
         What the reader should know: outliers removed, what the data cannot tell.
     next_experiment : str
         One sentence, empty if nothing is left to separate.
+    statistics : FitStatistics
+        Chi-square and autocorrelation by channel, correlations, motions, effects that no signal could show.
     provenance : dict
         version, git, inputs_sha256, seed, seconds.
     """
@@ -164,6 +167,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
     remainder: str = ""
     remarks: tuple[str, ...] = ()
     next_experiment: str = ""
+    statistics: FitStatistics = field(default_factory=FitStatistics)
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -268,14 +272,14 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
 
         return cls(**stored(path))
 
-    def write(self, directory: Path) -> None:
+    def write(self, directory: Path, model: Path | None = None) -> None:
         """Write report.json, report.html, updated.toml, gaps.nc and the figures into a directory.
 
-        The directory is there.
+        The directory is there. With the file of the nominal model, updated.toml keeps its comments.
         """
         from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
 
-        write(self, directory)
+        write(self, directory, model)
 
     def __repr__(self) -> str:
         return self.summary()

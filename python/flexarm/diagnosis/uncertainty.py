@@ -7,13 +7,18 @@ What it leaves has the covariance C of noise and discrepancy (`diagnosis.discrep
 
 [White1980]. J are the derivatives of residuals over their noise, Lambda the weights of the priors.
 
+Noise of encoders that drive the model is another error: smoothing leaves its slow part, which modes amplify.
+With errors e_k of the residual for draws of that noise (`diagnosis.noise_model`, eq. (1)), V gains
+
+.. math:: \frac{1}{K} \sum_k (H^{-1} J^T e_k)(H^{-1} J^T e_k)^T                                       (2)
+
 No simulation is exact, and a fit hides from its own residual what the simulation errs in the direction of its
 parameters. An error moves like what it is an error of, but out of phase with it: a surrogate [Theiler1992] of
 the parameter's own column of J has the same spectrum with random phases, here as large as
 `simulation_errors` of the noise where it is largest. With a = J H^-1 u_p, by which a parameter depends on
 residuals, and transforms A and S of a and of that surrogate in a channel of n samples, it adds the variance
 
-.. math:: \sum_\text{channels} \frac{1}{n^2} \sum_f |A_f|^2 |S_f|^2                                   (2)
+.. math:: \sum_\text{channels} \frac{1}{n^2} \sum_f |A_f|^2 |S_f|^2                                   (3)
 
 Intervals are those of a normal distribution of p, mapped to the parameters' own scales.
 """
@@ -56,22 +61,26 @@ class Estimates:
     refined: tuple[Refined, ...]
 
 
-def estimates(fit: Fit, problem: Problem) -> Estimates:
-    """Return values and intervals of a fit, by (1) and (2)."""
-    sigma, k = deviations(fit, problem), len(fit.z)
+def estimates(fit: Fit, problem: Problem, input_errors: Floats | None = None) -> Estimates:
+    """Return values and intervals of a fit, by (1) to (3); input_errors: e of (2), shape (draws, n)."""
+    sigma, k = deviations(fit, problem, input_errors=input_errors), len(fit.z)
     return Estimates(
         [_of_effect(fit, i, sigma[:k]) for i in range(len(fit.members))], *_of_unknowns(fit, sigma[k:])
     )
 
 
-def deviations(fit: Fit, problem: Problem, errors: Floats | float | None = None) -> Floats:
+def deviations(
+    fit: Fit, problem: Problem, errors: Floats | float | None = None, input_errors: Floats | None = None
+) -> Floats:
     """Return standard deviations of z and x, shape (k + m,); `errors` of the simulation replace
-    `simulation_errors`.
+    `simulation_errors`; `input_errors` are e of (2), shape (draws, n).
     """
     jacobian, _, prior = joint_jacobian(fit)
     inverse = NormalEquations.of(jacobian, prior).inverse()
     scatter = jacobian.T @ evidence_of(fit, problem).covariance_times(jacobian, problem) + np.diag(prior)
     variance = np.einsum("ij,jk,ki->i", inverse, scatter, inverse)  # eq. (1)
+    if input_errors is not None and len(input_errors):
+        variance += np.mean((input_errors @ jacobian @ inverse) ** 2, axis=0)  # eq. (2)
     errors = simulation_errors(problem, fit.non_smooth) if errors is None else errors
     size = np.broadcast_to(errors, len(problem))
     found: Floats = np.sqrt(variance + surrogates(problem, jacobian, inverse, size) ** 2)
@@ -79,7 +88,7 @@ def deviations(fit: Fit, problem: Problem, errors: Floats | float | None = None)
 
 
 def surrogates(problem: Problem, jacobian: Floats, inverse: Floats, size: Floats) -> Floats:
-    """Root of (2) for errors of a size over the noise in each row, shape (k + m,); inverse: H^-1."""
+    """Root of (3) for errors of a size over the noise in each row, shape (k + m,); inverse: H^-1."""
     channels = [where for _, where in problem.channels()]
     largest = np.max([np.mean(jacobian[where] ** 2, axis=0) for where in channels], axis=0)
     shapes = size[:, None] * jacobian / np.sqrt(np.maximum(largest, 1e-300))
@@ -87,7 +96,7 @@ def surrogates(problem: Problem, jacobian: Floats, inverse: Floats, size: Floats
     variance = np.zeros(jacobian.shape[1])
     for where in channels:
         a, s = (np.abs(np.fft.fft(x[where], axis=0)) for x in (depends, shapes))
-        variance += np.sum((a * s) ** 2, axis=0) / len(a) ** 2  # eq. (2)
+        variance += np.sum((a * s) ** 2, axis=0) / len(a) ** 2  # eq. (3)
     return np.sqrt(variance)
 
 

@@ -21,6 +21,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit_statistics import fit_statistics
 from flexarm.diagnosis.homogeneity import constancy
 from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
 from flexarm.diagnosis.masked_outliers import hidden_strays, left_out, strays_told
@@ -30,6 +31,7 @@ from flexarm.diagnosis.noise_model import (
     discretisation_remarks,
     impute_noise,
     input_noise_by_signal,
+    input_noise_errors,
     input_noise_remarks,
     weighted_by_input_noise,
 )
@@ -224,6 +226,7 @@ def _diagnosis(
             *current().remarks,
         ),
         next_experiment=further.sentence,
+        statistics=fit_statistics(choice.best, problem),
         provenance=_provenance(seed, step, begun),
         located=seen.located,
         located_after=seen.located_after,
@@ -252,7 +255,7 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
-    sizes = estimates(choice.best, problem)
+    sizes = _sizes(choice, problem)
     drifts = tuple(constancy(choice.best, problem))
     criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
@@ -268,6 +271,12 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
     return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
+
+
+def _sizes(choice: Choice, problem: Problem) -> Estimates:
+    """Return values and intervals of the chosen model."""
+    arm = choice.estimator.with_effects(choice.best.members)
+    return estimates(choice.best, problem, input_noise_errors(problem, arm))
 
 
 def _unusable(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.netcdf import save
-from flexarm.output import stems
+from flexarm.output import PAGE, stems
 from flexarm.report.diagnosis_page import page
 from flexarm.report.evidence_figures import candidates, constancy, of_effect
 from flexarm.report.files import Drawing, drawn, write_files
@@ -27,11 +27,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
 
 
-PAGE = "report.html"
-"""The page, beside the files that `Diagnosis.load` reads and the figures."""
-
-
-def write(diagnosis: Diagnosis, directory: Path) -> None:
+def write(diagnosis: Diagnosis, directory: Path, model: Path | None = None) -> None:
     """Write report.json, report.html, updated.toml, gaps.nc and the figures into a directory that is there.
 
     Parameters
@@ -40,11 +36,13 @@ def write(diagnosis: Diagnosis, directory: Path) -> None:
         What was found.
     directory : Path
         See `flexarm.output.output_directory` for one that is whole or not there.
+    model : Path, optional
+        File of the nominal model: updated.toml keeps its comments.
     """
     report = diagnosis.to_json_dict()
     drawn = drawings(diagnosis)
     write_files(directory, drawn, (PAGE, page(diagnosis, drawn, report)), (REPORT, report))
-    write_updated(diagnosis, directory / MODEL)
+    write_updated(diagnosis, directory / MODEL, model)
     save(gap_contents(diagnosis), directory / GAPS)
 
 

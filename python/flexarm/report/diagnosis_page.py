@@ -22,6 +22,7 @@ from flexarm.report.sentences import (
     stated_sentence,
     verdict_sentence,
 )
+from flexarm.report.statistics_tables import channel_rows, correlation_rows, motion_rows, unseen_sentence
 from flexarm.report.template import filled
 from flexarm.tables import toml_text
 from flexarm.wording import interval, number, place_words, probability, scale, signed, with_unit
@@ -74,6 +75,10 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         nuisances=list(_nuisance_rows(d)),
         rejected=_rejected_rows(d),
         diff=list(_diff(d)),
+        channels=list(channel_rows(d.statistics)),
+        correlations=list(correlation_rows(d.statistics)),
+        motions=list(motion_rows(d.statistics)),
+        unseen=unseen_sentence(d.statistics),
         drawn=drawings,
         fits_too=FITS_TOO,
         provenance=report["provenance"],

@@ -11,7 +11,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.output import write_file
+from flexarm.output import FIGURE, write_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +95,7 @@ def drawn(figures: Iterable[tuple[str, str, str, Figure | None]], **options: Any
 
 def _png(figure: Figure, **options: Any) -> bytes:
     content = BytesIO()
-    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": None}, **options)
+    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": FIGURE}, **options)
     return content.getvalue()
 
 

@@ -151,6 +151,46 @@ class PoseEntry(Entry):
     rpy: list[float]
 
 
+class ChannelEntry(Entry):
+    """Residual of a channel after the fit."""
+
+    record: str
+    signal: str
+    channel: int
+    rows: int
+    chi_square: Known
+    autocorrelation: Known
+    discrepancy: Known
+    length: Known
+
+
+class CorrelationEntry(Entry):
+    """Correlation of two fitted parameters."""
+
+    parameters: Annotated[list[str], Field(min_length=2, max_length=2)]
+    value: Known
+
+
+class MotionEntry(Entry):
+    """What a record covers of a joint."""
+
+    record: str
+    joint: str
+    unit: str
+    lowest: float
+    highest: float
+    rms_rate: Known
+
+
+class StatisticsEntry(Entry):
+    """What a reader checks the fit by."""
+
+    channels: list[ChannelEntry] = Field(default_factory=list)
+    correlations: list[CorrelationEntry] = Field(default_factory=list)
+    motions: list[MotionEntry] = Field(default_factory=list)
+    unseen: list[str] = Field(default_factory=list)
+
+
 class DetailsEntry(Entry):
     """Details of the page beside the agreed keys."""
 
@@ -163,6 +203,7 @@ class DetailsEntry(Entry):
     stages: list[StageEntry]
     constancy: list[dict[str, Any]]
     frames: dict[str, dict[str, PoseEntry]] = Field(default_factory=dict)
+    statistics: StatisticsEntry = Field(default_factory=StatisticsEntry)
 
 
 class ReportFile(BaseModel):
@@ -244,6 +285,7 @@ def _details(d: Diagnosis) -> dict[str, Any]:
             for record, found in d.frames.items()
             if found
         },
+        "statistics": asdict(d.statistics),
     }
 
 

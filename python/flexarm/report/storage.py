@@ -26,6 +26,7 @@ from flexarm.comparison.gap import SignalGap
 from flexarm.comparison.simulated_record import Placement
 from flexarm.configuration import version
 from flexarm.errors import InvalidFile
+from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.netcdf import Contents, Variable
 from flexarm.reading import reading
@@ -139,6 +140,7 @@ def stored(path: str | Path) -> dict[str, Any]:
         "remainder": details["remainder"],
         "remarks": tuple(details["remarks"]),
         "next_experiment": told["next_experiment"],
+        "statistics": _statistics(details["statistics"]),
         "provenance": {key: value for key, value in told["provenance"].items() if key != "rejected"},
     }
 
@@ -193,6 +195,15 @@ def _refined(arm: Arm, entry: Entry) -> Refined:
 def _rejected(entry: Entry) -> Rejected:
     factor = entry["log_bayes_factor"]
     return Rejected(entry["name"], entry["at"], -math.inf if factor is None else factor, entry["why"])
+
+
+def _statistics(entry: Entry) -> FitStatistics:
+    return FitStatistics(
+        tuple(ChannelStatistics(**each) for each in entry["channels"]),
+        tuple(Correlation(tuple(each["parameters"]), each["value"]) for each in entry["correlations"]),
+        tuple(Motion(**each) for each in entry["motions"]),
+        tuple(entry["unseen"]),
+    )
 
 
 def _stage(entry: Entry) -> Stage:

@@ -30,7 +30,7 @@ def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, consta
     )
     monkeypatch.setattr("flexarm.diagnosis.acceptance.without_constants", lambda rest, problem: rest)
     for name, said in {
-        "estimates": None,
+        "_sizes": None,
         "constancy": [{"constant": constant}],
         "bound_sentence": ends,
         "has_implausible_size": far,

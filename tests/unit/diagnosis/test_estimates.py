@@ -97,8 +97,17 @@ def test_an_error_of_the_simulation_widens_by_what_moves_like_the_parameter():
         assert found == pytest.approx(np.hypot(expected, known), rel=0.1)
 
 
+def test_input_noise_widens_by_what_its_errors_move_the_estimate():
+    """(2) of draws that a parameter of -2 or 1 would make; the prior takes less than 1 % of that."""
+    slope = 0.5 * np.sin(TIME)
+    fit = fitted(RNG.normal(size=N), slope)
+    alone = deviations(fit, problem(), 0.0)[0]
+    both = deviations(fit, problem(), 0.0, np.array([2.0 * slope, -slope]))[0]
+    assert both == pytest.approx(np.hypot(alone, np.sqrt(2.5)), rel=1e-2)
+
+
 def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
-    """(2) beside 2000 surrogates of a burst of vibration."""
+    """(3) beside 2000 surrogates of a burst of vibration."""
     slope = np.exp(-(((TIME - 15.0) / 4.0) ** 2)) * np.sin(14.0 * TIME)
     lines = np.abs(np.fft.rfft(slope / np.sqrt(np.mean(slope**2))))
     phases = np.exp(2j * np.pi * RNG.random((2000, len(lines))))

@@ -22,6 +22,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
+from math import inf
 
 import numpy as np
 
@@ -81,15 +82,17 @@ def confounding(state: SearchState, best: Fit, about: Estimator, found: Sequence
 def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Fit]:
     """Fits of what could take over what unknowns of `best` are strained to do, beside its effects.
 
-    Where others must make room, derivatives at the start lead nowhere; then they are taken anew.
+    Where others must make room, derivatives at the start lead nowhere; then they are taken anew, unless
+    another fit is better than `best` already. A fit that stays above another one is not finished.
     """
-    found = []
+    found, lowest = [], inf
     for each in takeovers(estimator, probed, best):
         with suppress(*FIT_ERRORS):
             members = (*best.members, _matched(estimator, each, best))
-            fit = estimator.as_stated(each.values, members).fit(members, nearby=best)
-            if fit.cost > best.cost:
-                fit = estimator.about(fit).fit(fit.members, nearby=fit)
+            fit = estimator.as_stated(each.values, members).fit(members, limit=lowest, nearby=best)
+            if fit.cost > best.cost and lowest > best.cost:
+                fit = estimator.about(fit).fit(fit.members, limit=lowest, nearby=fit)
+            lowest = min(lowest, fit.cost)
             found.append(fit)
     return found
 

@@ -1,0 +1,107 @@
+r"""Springs, friction and rotor of a joint, as programs of multibody dynamics state them.
+
+On the output side, with \varphi the motor's angle over the ratio n and \theta the link's,
+
+.. math:: J n^2 \ddot\varphi = T_m - T - T_m^f \operatorname{sgn}\dot\varphi - c_m \dot\varphi, \qquad
+          T = k (\varphi - \theta) + c (\dot\varphi - \dot\theta)                                      (1)
+
+while T_b^f and c_b act on \theta in the bearing. A rigid joint has \varphi = \theta, so that both frictions
+add.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+
+_WRITTEN = {
+    "joint_compliance": {"stiffness": "stiffness", "damping": "damping"},
+    "viscous_friction": {"coefficient": "bearing_viscous"},
+    "coulomb_friction": {"torque": "bearing_dry"},
+    "motor_friction": {"viscous": "motor_viscous", "coulomb": "motor_dry"},
+}
+"""Effects that are exported: their parameters, and the fields below."""
+
+
+@dataclass(frozen=True)
+class JointDynamics:
+    """The numbers of (1), output side [N m/rad, N m s/rad, N m, kg m2; N/m, ... of a prismatic joint].
+
+    Attributes
+    ----------
+    joint : str
+        Name of the joint.
+    stiffness, damping : float
+        k and c of the reducer; an infinite k is a rigid joint.
+    bearing_viscous, bearing_dry, motor_viscous, motor_dry : float
+        c_b, T_b^f, c_m, T_m^f.
+    rotor_inertia, gear_ratio : float
+        J [kg m2], motor side, and n.
+    left_out : tuple of str
+        Names of the joint's other effects, for which the formats have no word.
+    """
+
+    joint: str
+    stiffness: float = inf
+    damping: float = 0.0
+    bearing_viscous: float = 0.0
+    bearing_dry: float = 0.0
+    motor_viscous: float = 0.0
+    motor_dry: float = 0.0
+    rotor_inertia: float = 0.0
+    gear_ratio: float = 1.0
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def armature(self) -> float:
+        """J n^2, the rotor's inertia as the output feels it [kg m2]."""
+        return self.rotor_inertia * self.gear_ratio**2
+
+    @property
+    def elastic(self) -> bool:
+        """True if the reducer gives."""
+        return self.stiffness < inf
+
+    @property
+    def viscous(self) -> float:
+        """c_b + c_m, of a joint whose reducer is rigid."""
+        return self.bearing_viscous + self.motor_viscous
+
+    @property
+    def dry(self) -> float:
+        """T_b^f + T_m^f, of a joint whose reducer is rigid."""
+        return self.bearing_dry + self.motor_dry
+
+
+def joint_dynamics(arm: Arm) -> Iterator[JointDynamics]:
+    """Yield the dynamics of every moving joint."""
+    for joint in arm.joints:
+        if not joint.moves:
+            continue
+        values: dict[str, float] = {}
+        left_out = []
+        for effect in arm.effects_at(joint.name):
+            if effect.name not in _WRITTEN:
+                left_out.append(effect.name)
+                continue
+            values |= {field: effect.value_of(key) for key, field in _WRITTEN[effect.name].items()}
+        yield JointDynamics(
+            joint.name,
+            rotor_inertia=joint.rotor_inertia,
+            gear_ratio=joint.gear_ratio,
+            left_out=tuple(left_out),
+            **values,
+        )
+
+
+def left_out(dynamics: JointDynamics) -> list[str]:
+    """Return a note on each effect that is not written."""
+    return [
+        f"joint {dynamics.joint}: {name} is not written, the format has no word for it"
+        for name in dynamics.left_out
+    ]

@@ -1,0 +1,122 @@
+r"""Joint dynamics written into a MuJoCo model (MJCF).
+
+An elastic joint becomes two on the same axis, whose angles add: `NAME`, the motor's \varphi with `armature`
+J n^2 and its friction, and `NAME_deflection`, \theta - \varphi with `stiffness` k and `damping` c. Friction
+of the bearing acts on their sum, by a fixed tendon `NAME_bearing`. So actuators on `NAME` drive the motor,
+as in flexarm. A rigid joint keeps its one element, with `armature`, `damping` and `frictionloss`. Source:
+MuJoCo, XML Reference, `joint`, `tendon/fixed`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flexarm.arguments import ARM, PATH, takes
+from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out
+from flexarm.export.robot_file import number, read_robot, refuse_no_joint, write_robot
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+    from flexarm.arm import Arm
+
+_PLACED = ("class", "type", "pos", "axis", "group")
+"""What the deflection has in common with its joint."""
+
+
+@takes(arm=ARM, mjcf=PATH, out=PATH)
+def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
+    """Write a MuJoCo model again, with the friction, stiffness and rotors of a model's joints.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model; its joints are found by their names.
+    mjcf : str or Path
+        The file to read; files that it includes are not followed.
+    out : str or Path
+        The file to write.
+
+    Returns
+    -------
+    list of str
+        What was not written, and why. Compliance needs a rotor's inertia, since MuJoCo has no angle without
+        one.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is no MJCF, has none of the model's joints, or `out` cannot be written.
+    """
+    path, root, notes, written = Path(mjcf), read_robot(Path(mjcf), "mujoco"), [], 0
+    joints = {
+        name: (body, joint)
+        for body in root.iter("body")
+        for joint in body.findall("joint")
+        if (name := joint.get("name"))
+    }
+    wanted = list(joint_dynamics(arm))
+    for dynamics in wanted:
+        if dynamics.joint not in joints:
+            notes.append(f"joint {dynamics.joint} is not in {path.name}")
+            continue
+        written += 1
+        notes += left_out(dynamics)
+        _remove_earlier(root, dynamics.joint)
+        body, joint = joints[dynamics.joint]
+        if dynamics.elastic and dynamics.armature > 0:
+            _write_elastic(root, body, joint, dynamics)
+            continue
+        if dynamics.elastic:
+            what = "its joint_compliance is not written; give the joint a rotor_inertia"
+            notes.append(f"joint {dynamics.joint}: {what}")
+        _set(joint, armature=dynamics.armature, damping=dynamics.viscous, frictionloss=dynamics.dry)
+    refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
+    write_robot(root, Path(out), [path])
+    return notes
+
+
+def _write_elastic(root: Element, body: Element, joint: Element, dynamics: JointDynamics) -> None:
+    from xml.etree.ElementTree import Element, SubElement
+
+    _set(
+        joint,
+        armature=dynamics.armature,
+        damping=dynamics.motor_viscous,
+        frictionloss=dynamics.motor_dry,
+        stiffness=0.0,
+    )
+    placed = {key: joint.attrib[key] for key in _PLACED if key in joint.attrib}
+    spring = Element("joint", {"name": f"{dynamics.joint}_deflection", **placed, "limited": "false"})
+    _set(
+        spring,
+        stiffness=dynamics.stiffness,
+        damping=dynamics.damping,
+        armature=0.0,
+        frictionloss=0.0,
+        springref=0.0,
+        ref=0.0,
+    )
+    spring.tail = joint.tail
+    body.insert(list(body).index(joint) + 1, spring)
+    if not (dynamics.bearing_viscous or dynamics.bearing_dry):
+        return
+    section = root.find("tendon")
+    tendons = SubElement(root, "tendon") if section is None else section
+    bearing = SubElement(tendons, "fixed", {"name": f"{dynamics.joint}_bearing"})
+    _set(bearing, damping=dynamics.bearing_viscous, frictionloss=dynamics.bearing_dry)
+    for name in (dynamics.joint, f"{dynamics.joint}_deflection"):
+        SubElement(bearing, "joint", {"joint": name, "coef": "1"})
+
+
+def _remove_earlier(root: Element, joint: str) -> None:
+    """Remove the deflection and the tendon of an earlier export."""
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.get("name") in (f"{joint}_deflection", f"{joint}_bearing"):
+                parent.remove(child)
+
+
+def _set(element: Element, **values: float) -> None:
+    element.attrib.update({key: number(value) for key, value in values.items()})
