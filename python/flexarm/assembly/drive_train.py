@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import inf, isinf
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from flexarm import _core
 
-Law = (
-    _core.CableTorque
-    | _core.ViscousFriction
-    | _core.DahlFriction
-    | _core.LugreFriction
-    | _core.TabulatedTorque
-)
+if TYPE_CHECKING:
+    Law = (
+        _core.CableTorque
+        | _core.ViscousFriction
+        | _core.DahlFriction
+        | _core.LugreFriction
+        | _core.TabulatedTorque
+    )
 
 
 @dataclass
@@ -43,12 +44,9 @@ class Transmission:
 
     def core(self) -> _core.Transmission:
         """Return the transmission as the core takes it."""
+        table: dict[str, Any] = {} if self.windup is None else {"windup": self.windup}
         return _core.Transmission(
-            scale=self.scale,
-            amplitude=self.amplitude,
-            multiple=self.multiple,
-            phase=self.phase,
-            windup=self.windup,
+            scale=self.scale, amplitude=self.amplitude, multiple=self.multiple, phase=self.phase, **table
         )
 
 
