@@ -82,7 +82,7 @@ wheel-test-full: wheel-full
 wheels:
 	@"$(PYTHON)" -m cibuildwheel --output-dir dist
 
-## The source archive, and a wheel of it that pip builds by itself
+## The source archive, from which pip builds a wheel
 sdist: setup
 	@rm -f dist/flexarm-*.tar.gz
 	@$(BIN)/python -m build --sdist --no-isolation --outdir dist
