@@ -1,4 +1,5 @@
-# make build | test | torture | check | docs | reproduce | format | stubs | clean. Each does its own set-up and may be repeated.
+# make build | test | torture | check | docs | reproduce | wheel | wheel-full | wheel-test | wheels | sdist | format |
+# stubs | clean. Each does its own set-up and may be repeated.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := build
@@ -13,7 +14,7 @@ unexport PYTHONPATH
 
 CXX_FILES = $(shell find cpp -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: setup build module test torture docs reproduce check format stubs clean
+.PHONY: setup build module test torture wheel wheel-full wheel-test wheel-test-full wheels sdist docs reproduce check format stubs clean
 
 ## Set-up: compiler and libraries, then .venv; each is touched again only when its list changed.
 build/stamps/system: scripts/system-packages.txt scripts/install_system_packages.sh
@@ -62,6 +63,30 @@ SEED ?= 1
 torture: build
 	@cd tests && OPENBLAS_NUM_THREADS=1 ../$(BIN)/python -m torture --jobs $(JOBS) --scale $(SCALE) --seed $(SEED) \
 	  --table ../docs/reliability.md
+
+## Self-contained wheels of this machine's kind: in dist/ a BSD one on Eigen alone, in dist/full one with SuiteSparse,
+## GPL as a whole. A test installs them into a new environment and runs commands in an empty folder.
+wheel: setup
+	@scripts/build_wheel.sh $(BIN)/python bsd dist
+
+wheel-full: setup
+	@scripts/build_wheel.sh $(BIN)/python full dist/full
+
+wheel-test: wheel
+	@"$(PYTHON)" scripts/try_wheel.py dist/flexarm-*.whl
+
+wheel-test-full: wheel-full
+	@"$(PYTHON)" scripts/try_wheel.py dist/full/flexarm-*.whl
+
+## BSD wheels by cibuildwheel (pip install cibuildwheel), which has its own containers and Pythons
+wheels:
+	@"$(PYTHON)" -m cibuildwheel --output-dir dist
+
+## The source archive, from which pip builds a wheel
+sdist: setup
+	@rm -f dist/flexarm-*.tar.gz
+	@$(BIN)/python -m build --sdist --no-isolation --outdir dist
+	@ls -sh dist/flexarm-*.tar.gz
 
 ## The documentation site, into build/docs; a warning is an error
 docs: module setup

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -16,19 +17,21 @@ project = "flexarm"
 author = "flexarm developers"
 version = release = flexarm.__version__
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
 ]
-source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb", ".rst": "restructuredtext"}
 root_doc = "index"
 
 # ------------------------------------------------------------------------------------------------ pages
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 4
 myst_fence_as_directive = ["math"]
+nb_execution_mode = "off"  # write_notebooks executes them where they lie
+nb_output_stderr = "remove"
 html_theme = "pydata_sphinx_theme"
 html_title = "flexarm"
 html_theme_options = {"show_toc_level": 2, "navigation_depth": 2, "navbar_align": "left"}
@@ -53,6 +56,8 @@ def skip(app: Any, what: str, name: str, member: Any, left_out: bool, options: A
 
 def beside_the_pages(app: Any, name: str, text: list[str]) -> None:
     """Show links to files of the repository that are no pages as names of files."""
+    if name.startswith("reference/notebooks/"):
+        return  # indices of code look like links
     folder = (HERE / name).parent
 
     def told(link: re.Match[str]) -> str:
@@ -98,6 +103,25 @@ def write_reference(app: Any) -> None:
         _write(f"python/{name}.md", lines)
 
 
+def write_notebooks(app: Any) -> None:
+    """Write the notebooks with their outputs; those that stand there already are not executed again."""
+    import nbformat
+    from nbclient import NotebookClient
+
+    for source in sorted((ROOT / "notebooks").glob("*.ipynb")):
+        page = HERE / "reference" / "notebooks" / source.name
+        if page.exists() and page.stat().st_mtime >= source.stat().st_mtime:
+            continue
+        notebook = nbformat.read(source, as_version=4)
+        notebook.metadata["language_info"] = {"name": "python", "pygments_lexer": "ipython3"}
+        if app.config.execute_notebooks:
+            resources = {"metadata": {"path": str(source.parent)}}
+            NotebookClient(notebook, timeout=600, kernel_name="python3", resources=resources).execute()
+        _write(f"notebooks/{source.name}", [nbformat.writes(notebook)])
+        if not app.config.execute_notebooks:
+            os.utime(page, (0, 0))  # older than its source, so that a later build executes it
+
+
 def _write(name: str, lines: list[str]) -> None:
     """Write a page, unless it stands there already."""
     file, text = HERE / "reference" / name, "\n".join(lines)
@@ -111,6 +135,8 @@ def setup(app: Any) -> None:
     from pygments.lexers.special import TextLexer
 
     app.add_lexer("mermaid", TextLexer)  # drawings that need a script of another site
+    app.add_config_value("execute_notebooks", True, "env")
     app.connect("builder-inited", write_reference)
+    app.connect("builder-inited", write_notebooks)
     app.connect("source-read", beside_the_pages)
     app.connect("autodoc-skip-member", skip)

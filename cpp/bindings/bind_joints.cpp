@@ -1,4 +1,5 @@
 #include <pybind11/native_enum.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
@@ -38,12 +39,37 @@ void bind_joints(py::module_& m) {
            }),
            py::kw_only(), py::arg("bristle_stiffness"), py::arg("bristle_damping"), py::arg("viscous"),
            py::arg("coulomb"), py::arg("breakaway"), py::arg("stribeck_rate"));
-  py::class_<Transmission>(m, "Transmission", "psi = phi/scale + amplitude sin(multiple phi + phase).")
-      .def(py::init([](double scale, double amplitude, double multiple, double phase) {
-             return Transmission{scale, amplitude, multiple, phase};
+  py::native_enum<Of>(m, "Of", "enum.Enum")
+      .value("angle", Of::angle)
+      .value("rate", Of::rate)
+      .value("torque", Of::torque)
+      .value("motor_angle", Of::motor_angle)
+      .finalize();
+  py::class_<MonotoneCubic>(m, "MonotoneCubic", "Monotone cubic between knots, held beyond them.")
+      .def(py::init<std::vector<double>, std::vector<double>>(), py::arg("x"), py::arg("value"))
+      .def("slopes", &MonotoneCubic::slopes, "Least and largest slope.")
+      .def(
+          "__call__",
+          [](const MonotoneCubic& table, const py::array_t<double>& x) {
+            return py::vectorize([&](double at) { return table(at).y; })(x);
+          },
+          py::arg("x"));
+  py::class_<TabulatedTorque>(m, "TabulatedTorque", "Torque at the output bearing by a table.")
+      .def(py::init([](Of of, MonotoneCubic table) { return TabulatedTorque{of, std::move(table)}; }),
+           py::arg("of"), py::arg("table"));
+  py::class_<WoundSpring>(m, "WoundSpring", "Spring of a reducer that winds up by a table.")
+      .def(py::init([](ReducerSpring spring, Of of, MonotoneCubic windup) {
+             return WoundSpring{spring, of, std::move(windup)};
+           }),
+           py::arg("spring"), py::arg("of"), py::arg("windup"));
+  py::class_<Transmission>(m, "Transmission",
+                           "psi = phi/scale + amplitude sin(multiple phi + phase) - windup(phi).")
+      .def(py::init([](double scale, double amplitude, double multiple, double phase,
+                       const std::optional<MonotoneCubic>& windup) {
+             return Transmission{scale, amplitude, multiple, phase, windup.value_or(MonotoneCubic())};
            }),
            py::kw_only(), py::arg("scale") = 1.0, py::arg("amplitude") = 0.0, py::arg("multiple") = 0.0,
-           py::arg("phase") = 0.0);
+           py::arg("phase") = 0.0, py::arg("windup") = py::none());
   py::class_<DriveTrain>(m, "DriveTrain", "What stands between a motor and its link.")
       .def(py::init([](double ratio, double inertia, std::optional<Transmission> transmission,
                        std::vector<DriveTrain::Parallel> stages, DriveTrain::Parallel motor,

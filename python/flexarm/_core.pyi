@@ -42,6 +42,8 @@ __all__: list[str] = [
     "Material",
     "Modes",
     "Moment",
+    "MonotoneCubic",
+    "Of",
     "Payload",
     "Pedestal",
     "PiecewisePolynomial",
@@ -63,11 +65,13 @@ __all__: list[str] = [
     "Stepping",
     "SuperElementLink",
     "System",
+    "TabulatedTorque",
     "Transient",
     "TransientOptions",
     "Transmission",
     "Varied",
     "ViscousFriction",
+    "WoundSpring",
     "assemble_solids",
     "base_wrench",
     "build_info",
@@ -221,9 +225,42 @@ class LugreFriction:
         stribeck_rate: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None: ...
 
+class Of(enum.Enum):
+    angle = ...
+    motor_angle = ...
+    rate = ...
+    torque = ...
+
+class MonotoneCubic:
+    """
+    Monotone cubic between knots, held beyond them.
+    """
+    def __call__(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any: ...
+    def __init__(
+        self,
+        x: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        value: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    ) -> None: ...
+    def slopes(self) -> tuple[float, float]:
+        """
+        Least and largest slope.
+        """
+
+class TabulatedTorque:
+    """
+    Torque at the output bearing by a table.
+    """
+    def __init__(self, of: Of, table: MonotoneCubic) -> None: ...
+
+class WoundSpring:
+    """
+    Spring of a reducer that winds up by a table.
+    """
+    def __init__(self, spring: ReducerSpring, of: Of, windup: MonotoneCubic) -> None: ...
+
 class Transmission:
     """
-    psi = phi/scale + amplitude sin(multiple phi + phase).
+    psi = phi/scale + amplitude sin(multiple phi + phase) - windup(phi).
     """
     def __init__(
         self,
@@ -232,6 +269,7 @@ class Transmission:
         amplitude: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         multiple: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         phase: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        windup: MonotoneCubic | None = None,
     ) -> None: ...
 
 class DriveTrain:
@@ -246,14 +284,32 @@ class DriveTrain:
         transmission: Transmission | None = None,
         stages: collections.abc.Sequence[
             collections.abc.Sequence[
-                ReducerSpring | CableTorque | ViscousFriction | DahlFriction | LugreFriction
+                ReducerSpring
+                | CableTorque
+                | ViscousFriction
+                | DahlFriction
+                | LugreFriction
+                | TabulatedTorque
+                | WoundSpring
             ]
         ] = [],
         motor: collections.abc.Sequence[
-            ReducerSpring | CableTorque | ViscousFriction | DahlFriction | LugreFriction
+            ReducerSpring
+            | CableTorque
+            | ViscousFriction
+            | DahlFriction
+            | LugreFriction
+            | TabulatedTorque
+            | WoundSpring
         ] = [],
         bearing: collections.abc.Sequence[
-            ReducerSpring | CableTorque | ViscousFriction | DahlFriction | LugreFriction
+            ReducerSpring
+            | CableTorque
+            | ViscousFriction
+            | DahlFriction
+            | LugreFriction
+            | TabulatedTorque
+            | WoundSpring
         ] = [],
     ) -> None: ...
 

@@ -69,6 +69,13 @@ def table_of_text(text: str) -> str | None:
     return f"is a table of numbers, such as CSV; {ADVICE}"
 
 
+def prose(text: str) -> str | None:
+    """Return a sentence on a text without a key or a table of TOML, or None."""
+    if any("=" in line or line.lstrip().startswith("[") for line in text.splitlines()):
+        return None
+    return "is a plain text, without a key or a table of TOML"
+
+
 def _numbers(line: str) -> int:
     count = 0
     for cell in line.replace(",", " ").replace(";", " ").split():

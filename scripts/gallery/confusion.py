@@ -17,6 +17,9 @@ FAINT = 3.0
 ALIKE = 0.95
 """R^2 from which an effect counts as confused with another one."""
 
+TABLES = ("tabulated_law",)
+"""Effects that take the shape of any law, hence nobody's rivals."""
+
 
 @dataclass(frozen=True)
 class Confusion:
@@ -78,7 +81,7 @@ def confusion(signatures: Iterable[Signature], setup: Setup) -> Confusion:
         if length[name] * left[name] < FAINT or left[name] < LEFT:
             continue
         for rival in known:
-            if rival != name:
+            if rival != name and rival not in TABLES:
                 share[name][rival] = share_explained(rest[name], spans[rival])
                 size[name][rival] = float(np.abs(multiples(rest[name], columns[rival])).max(initial=0.0))
     return Confusion(length, left, share, size)

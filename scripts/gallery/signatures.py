@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import exp, log
-from typing import Any
 
 import numpy as np
 
@@ -104,24 +103,8 @@ def model_for(name: str, arm: Arm) -> Arm:
 
 
 def typical(name: str, arm: Arm) -> Effect:
-    """An effect at its typical values; some of those follow from others, hence twice."""
-    kind, at = effect_class(name), place(name)
-    required = {key: 1.0 for key, field in kind.model_fields.items() if field.is_required() and key != "at"}
-    effect = kind.model_construct(at=at, **required)
-    values: dict[str, Any] = {}
-    for _ in range(2):  # only at the end do the values fit together
-        values = with_lists({key: prior.typical for key, prior in effect.priors(arm).items()})
-        effect = kind.model_construct(at=at, **values)
-    return kind.model_validate({"at": at, **values})
-
-
-def with_lists(values: Mapping[str, float]) -> dict[str, Any]:
-    """Values by field: `offset.x`, `offset.y` become one list."""
-    found: dict[str, Any] = {}
-    for key, value in values.items():
-        field, _, axis = key.partition(".")
-        found[field] = [*found.get(field, ()), value] if axis else value
-    return found
+    """An effect at its typical values."""
+    return effect_class(name).typical(place(name), arm)
 
 
 def start_of(name: str, model: Arm) -> Effect:

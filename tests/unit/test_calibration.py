@@ -152,6 +152,11 @@ def test_families_that_cannot_be_are_refused(families, said):
         flexarm.calibrate(robot(), {"poses": record(1, 6)}, families, jobs=1)
 
 
+def test_a_mistyped_family_is_refused_before_faults_of_the_records():
+    with pytest.raises(InvalidParameter, match=r"unknown effect 'slack'; known are .*joint_compliance"):
+        flexarm.calibrate(robot(), {}, ["slack"], jobs=1)
+
+
 def test_nothing_uncertain_is_refused():
     with pytest.raises(InvalidParameter, match="nothing to calibrate"):
         flexarm.calibrate(robot().replace(uncertainty={}), {"poses": record(1, 6)}, jobs=1)

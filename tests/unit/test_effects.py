@@ -21,6 +21,7 @@ from flexarm.effects import (
     JointTiltCompliance,
     LugreFriction,
     MotorFriction,
+    TabulatedLaw,
     TransmissionError,
     ViscousFriction,
 )
@@ -48,10 +49,11 @@ EXAMPLES = [
     CableTorque(at="hinge", stiffness=20.0, rest_angle=0.4),
     JointTiltCompliance(at="hinge", stiffness=(1e5, 2e5), damping=(30.0, 60.0)),
     DriveLag(at="hinge", delay=0.01, time_constant=0.02),
+    TabulatedLaw(at="hinge", quantity="torque", of="rate", x=(-0.1, 0.0, 0.3), value=(-9.0, 1.0, 20.0)),
 ]
 
 
-BEARING = ["DahlFriction", "ViscousFriction", "LugreFriction", "CableTorque"]
+BEARING = ["DahlFriction", "ViscousFriction", "LugreFriction", "CableTorque", "TabulatedTorque"]
 
 
 def kinds(laws: list) -> list[str]:

@@ -39,7 +39,7 @@ def test_a_page_tells_what_its_class_tells(name):
     """Law, place, parameters, units, priors and sources word by word."""
     assert described.described(name) in written(name)
     for key, unit in described.fields(name).items():
-        assert any(f"| `{key}{axis}` | {unit} |" in written(name) for axis in ("", ".x"))
+        assert any(f"| `{key}{axis}` | {unit} |" in written(name) for axis in ("", ".x", ".0"))
     assert (ROOT / "docs" / "effects" / f"{name}.png").stat().st_size > 1000
 
 

@@ -388,3 +388,21 @@ def test_a_table_in_place_of_a_model_is_named(tmp_path, capsys):
     (tmp_path / "log.csv").write_text(ROWS)
     assert run(["check", str(tmp_path / "log.csv")]) == 2
     assert "is a table of numbers, such as CSV; write a map" in capsys.readouterr().err
+
+
+def test_a_plain_text_in_place_of_a_model_is_named(tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    (tmp_path / "notes.txt").write_text("Notes on the arm\n\nJoint two clicks when it is cold.\n")
+    assert run(["check", str(tmp_path / "notes.txt")]) == 2
+    said = capsys.readouterr().err
+    assert "notes.txt: file: is a plain text" in said
+    assert "allowed is 'flexarm-arm/1'" in said
+
+
+def test_a_model_with_a_typing_error_keeps_the_place_of_the_error(tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    (tmp_path / "arm.toml").write_text('format = "flexarm-arm/1"\nname "arm"\n')
+    assert run(["check", str(tmp_path / "arm.toml")]) == 2
+    assert "line 2, column 6: not valid TOML" in capsys.readouterr().err

@@ -37,6 +37,7 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
       at.phi = add_scalar(train.reflected_inertia(), !driven);
       at.psi = train.transmission ? add_scalar(0, true) : at.phi;
       int before = at.psi;
+      const std::size_t first_law = laws_.size();
       if (!rigid) {
         for (const auto& stage : train.stages) {
           const int after = add_scalar(0, true);
@@ -47,6 +48,10 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
       at.theta = before;
       for (const auto& law : train.motor) laws_.push_back({law, at.phi, -1});
       for (const auto& law : train.bearing) laws_.push_back({law, at.theta, -1});
+      for (std::size_t k = first_law; k < laws_.size(); ++k) {
+        const joints::Of of = joints::second_argument(laws_[k].law);
+        if (of != joints::Of::torque) laws_[k].of = of == joints::Of::angle ? at.theta : at.phi;
+      }
     }
     joint_coordinates_.push_back(at);
   }
@@ -76,7 +81,7 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
   const auto ordered = [&](int k) { return k < 0 ? k : order[k]; };
   for (JointCoordinates& at : joint_coordinates_) at = {ordered(at.theta), ordered(at.phi), ordered(at.psi)};
   for (HingeCoordinates& at : hinges_) at.theta = ordered(at.theta);
-  for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus)};
+  for (PlacedLaw& law : laws_) law = {law.law, ordered(law.plus), ordered(law.minus), ordered(law.of)};
 }
 
 /// The amplitudes of their modes are free scalar coordinates without inertia of their own.

@@ -210,8 +210,7 @@ void SystemIn<D>::scalar_residual(const StateD& state, bool friction, Eigen::Ref
   for (std::size_t k = 0; k < laws_.size(); ++k) {
     const PlacedLaw& law = laws_[k];
     if (!friction && !joints::acts_at_rest(law.law)) continue;
-    const double rate = deflection(law, state.v.tail(n_scalars()));
-    const double force = joints::respond(law.law, deflection(law, state.s), rate, state.laws[k]).force;
+    const double force = respond(k, state).force;
     r[law.plus] += force;
     if (law.minus >= 0) r[law.minus] -= force;
   }
@@ -270,15 +269,28 @@ void SystemIn<D>::constraint_acceleration(const StateD& state, VectorXd& c) cons
 }
 
 template <int D>
+joints::LawArgument SystemIn<D>::argument(const PlacedLaw& law, const StateD& state) const {
+  if (law.of < 0) return {};
+  return {state.s[law.of], state.v[scalar_offset() + law.of]};
+}
+
+template <int D>
+joints::LawResponse SystemIn<D>::respond(std::size_t k, const StateD& state,
+                                         const joints::JointLaw& law) const {
+  const PlacedLaw& at = laws_[k];
+  return joints::respond(law, deflection(at, state.s), deflection(at, state.v.tail(n_scalars())),
+                         state.laws[k], argument(at, state));
+}
+
+template <int D>
 VectorXd SystemIn<D>::law_tangents(const StateD& state, const TangentFactors& c, bool friction) const {
-  VectorXd kappa(laws_.size());
-  for (std::size_t k = 0; k < laws_.size(); ++k) {
-    const PlacedLaw& law = laws_[k];
-    kappa[k] = 0;
-    if (!friction && !joints::acts_at_rest(law.law)) continue;
-    const auto response = joints::respond(law.law, deflection(law, state.s),
-                                          deflection(law, state.v.tail(n_scalars())), state.laws[k]);
+  VectorXd kappa = no_law_tangents();
+  const auto n_laws = static_cast<Eigen::Index>(laws_.size());
+  for (Eigen::Index k = 0; k < n_laws; ++k) {
+    if (!friction && !joints::acts_at_rest(laws_[k].law)) continue;
+    const joints::LawResponse response = respond(k, state);
     kappa[k] = c.stiffness * response.stiffness + c.damping * response.damping;
+    kappa[n_laws + k] = c.stiffness * response.force_by_y + c.damping * response.force_by_y_rate;
   }
   return kappa;
 }
@@ -299,10 +311,9 @@ Eigen::SparseMatrix<double> SystemIn<D>::tangent(const StateD& state, const Load
 template <int D>
 Eigen::SparseMatrix<double> SystemIn<D>::constraint_jacobian(const StateD& state) const {
   std::vector<Eigen::Triplet<double>> entries;
-  emit_tangent(state, LoadsD{}, {0, 0, 0}, VectorXd::Zero(laws_.size()),
-               [&](int row, int column, double value) {
-                 if (row >= n_free()) entries.emplace_back(row - n_free(), column, value);
-               });
+  emit_tangent(state, LoadsD{}, {0, 0, 0}, no_law_tangents(), [&](int row, int column, double value) {
+    if (row >= n_free()) entries.emplace_back(row - n_free(), column, value);
+  });
   Eigen::SparseMatrix<double> J(n_constraints_, n_free());
   J.setFromTriplets(entries.begin(), entries.end());
   return J;

@@ -187,7 +187,7 @@ class Projection {
       ++flat_->n_constraints_;
     }
     for (const PlacedLaw& law : system_.laws()) {
-      flat_->laws_.push_back({law.law, now(law.plus), now(law.minus)});
+      flat_->laws_.push_back({law.law, now(law.plus), now(law.minus), now(law.of)});
     }
     for (const JointCoordinates& at : system_.joints()) {
       flat_->joint_coordinates_.push_back({now(at.theta), now(at.phi), now(at.psi)});

@@ -54,7 +54,7 @@ void TangentPartsIn<D>::assemble(const StateIn<D>& state, const LoadsIn<D>& load
 template <int D>
 void TangentPartsIn<D>::find_slots(const StateIn<D>& state, const LoadsIn<D>& loads) {
   std::vector<Eigen::Triplet<double>> entries;
-  const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(system_.laws().size()));
+  const VectorXd none = system_.no_law_tangents();
   system_.emit_tangent(state, loads, {1, 1, 1, 1}, none,
                        [&](int row, int column, double) { entries.emplace_back(row, column, 1.0); });
   const int n = system_.n_unknowns();

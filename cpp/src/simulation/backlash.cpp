@@ -11,13 +11,15 @@ using joints::Flank;
 // A torque below this part of k b is none: it deflects the spring by a millionth of the gap.
 constexpr double no_torque = 1e-6;
 
-/// Calls visit(spring, memory, x) for every law with a gap.
+/// Calls visit(spring, memory, deflection of the spring) for every law with a gap.
 template <class Visit>
 void for_each_gap(const System& system, State& state, Visit&& visit) {
   for (std::size_t k = 0; k < system.laws().size(); ++k) {
     const assembly::PlacedLaw& law = system.laws()[k];
     if (!joints::has_gap(law.law)) continue;
-    visit(std::get<joints::ReducerSpring>(law.law), state.laws[k], system.deflection(law, state.s));
+    const double d = joints::spring_deflection(law.law, system.deflection(law, state.s), state.laws[k],
+                                               system.argument(law, state));
+    visit(*joints::spring_of(law.law), state.laws[k], d);
   }
 }
 

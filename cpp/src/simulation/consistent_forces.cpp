@@ -16,7 +16,7 @@ const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::System
                                                           assembly::IterationMatrixIn<D>& matrix,
                                                           const assembly::StateIn<D>& state, double scale) {
   const assembly::TangentFactors mass{1, 0, 0, scale};
-  const VectorXd no_laws = VectorXd::Zero(static_cast<Eigen::Index>(system.laws().size()));
+  const VectorXd no_laws = system.no_law_tangents();
   const Eigen::SparseMatrix<double>* A = matrix.assemble(state, {}, mass, no_laws);
   if (A == nullptr) throw NotConverged("forces of the joints: a mass is not finite", state.t, 0, 0);
   return *A;
@@ -58,7 +58,7 @@ void ConsistentForcesIn<D>::make_factor(const assembly::StateIn<D>& state) {
                        0);
   }
   if (follows) {
-    const VectorXd no_laws = VectorXd::Zero(static_cast<Eigen::Index>(system_.laws().size()));
+    const VectorXd no_laws = system_.no_law_tangents();
     changes_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
   }
 }

@@ -55,8 +55,9 @@ Energies energies(const SystemIn<D>& system, const StateIn<D>& state, const Load
     E.kinetic += 0.5 * system.scalar_inertia()[k] * rate * rate;
   }
   for (std::size_t k = 0; k < system.laws().size(); ++k) {
-    const auto& law = system.laws()[k];
-    E.elastic += joints::respond(law.law, system.deflection(law, state.s), 0.0, state.laws[k]).energy;
+    const double stored = system.respond(k, state).energy;
+    E.elastic += stored;
+    if (system.laws()[k].of >= 0) E.in_passage += stored;
   }
   for (int k = 0; k < system.n_nodes(); ++k)
     E.gravity += system.weights()[k].potential(state.frames[k], loads.gravity);
@@ -66,11 +67,8 @@ Energies energies(const SystemIn<D>& system, const StateIn<D>& state, const Load
 template <int D>
 void law_losses(const SystemIn<D>& system, const StateIn<D>& state, Eigen::VectorXd& loss) {
   loss.resize(static_cast<Eigen::Index>(system.laws().size()));
-  for (std::size_t k = 0; k < system.laws().size(); ++k) {
-    const auto& law = system.laws()[k];
-    const double rate = system.deflection(law, state.v.tail(system.n_scalars()));
-    loss[k] = joints::respond(law.law, system.deflection(law, state.s), rate, state.laws[k]).loss;
-  }
+  for (std::size_t k = 0; k < system.laws().size(); ++k)
+    loss[static_cast<Eigen::Index>(k)] = system.respond(k, state).loss;
 }
 
 template <int D>

@@ -98,6 +98,10 @@ void JointSlopesIn<D>::add_laws(int scalar, const StateDerivative& derivative) {
       motor_ -= stiffness * derivative.position.row(offset + law.minus) +
                 damping * derivative.velocity.row(offset + law.minus);
     }
+    if (law.of >= 0) {
+      motor_ += sign * (laws_.response(k).force_by_y * derivative.position.row(offset + law.of) +
+                        laws_.response(k).force_by_y_rate * derivative.velocity.row(offset + law.of));
+    }
     motor_ += sign * laws_.force_of_the_past(k, derivative);
   }
 }

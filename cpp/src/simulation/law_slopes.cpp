@@ -21,20 +21,14 @@ LawSlopesIn<D>::LawSlopesIn(const assembly::SystemIn<D>& system,
 
 template <int D>
 void LawSlopesIn<D>::evaluate(const assembly::StateIn<D>& state, bool friction) {
-  const auto rates = state.v.tail(system_.n_scalars());
   const auto takes_part = [&](const joints::JointLaw& law) { return friction || joints::acts_at_rest(law); };
   for (std::size_t k = 0; k < responses_.size(); ++k) {
-    const assembly::PlacedLaw& law = system_.laws()[k];
-    responses_[k] = takes_part(law.law) ? joints::respond(law.law, system_.deflection(law, state.s),
-                                                          system_.deflection(law, rates), state.laws[k])
-                                        : joints::LawResponse{};
+    responses_[k] = takes_part(system_.laws()[k].law) ? system_.respond(k, state) : joints::LawResponse{};
   }
   for (const Varied& one : varied_) {
-    const assembly::PlacedLaw& law = system_.laws()[one.law];
-    if (!takes_part(law.law)) continue;
-    const double x = system_.deflection(law, state.s), x_dot = system_.deflection(law, rates);
-    const auto up = joints::respond(one.plus, x, x_dot, state.laws[one.law]);
-    const auto down = joints::respond(one.minus, x, x_dot, state.laws[one.law]);
+    const auto k = static_cast<std::size_t>(one.law);
+    if (!takes_part(system_.laws()[k].law)) continue;
+    const auto up = system_.respond(k, state, one.plus), down = system_.respond(k, state, one.minus);
     force_(one.law, one.parameter) = (up.force - down.force) / one.spread;
     z_(one.law, one.parameter) = (up.z - down.z) / one.spread;
   }

@@ -198,8 +198,11 @@ void PartialResidualsIn<D>::driven(const StateD& state, const StateDerivative& d
       const auto along = [&](const Slopes& rows) {
         return told(rows, law.plus, p) - told(rows, law.minus, p);
       };
-      const double force = laws.response(k).stiffness * along(derivative.position) +
-                           laws.response(k).damping * along(derivative.velocity);
+      const joints::LawResponse& at = laws.response(k);
+      const double force = at.stiffness * along(derivative.position) +
+                           at.damping * along(derivative.velocity) +
+                           at.force_by_y * told(derivative.position, law.of, p) +
+                           at.force_by_y_rate * told(derivative.velocity, law.of, p);
       add(law.plus, -force);
       if (law.minus >= 0) add(law.minus, force);
     }

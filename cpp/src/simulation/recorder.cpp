@@ -103,6 +103,7 @@ void RecorderIn<D>::energy(Eigen::Index k, const StateIn<D>& state, const LoadsI
   out_.elastic[k] = E.elastic;
   out_.gravity[k] = E.gravity;
   now_.dissipation = E.dissipation;
+  now_.in_passage = E.in_passage;
   now_.power = load_power(system_, state, loads) + E.bow_power;
   law_losses(system_, state, now_.loss);
   now_.s = state.s;
@@ -110,7 +111,7 @@ void RecorderIn<D>::energy(Eigen::Index k, const StateIn<D>& state, const LoadsI
   out_.damped[k] = out_.work[k] = 0;
   if (k > 0) {
     const double h = now_.t - last_.t;
-    double damped = 0.5 * h * (now_.dissipation + last_.dissipation);
+    double damped = 0.5 * h * (now_.dissipation + last_.dissipation) - (now_.in_passage - last_.in_passage);
     double work = 0.5 * h * (now_.power + last_.power);
     for (std::size_t i = 0; i < system_.laws().size(); ++i) {
       const auto& law = system_.laws()[i];

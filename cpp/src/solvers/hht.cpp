@@ -145,8 +145,7 @@ void HhtStepperIn<D>::remember(StateIn<D>& state) const {
     const double x = system_.deflection(law, state.s);
     double z = 0;
     if (!joints::acts_at_rest(law.law)) {  // friction alone has an internal state
-      const double rate = system_.deflection(law, state.v.tail(system_.n_scalars()));
-      z = joints::respond(law.law, x, rate, state.laws[k]).z;
+      z = system_.respond(k, state).z;
     }
     state.laws[k] = {x, z};
   }

@@ -13,15 +13,6 @@ using Eigen::VectorXd;
 // Up to so many laws need no memory of their own at every correction.
 constexpr int few_laws = 8;
 
-/// Whether the tangent of a law is the same in all states.
-bool is_linear(const assembly::PlacedLaw& law) {
-  if (const auto* spring = std::get_if<joints::ReducerSpring>(&law.law)) {
-    return spring->cubic_stiffness == 0 && spring->gap == 0;
-  }
-  return std::holds_alternative<joints::CableTorque>(law.law) ||
-         std::holds_alternative<joints::ViscousFriction>(law.law);
-}
-
 /// A number of laws more, of which there may be Eigen::Dynamic.
 constexpr int sum(int n, int more) { return more < 0 ? Eigen::Dynamic : n + more; }
 
@@ -97,7 +88,7 @@ void TangentChangesIn<D>::find_laws(const WeldsIn<D>& welds) {
   for (std::size_t k = 0; k < system_.laws().size(); ++k) {
     const assembly::PlacedLaw& law = system_.laws()[k];
     law_rows_.push_back({row(law.plus), row(law.minus)});
-    if (!is_linear(law)) laws_.push_back(static_cast<int>(k));
+    if (!joints::is_linear(law.law)) laws_.push_back(static_cast<int>(k));
   }
 }
 
@@ -180,7 +171,8 @@ void TangentChangesIn<D>::find_laws_here(const assembly::StateIn<D>& state) {
                           .x = system_.deflection(law, state.s),
                           .rate = system_.deflection(law, state.v.tail(system_.n_scalars())),
                           .rate_by_x = factors_.damping,
-                          .kept = kept_laws_[k]});
+                          .kept = kept_laws_[k],
+                          .y = system_.argument(law, state)});
   }
 }
 

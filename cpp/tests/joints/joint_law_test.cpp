@@ -16,14 +16,26 @@ using flexarm::tests::derivative;
 
 namespace {
 
+// Steep enough beside the spring of 300 N m/rad, with a flat part and held ends.
+const MonotoneCubic table({-30, -10, -2, 5, 40}, {-0.08, -0.03, -0.03, 0.02, 0.05});
+
 const std::vector<JointLaw> all_laws = {
     ReducerSpring{300, 4, 2e3},
     ReducerSpring{.stiffness = 300, .damping = 4, .gap = 0.11, .fade_width = 0.02},
     CableTorque{70, 0.3},
     ViscousFriction{0.8},
     DahlFriction{2.5, 0.05},
-    LugreFriction{50, 0.9, 0.4, 2.0, 3.0, 0.5}};
-static_assert(std::variant_size_v<JointLaw> == 5, "a new law joins all_laws");
+    LugreFriction{50, 0.9, 0.4, 2.0, 3.0, 0.5},
+    TabulatedTorque{Of::angle, MonotoneCubic({-0.2, 0.0, 0.4}, {-3, 1, 2})},
+    TabulatedTorque{Of::rate, MonotoneCubic({-0.9, 0.0, 0.9}, {-3, 1, 2})},
+    WoundSpring{{300, 4, 2e3}, Of::torque, table},
+    WoundSpring{{.stiffness = 300, .damping = 4, .gap = 0.11, .fade_width = 0.02}, Of::torque, table}};
+static_assert(std::variant_size_v<JointLaw> == 7, "a new law joins all_laws");
+
+const MonotoneCubic curve({-0.5, -0.1, 0.3, 0.9}, {-0.02, 0.01, 0.05, 0.03});
+const std::vector<JointLaw> laws_of_two = {TabulatedTorque{Of::motor_angle, curve},
+                                           WoundSpring{{300, 4, 2e3}, Of::angle, curve},
+                                           WoundSpring{{300, 4, 2e3}, Of::rate, curve}};
 
 }  // namespace
 
@@ -40,6 +52,32 @@ TEST_CASE("Stiffness and damping of every law are the derivatives of its force")
       CHECK(r.stiffness == near(derivative(by_x, x, 1e-4), 1e-8));
       CHECK(r.damping == near(derivative(by_rate, x_dot, 1e-3), 1e-8));
     }
+  }
+}
+
+TEST_CASE("Laws of a second coordinate have its derivatives too, and no more of their own") {
+  for (const JointLaw& law : laws_of_two) {
+    const double x = 0.07, x_dot = 0.4;
+    const LawArgument y{0.15, -0.3};
+    const auto force = [&](double dx, double dv, double dy, double dw) {
+      return respond(law, x + dx, x_dot + dv, {}, {y.value + dy, y.rate + dw}).force;
+    };
+    const LawResponse r = respond(law, x, x_dot, {}, y);
+    const auto close = [](double found, double expected) { return std::abs(found - expected) < 1e-7; };
+    CAPTURE(law.index());
+    CHECK(close(r.stiffness, derivative([&](double d) { return force(d, 0, 0, 0); }, 0, 1e-4)));
+    CHECK(close(r.damping, derivative([&](double d) { return force(0, d, 0, 0); }, 0, 1e-4)));
+    CHECK(close(r.force_by_y, derivative([&](double d) { return force(0, 0, d, 0); }, 0, 1e-4)));
+    CHECK(close(r.force_by_y_rate, derivative([&](double d) { return force(0, 0, 0, d); }, 0, 1e-4)));
+  }
+}
+
+TEST_CASE("A spring that winds up with its torque balances: x = d + w(T), T = k d + k₃ d³") {
+  const WoundSpring law{{300, 4, 2e3}, Of::torque, table};
+  for (double x = -0.6; x < 0.6; x += 0.013) {
+    const double d = law.deflection(x, {}, {}), T = 300 * d + 2e3 * d * d * d;
+    CHECK(std::abs(d + table(T).y - x) < 1e-14);
+    CHECK(respond(law, x, 0, {}).force == near(T, 1e-12));
   }
 }
 
@@ -74,7 +112,7 @@ TEST_CASE("What a law does not dissipate it stores: Q − loss is the derivative
     for (double x : {-0.07, 0.03, 0.11}) {
       const LawResponse r = respond(law, x, 0.4, memory);
       CAPTURE(law.index());
-      CHECK(std::abs(r.force - r.loss - derivative(energy, x, 1e-3)) <
+      CHECK(std::abs(r.force - r.loss - derivative(energy, x, 1e-4)) <
             1e-8 * std::max(1.0, std::abs(r.force)));
     }
   }
@@ -102,6 +140,10 @@ TEST_CASE("Every law refuses a negative coefficient and says which") {
   refuses(LugreFriction{1, 1, 1, 0, 1, 1}, "friction torque must be positive");
   refuses(LugreFriction{1, 1, 1, 2, 1, 1}, "break-away torque must not be below the friction torque");
   refuses(LugreFriction{1, 1, 1, 1, 1, 0}, "Stribeck rate must be positive");
+  refuses(TabulatedTorque{Of::torque, table}, "a torque is a table of angle, rate or motor angle");
+  refuses(WoundSpring{{300}, Of::motor_angle, table}, "the teeth wind up with the motor's angle");
+  refuses(WoundSpring{{-3}, Of::torque, table}, "joint stiffness must be positive");
+  refuses(WoundSpring{{300}, Of::torque, MonotoneCubic({0, 1}, {0, -1.0 / 299})}, "leaves it no stiffness");
   for (const JointLaw& law : all_laws) CHECK_NOTHROW(check(law));
 }
 

@@ -35,7 +35,9 @@ from flexarm.tables import (
     toml_text,
     value_in,
 )
+from flexarm.tables.edited import edited_toml
 from flexarm.tables.table import Label
+from flexarm.tables.toml import read_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -148,9 +150,10 @@ class Arm(Table):
 
         write_file(path, self.toml_for(Path(path).parent))
 
-    def toml_for(self, folder: Path) -> str:
-        """Return the text of a model file that shall lie in a folder."""
-        return toml_text(seen_from(self.to_dict(), folder))
+    def toml_for(self, folder: Path, model: Path | None = None) -> str:
+        """Return the text of a model file that shall lie in a folder, with the comments of another one."""
+        data = seen_from(self.to_dict(), folder)
+        return toml_text(data) if model is None else edited_toml(read_text(model), data)
 
     @property
     def part_files(self) -> tuple[Path, ...]:

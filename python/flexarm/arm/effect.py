@@ -25,7 +25,7 @@ from flexarm.arm.effect_traits import EffectTraits
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
-from flexarm.tables import unit_of
+from flexarm.tables import component_names, unit_of
 from flexarm.tables.field import Nested
 from flexarm.tables.table import Label
 
@@ -74,7 +74,7 @@ class Effect(EffectTraits):
             cls.place = KNOWN_EFFECTS[cls.name]
 
     def parameters(self) -> list[tuple[str, float, str]]:
-        """Parameters as (name, value, unit), vectors spelt out as `offset.x`, `offset.y`, `offset.z`.
+        """Parameters as (name, value, unit), vectors spelt out as `offset.x`, tables as `value.0`.
 
         Infinite ones, such as a stiffness that was left out, do not appear, nor do names, such as channels.
         """
@@ -83,17 +83,18 @@ class Effect(EffectTraits):
             value = getattr(self, name)
             if _is_vector(value):
                 found += [
-                    (f"{name}.{axis}", item, unit_of(field)) for axis, item in zip("xyz", value, strict=False)
+                    (f"{name}.{component}", item, self.unit(name))
+                    for component, item in zip(component_names(field, len(value)), value, strict=True)
                 ]
             elif isinstance(value, float) and value != inf:
-                found.append((name, value, unit_of(field)))
+                found.append((name, value, self.unit(name)))
         return found
 
     def value_of(self, key: str) -> float:
         """Return a parameter, named as `parameters` spells it."""
-        name, _, axis = key.partition(".")
+        name, _, component = key.partition(".")
         found = getattr(self, name)
-        return float(found["xyz".index(axis)] if axis else found)
+        return float(found[self._components(name).index(component)] if component else found)
 
     def with_parameters(self, values: Mapping[str, float]) -> Self:
         """Return the effect with other values, named as `parameters` spells them, such as `offset.x`.
@@ -105,18 +106,25 @@ class Effect(EffectTraits):
         """
         changes: dict[str, Any] = {}
         for key, value in values.items():
-            name, _, axis = key.partition(".")
+            name, _, component = key.partition(".")
             old = changes.get(name, getattr(self, name, None))
             whole = isinstance(old, float) and name in type(self).model_fields
-            if axis in ("x", "y", "z") and _is_vector(old) and "xyz".index(axis) < len(old):
-                k = "xyz".index(axis)
+            if _is_vector(old) and component in self._components(name):
+                k = self._components(name).index(component)
                 changes[name] = (*old[:k], value, *old[k + 1 :])
-            elif whole and not axis:
+            elif whole and not component:
                 changes[name] = value
             else:
                 there = ", ".join(found for found, _, _ in self.parameters())
                 raise InvalidParameter(f"{self.name} has no parameter {key!r}; it has {there}")
         return self.replace(**changes)
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a field about a revolute joint."""
+        return unit_of(type(self).model_fields[name])
+
+    def _components(self, name: str) -> tuple[str, ...]:
+        return component_names(type(self).model_fields[name], len(getattr(self, name)))
 
     # ------------------------------------------------------------------ mechanics
 
@@ -297,7 +305,7 @@ def effect_class(name: str) -> type[Effect]:
     from difflib import get_close_matches  # only on the way to an error
 
     close = get_close_matches(name, KNOWN_EFFECTS, n=1)
-    hint = f", did you mean {close[0]!r}?" if close else ""
+    hint = f" (did you mean {close[0]!r}?)" if close else ""
     raise InvalidParameter(f"unknown effect {name!r}{hint}; known are {', '.join(KNOWN_EFFECTS)}")
 
 

@@ -2,7 +2,8 @@
 
 A key is a dotted path with names, as in `[uncertainty]`: `links.rod.material.youngs_modulus`,
 `payloads.load.mass`, `effects.backlash.hinge.gap`. A component of a vector ends in .x, .y or .z, as in
-`points.tip.position.z`; a vector without one means all its components.
+`points.tip.position.z`, one of a table in its number from 0, as in `effects.tabulated_law.hinge.value.3`; a
+vector without one means all its components.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ from flexarm.arm.joint_units import unit_at
 from flexarm.arm.link import Beam
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
-from flexarm.tables import Table, unit_of
+from flexarm.tables import Table, component_names, unit_of
+from flexarm.tables.field import COMPONENTS
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 _STEP = 3e-5
 """Step of differences in parts of the parameter's size: its square and 1e-16 over it are both near 1e-9."""
-_COMPONENTS = ("x", "y", "z", "xy", "xz", "yz")
 
 
 @dataclass(frozen=True)
@@ -165,9 +166,10 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
                 f"{key} has no derivative: the law jumps with it; change its value in finite steps instead",
                 where="sensitivities",
             )
-        unit = unit_of(type(owner).model_fields[path.fields[-1]])
         if isinstance(owner, Effect):
-            unit = unit_at(owner, arm, path.fields[-1], unit)
+            unit = unit_at(owner, arm, path.fields[-1], owner.unit(path.fields[-1]))
+        else:
+            unit = unit_of(type(owner).model_fields[path.fields[-1]])
         found.append(Parameter(name, path.get(arm), unit, rule == "one-sided"))
     return found
 
@@ -175,7 +177,7 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
 def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
     """Full keys and paths; several for a vector without a component."""
     stem, _, last = key.rpartition(".")
-    component = _COMPONENTS.index(last) if last in _COMPONENTS and stem.count(".") >= 2 else None
+    component = last if (last in COMPONENTS or last.isdigit()) and stem.count(".") >= 2 else None
     try:
         place = owner_of(arm, key if component is None else stem)
     except ValueError as error:
@@ -189,13 +191,15 @@ def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
         raise InvalidParameter(
             f"{key} = {value!r} is not a real number that can change", where="sensitivities"
         )
-    if size is not None and component is not None and component >= size:
+    if size is None:
+        return [(stem, Path(place.table, place.index, place.fields, None))]
+    names = component_names(type(place.owner).model_fields[place.field], size)
+    if component is not None and component not in names:
         raise InvalidParameter(f"{key}: {stem} has {size} components", where="sensitivities")
-    if size is None or component is not None:
-        name = stem if component is None else f"{stem}.{_COMPONENTS[component]}"
-        return [(name, Path(place.table, place.index, place.fields, component))]
     return [
-        (f"{stem}.{_COMPONENTS[k]}", Path(place.table, place.index, place.fields, k)) for k in range(size)
+        (f"{stem}.{name}", Path(place.table, place.index, place.fields, k))
+        for k, name in enumerate(names)
+        if component in (None, name)
     ]
 
 

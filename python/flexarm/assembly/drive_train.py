@@ -8,15 +8,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import inf, isinf
+from typing import TYPE_CHECKING, Any, Literal
 
 from flexarm import _core
 
-Law = _core.CableTorque | _core.ViscousFriction | _core.DahlFriction | _core.LugreFriction
+if TYPE_CHECKING:
+    Law = (
+        _core.CableTorque
+        | _core.ViscousFriction
+        | _core.DahlFriction
+        | _core.LugreFriction
+        | _core.TabulatedTorque
+    )
 
 
 @dataclass
 class Transmission:
-    """The teeth's map of the motor's angle: psi = phi/scale + amplitude sin(multiple n phi + phase).
+    """The teeth's map of the motor's angle: psi = phi/scale + amplitude sin(multiple n phi + phase) - w(phi).
 
     Attributes
     ----------
@@ -24,17 +32,21 @@ class Transmission:
         True over nominal gear ratio [-].
     amplitude, multiple, phase : float
         Of the transmission error: at the output [rad], periods per motor turn, [rad].
+    windup : MonotoneCubic or None
+        w [rad], a table of phi [rad].
     """
 
     scale: float = 1.0
     amplitude: float = 0.0
     multiple: float = 0.0
     phase: float = 0.0
+    windup: _core.MonotoneCubic | None = None
 
     def core(self) -> _core.Transmission:
         """Return the transmission as the core takes it."""
+        table: dict[str, Any] = {} if self.windup is None else {"windup": self.windup}
         return _core.Transmission(
-            scale=self.scale, amplitude=self.amplitude, multiple=self.multiple, phase=self.phase
+            scale=self.scale, amplitude=self.amplitude, multiple=self.multiple, phase=self.phase, **table
         )
 
 
@@ -52,6 +64,9 @@ class DriveTrain:
         Of the reducer [N m/rad], [N m s/rad], [N m/rad3], [rad]; an infinite stiffness makes it rigid.
     hysteresis : list of (torque, width)
         Beside the reducer's spring, on its deflection [N m], [rad].
+    windup : (of, table) or None
+        By how much more than its torque makes of it the reducer winds up: a table of the link's angle, of its
+        rate, or of the spring's torque [rad].
     motor, bearing : list
         Laws on the motor's angle, and at the output bearing on the link's.
     """
@@ -64,6 +79,7 @@ class DriveTrain:
     cubic_stiffness: float = 0.0
     gap: float = 0.0
     hysteresis: list[tuple[float, float]] = field(default_factory=list)
+    windup: tuple[Literal["angle", "rate", "torque"], _core.MonotoneCubic] | None = None
     motor: list[Law] = field(default_factory=list)
     bearing: list[Law] = field(default_factory=list)
 
@@ -84,8 +100,12 @@ class DriveTrain:
             bearing=self.bearing,
         )
 
-    def _reducer(self) -> list[_core.ReducerSpring | _core.DahlFriction]:
+    def _reducer(self) -> list[_core.ReducerSpring | _core.WoundSpring | _core.DahlFriction]:
         spring = _core.ReducerSpring(
             self.stiffness, self.damping, cubic_stiffness=self.cubic_stiffness, gap=self.gap
         )
-        return [spring, *(_core.DahlFriction(torque, width) for torque, width in self.hysteresis)]
+        hysteresis = [_core.DahlFriction(torque, width) for torque, width in self.hysteresis]
+        if self.windup is None:
+            return [spring, *hysteresis]
+        of, table = self.windup
+        return [_core.WoundSpring(spring, _core.Of[of], table), *hysteresis]

@@ -116,8 +116,8 @@ def with_families(
     """
     uncertain = {bare_key(arm, key) for key in arm.uncertainty}
     families: list[Family] = []
-    for name in dict.fromkeys(names):
-        kind = _kind(name)
+    for kind in family_kinds(names):
+        name = kind.name
         entries: dict[tuple[str, str], list[tuple[str, Prior, Effect]]] = {}
         for effect in _members(kind, problem, arm):
             arm = arm.with_effect(effect)
@@ -128,6 +128,17 @@ def with_families(
             raise InvalidParameter(_nowhere(kind), where=f"families.{name}")
         families += [_family(members, policy) for members in entries.values()]
     return arm, families
+
+
+def family_kinds(names: Sequence[str]) -> list[type[Effect]]:
+    """Return the effects of families, each once.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no such effect, or it cannot be calibrated.
+    """
+    return [_kind(name) for name in dict.fromkeys(names)]
 
 
 def _kind(name: str) -> type[Effect]:

@@ -151,13 +151,13 @@ class Calibration(BeforeAfter, SavedAsDirectory):
 
         return cls(**stored(path))
 
-    def write(self, directory: Path) -> None:
+    def write(self, directory: Path, model: Path | None = None) -> None:
         """Write calibration.json, report.html, updated.toml, gaps.nc and figures into a directory that is
-        there.
+        there. With the file of the nominal model, updated.toml keeps its comments.
         """
         from flexarm.report.calibration import write
 
-        write(self, directory)
+        write(self, directory, model)
 
     def __repr__(self) -> str:
         return self.summary()

@@ -22,7 +22,7 @@ from flexarm.calibration.estimates import (
     Range,
 )
 from flexarm.calibration.estimation import Estimation, Posterior, shared_first
-from flexarm.calibration.families import Family, with_families
+from flexarm.calibration.families import Family, family_kinds, with_families
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
@@ -103,6 +103,7 @@ def calibrate(
     """
     begun, rules = time.monotonic(), policy or CalibrationPolicy()
     tell = progress or (lambda done, what: None)
+    family_kinds(families)
     given = named_records(records)
     held = named_hold_out(arm, hold_out, given)
     tell(0.0, "reading")

@@ -66,7 +66,10 @@ def calibrate(
         flexarm compare calibrated/updated.toml other_poses
         flexarm diagnose calibrated/updated.toml poses --out why
     """
+    from flexarm.calibration.families import family_kinds
+
     refuse_step(step)
+    family_kinds(family or [])
     arm = load_arm(model)
     names = record_names([*records, *([] if hold_out is None else [hold_out])])
     read = {name: load_record(path, arm) for name, path in names.items()}
@@ -80,7 +83,7 @@ def calibrate(
         with blame_one_of(model, names, read, arm):
             found = _calibrated(arm, training, family or [], held_out, jobs, step)
         found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
-        found.write(directory)
+        found.write(directory, model)
     if json:
         print_json(found.to_json_dict())
     else:

@@ -77,7 +77,7 @@ def diagnose(
             found = _diagnosed(arm, training, held_out, jobs, seed, step, max_seconds)
         traced = {"inputs_sha256": hashes(inputs)}
         found = replace(found, provenance={**found.provenance, **traced})
-        found.write(directory)
+        found.write(directory, model)
     print(found.summary())
     print(f"\nwritten to {out}: open {out / 'report.html'}")
 

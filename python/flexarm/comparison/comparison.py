@@ -11,6 +11,7 @@ import numpy as np
 
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.gap import SignalGap
+from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,23 +95,31 @@ class Comparison:
         return "\n".join(lines)
 
     def _gap_table(self) -> list[str]:
-        """Return lines of rms by direction, noise and greatest gap."""
+        """Return lines of rms by direction, noise and greatest gap, each signal in a unit that reads well."""
         names = list(dict.fromkeys(key for gap in self.signals.values() for key in gap.rms if key != "total"))
-        columns = [*names, "total", "noise", "max"]
-        lines = [f"{'rms':<18}{'unit':<7}" + "".join(f"{name:>12}" for name in columns)]
+        rows = [["rms", "unit", *names, "total", "noise", "max"]]
         for gap in self.signals.values():
             cells = [gap.rms.get(name) for name in [*names, "total"]] + [gap.noise_rms, gap.max["total"]]
+            factor, unit = scale(cells[:-2], gap.unit)
             label = f"{gap.name} (drive)" if gap.is_drive else gap.name
-            lines.append(f"{label:<18}{gap.unit:<7}" + "".join(f"{_cell(cell):>12}" for cell in cells))
-        return lines
+            rows.append([label, unit, *("-" if c is None else number(factor * c) for c in cells)])
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return [
+            "  ".join(
+                cell.ljust(width) if k < 2 else cell.rjust(max(width, 8))
+                for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+            ).rstrip()
+            for row in rows
+        ]
 
     def _band_table(self) -> list[str]:
         """Return lines of the total rms by band."""
         lines = []
         for gap in self.evidence.values():
-            parts = [f"{band.low:.3g}-{band.high:.3g} Hz: {band.rms:.3e}" for band in gap.bands]
+            factor, unit = scale([band.rms for band in gap.bands], gap.unit)
+            parts = [f"{band.low:.3g}-{band.high:.3g} Hz: {number(factor * band.rms)}" for band in gap.bands]
             if parts:
-                lines.append(f"{gap.name:<18}{gap.unit:<7}" + "   ".join(parts))
+                lines.append(f"{gap.name} [{unit}]  " + "   ".join(parts))
         return lines
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
@@ -161,11 +170,9 @@ def _sigma(std: float, infinite: str) -> str:
 
 
 def _rounded_to(value: float, std: float) -> str:
-    """Return four digits, or as many as the deviation needs to copy a delay into a record."""
+    """Return four digits, or as many as the deviation needs to copy a delay into a record; 0 of rounding."""
+    if abs(value) < 1e-6 * std:
+        return "0"
     if abs(value) < 1 or not 0 < std < 1e-3 * abs(value):
         return f"{value:.3e}"
     return f"{value:.{max(1 - math.floor(math.log10(std)), 0)}f}"
-
-
-def _cell(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3e}"

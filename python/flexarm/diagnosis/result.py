@@ -276,14 +276,14 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
 
         return cls(**stored(path))
 
-    def write(self, directory: Path) -> None:
+    def write(self, directory: Path, model: Path | None = None) -> None:
         """Write report.json, report.html, updated.toml, gaps.nc and the figures into a directory.
 
-        The directory is there.
+        The directory is there. With the file of the nominal model, updated.toml keeps its comments.
         """
         from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
 
-        write(self, directory)
+        write(self, directory, model)
 
     def __repr__(self) -> str:
         return self.summary()

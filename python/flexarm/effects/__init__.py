@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from flexarm.effects.saturation import Saturation
     from flexarm.effects.sensor_offset import SensorOffset
     from flexarm.effects.sign_error import SignError
+    from flexarm.effects.tabulated_law import TabulatedLaw
     from flexarm.effects.time_delay import TimeDelay
     from flexarm.effects.transmission_error import TransmissionError
     from flexarm.effects.unit_error import UnitError
@@ -90,6 +91,7 @@ __all__ = [
     "Saturation",
     "SensorOffset",
     "SignError",
+    "TabulatedLaw",
     "TimeDelay",
     "TransmissionError",
     "UnitError",

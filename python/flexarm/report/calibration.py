@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 REPORT, KIND = "calibration.json", "calibration"
 
 
-def write(found: Calibration, directory: Path) -> None:
+def write(found: Calibration, directory: Path, model: Path | None = None) -> None:
     """Write the files into a directory that is there.
 
     Parameters
@@ -35,12 +35,14 @@ def write(found: Calibration, directory: Path) -> None:
         What was estimated.
     directory : Path
         See `flexarm.output.output_directory` for one that is whole or not there.
+    model : Path, optional
+        File of the nominal model: updated.toml keeps its comments.
     """
     drawings = drawn(_figures(found))
     write_files(directory, drawings, (PAGE, page(found, drawings)), (REPORT, found.to_json_dict()))
     path = directory / MODEL
     head = f"# Made by flexarm calibrate from {', '.join(found.training)}: {fit_sentence(found)}\n\n"
-    write_file(path, head + found.updated.toml_for(directory))
+    write_file(path, head + found.updated.toml_for(directory, model))
     save(gap_contents(found, KIND), directory / GAPS)
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
 
 
-def write(diagnosis: Diagnosis, directory: Path) -> None:
+def write(diagnosis: Diagnosis, directory: Path, model: Path | None = None) -> None:
     """Write report.json, report.html, updated.toml, gaps.nc and the figures into a directory that is there.
 
     Parameters
@@ -37,11 +37,13 @@ def write(diagnosis: Diagnosis, directory: Path) -> None:
         What was found.
     directory : Path
         See `flexarm.output.output_directory` for one that is whole or not there.
+    model : Path, optional
+        File of the nominal model: updated.toml keeps its comments.
     """
     report = diagnosis.to_json_dict()
     drawn = drawings(diagnosis)
     write_files(directory, drawn, (PAGE, page(diagnosis, drawn, report)), (REPORT, report))
-    write_updated(diagnosis, directory / MODEL)
+    write_updated(diagnosis, directory / MODEL, model)
     save(gap_contents(diagnosis), directory / GAPS)
 
 

@@ -27,11 +27,11 @@ NORMAL90 = 1.645
 """Half of a 90 % interval over 1 sigma."""
 
 
-def write_updated(diagnosis: Diagnosis, path: Path) -> None:
-    """Write the file."""
+def write_updated(diagnosis: Diagnosis, path: Path, model: Path | None = None) -> None:
+    """Write the file, with the comments of the model file that was diagnosed, if that is given."""
     lines = [part for line in _head(diagnosis) for part in wrap(line, WIDTH, subsequent_indent="    ")]
     head = "".join(f"# {line}\n" for line in lines)
-    write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent)}")
+    write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent, model)}")
 
 
 def _head(d: Diagnosis) -> Iterator[str]:

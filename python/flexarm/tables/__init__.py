@@ -5,8 +5,8 @@ file into tables or into one `InvalidFile` that lists all that is wrong.
 """
 
 from flexarm.tables.check import check_table, parameter_error, refuse
-from flexarm.tables.field import Inconsistent, unit_of, value_in
-from flexarm.tables.table import FrozenDict, Name, Number, Table, Vector2, Vector3
+from flexarm.tables.field import Inconsistent, component_names, unit_of, value_in
+from flexarm.tables.table import FrozenDict, Name, Number, Numbers, Table, Vector2, Vector3
 from flexarm.tables.toml import read_toml, toml_text
 
 __all__ = [
@@ -14,10 +14,12 @@ __all__ = [
     "Inconsistent",
     "Name",
     "Number",
+    "Numbers",
     "Table",
     "Vector2",
     "Vector3",
     "check_table",
+    "component_names",
     "parameter_error",
     "read_toml",
     "refuse",

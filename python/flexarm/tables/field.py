@@ -26,9 +26,26 @@ class Nested(ValueError):
         self.table, self.error, self.data = table, error, data
 
 
-def value_in(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
-    """Return a field with a unit: `value_in("kg", "mass of the payload", ge=0)`."""
-    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
+COMPONENTS = ("x", "y", "z", "xy", "xz", "yz")
+"""Names of the components of a vector; three more are those of an inertia."""
+
+
+def value_in(
+    unit: str, description: str, default: Any = ..., *, numbered: bool = False, **limits: Any
+) -> Any:
+    """Return a field with a unit: `value_in("kg", "mass of the payload", ge=0)`.
+
+    The components of a `numbered` one are counted from 0; those of others are named x, y, z.
+    """
+    extra: dict[str, Any] = {"unit": unit} | ({"numbered": True} if numbered else {})
+    return Field(default, description=description, json_schema_extra=extra, **limits)
+
+
+def component_names(field: FieldInfo, size: int) -> tuple[str, ...]:
+    """Return the names of the components of a field that holds `size` numbers."""
+    extra = field.json_schema_extra
+    numbered = isinstance(extra, dict) and extra.get("numbered")
+    return tuple(map(str, range(size))) if numbered else COMPONENTS[:size]
 
 
 def unit_of(field: FieldInfo) -> str:

@@ -35,7 +35,7 @@ def sentence(error: dict[str, Any], field: FieldInfo | None, allowed: list[str])
     """Return the message for one entry of `ValidationError.errors()`."""
     kind, value, context = error["type"], error.get("input"), error.get("ctx", {})
     unit = unit_of(field) if field else ""
-    unit = "" if unit == "unit" else unit  # that of the signal, which the message does not know
+    unit = "" if unit in ("unit", "SI") else unit  # that of the place, which the message does not know
     got = f"got {shown(value)}" + (f" {unit}" if unit not in ("", "-") and _is_number(value) else "")
     if kind == "missing":
         return "is missing; needed is " + _needed(field, unit)

@@ -49,6 +49,11 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
+def _list(value: Any) -> Any:
+    value = _plain(value)
+    return tuple(value) if isinstance(value, list) else value
+
+
 def _list_of(count: int) -> BeforeValidator:
     def check(value: Any) -> Any:
         value = _plain(value)
@@ -93,6 +98,7 @@ Number = Annotated[float, Strict(), BeforeValidator(_plain)]
 Whole = Annotated[int, Strict(), BeforeValidator(_plain)]
 Name = Annotated[str, AfterValidator(check_name)]
 Label = Annotated[str, AfterValidator(check_label)]
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(_list)]
 Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.errors import InvalidFile
-from flexarm.foreign_files import foreign_kind, table_of_text
+from flexarm.foreign_files import foreign_kind, prose, table_of_text
 from flexarm.reading import regular_file
 
 
@@ -52,6 +52,8 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         if kind := table_of_text(text):
             raise InvalidFile(file, "file", kind) from None
+        if kind := prose(text):
+            raise InvalidFile(file, "file", f"{kind}; allowed is {expected_format!r}") from None
         what, place = _split_place(str(error))
         raise InvalidFile(file, place, f"not valid TOML: {what}") from None
     except ValueError:  # Python reads no integer of more digits
@@ -81,16 +83,22 @@ def toml_text(data: Mapping[str, Any]) -> str:
 
     document = tomlkit.document()
     for key, value in sorted(data.items(), key=lambda item: _has_header(item[1])):
-        if not _has_header(value):
-            document.add(tomlkit.key(key), _inline(value))
-        elif isinstance(value, Mapping):
-            document.add(tomlkit.key(key), _table(value))
-        else:
-            tables = tomlkit.aot()
-            for item in value:
-                tables.append(_table(item))
-            document.add(tomlkit.key(key), tables)
+        document.add(tomlkit.key(key), at_top(value))
     return tomlkit.dumps(document)
+
+
+def at_top(value: Any) -> Any:
+    """Return the TOML item of a value at the top of a document: tables have headers of their own."""
+    import tomlkit
+
+    if not _has_header(value):
+        return inline(value)
+    if isinstance(value, Mapping):
+        return table_of(value)
+    tables = tomlkit.aot()
+    for item in value:
+        tables.append(table_of(item))
+    return tables
 
 
 def _has_header(value: Any) -> bool:
@@ -100,26 +108,28 @@ def _has_header(value: Any) -> bool:
     )
 
 
-def _table(content: Mapping[str, Any]) -> Any:
+def table_of(content: Mapping[str, Any]) -> Any:
+    """Return a TOML table below a header; what lies in it is inline."""
     import tomlkit
 
     table = tomlkit.table()
     for key, value in content.items():
-        table.add(tomlkit.key(key), _inline(value))
+        table.add(tomlkit.key(key), inline(value))
     return table
 
 
-def _inline(value: Any) -> Any:
+def inline(value: Any) -> Any:
+    """Return a TOML item that needs no header."""
     import tomlkit
 
     if isinstance(value, Mapping):
         table = tomlkit.inline_table()
         for name, content in value.items():
-            table.add(tomlkit.key(name), _inline(content))
+            table.add(tomlkit.key(name), inline(content))
         return table
     if isinstance(value, list | tuple):  # of tables, too, which tomlkit by itself would give headers
         array = tomlkit.array()
         for item in value:
-            array.append(_inline(item))
+            array.append(inline(item))
         return array
     return tomlkit.item(value.item() if hasattr(value, "item") else value)  # NumPy's numbers

@@ -16,6 +16,16 @@ def head(diagnosis, path):
     return " ".join(told), flexarm.Arm.from_toml(path)
 
 
+def test_comments_of_the_nominal_model_are_kept_below_the_head(tmp_path):
+    diagnosis, model, path = diagnoses.of_effects(), tmp_path / "arm.toml", tmp_path / "updated.toml"
+    diagnosis.arm.to_toml(model)
+    model.write_text("# Arm of the second hall.\n" + model.read_text())
+    write_updated(diagnosis, path, model)
+    text = path.read_text()
+    assert 0 < text.index("Made by flexarm diagnose") < text.index("# Arm of the second hall.")
+    assert flexarm.Arm.from_toml(path) == diagnosis.updated
+
+
 def test_what_was_added_is_told_with_its_interval(tmp_path):
     told, model = head(diagnoses.of_effects(), tmp_path / "updated.toml")
     assert model == diagnoses.with_spring()

@@ -42,10 +42,12 @@ struct JointCoordinates {
   int theta = -1, phi = -1, psi = -1;
 };
 
-/// A law between two scalar coordinates: x = s[plus] − s[minus], or s[plus] alone (minus = −1).
+/// A law between two scalar coordinates: x = s[plus] − s[minus], or s[plus] alone (minus = −1). Where `of` is
+/// not −1, s[of] is the law's second argument y.
 struct PlacedLaw {
   joints::JointLaw law;
   int plus, minus;
+  int of = -1;
 };
 
 /// The node that turns on a hinge of the base or of a joint's mount, and its angle.
@@ -188,8 +190,17 @@ class SystemIn {
   /// ∂Φ/∂(free velocities).
   Eigen::SparseMatrix<double> constraint_jacobian(const StateD& state) const;
 
-  /// c_K ∂Q/∂x + c_C ∂Q/∂x' of every law at the state.
+  /// c_K ∂Q/∂x + c_C ∂Q/∂x' of every law at the state, then c_K ∂Q/∂y + c_C ∂Q/∂y' of every law.
   VectorXd law_tangents(const StateD& state, const TangentFactors& c, bool friction) const;
+  VectorXd no_law_tangents() const { return VectorXd::Zero(2 * static_cast<Eigen::Index>(laws_.size())); }
+
+  /// Answer of the k-th law, or of another one at its place, in a state whose memories it takes.
+  joints::LawResponse respond(std::size_t k, const StateD& state, const joints::JointLaw& law) const;
+  joints::LawResponse respond(std::size_t k, const StateD& state) const {
+    return respond(k, state, laws_[k].law);
+  }
+  /// y of a law.
+  joints::LawArgument argument(const PlacedLaw& law, const StateD& state) const;
 
   double deflection(const PlacedLaw& law, const Eigen::Ref<const VectorXd>& s) const {
     return s[law.plus] - (law.minus < 0 ? 0.0 : s[law.minus]);

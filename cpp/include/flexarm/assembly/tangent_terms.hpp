@@ -8,7 +8,7 @@
 ///     add(row, column, mass, damping, stiffness)
 ///     stiffen(row, column, stiffness)             where there is nothing else
 ///     constrain(row, column, value)               an entry of Φ_q, or of its transpose
-///     law(k, row, column, sign)                   the k-th law's tangent, which the listener knows
+///     law(k, row, column, sign)                   the k-th of law_tangents(), which the listener knows
 ///
 /// Matrices of an element that belong together are made together.
 #pragma once
@@ -60,9 +60,14 @@ void SystemIn<D>::emit_terms(const StateD& state, const LoadsD& loads, WantedTer
     const bool free_plus = is_free(plus), free_minus = minus >= 0 && is_free(minus);
     if (free_plus) terms.law(k, at + plus, at + plus, 1);
     if (free_minus) terms.law(k, at + minus, at + minus, 1);
-    if (!free_plus || !free_minus) continue;
-    terms.law(k, at + plus, at + minus, -1);
-    terms.law(k, at + minus, at + plus, -1);
+    if (free_plus && free_minus) {
+      terms.law(k, at + plus, at + minus, -1);
+      terms.law(k, at + minus, at + plus, -1);
+    }
+    const int of = laws_[k].of;
+    if (of < 0 || !is_free(of)) continue;
+    if (free_plus) terms.law(laws_.size() + k, at + plus, at + of, 1);
+    if (free_minus) terms.law(laws_.size() + k, at + minus, at + of, -1);
   }
   emit_joints(state, wanted, terms);
 }

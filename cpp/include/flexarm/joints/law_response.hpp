@@ -15,6 +15,14 @@ struct LawMemory {
   Flank flank = Flank::free;
 };
 
+/// The state of which a tabulated law is a function; joints/drive_train.hpp has the angles.
+enum class Of { angle, rate, torque, motor_angle };
+
+/// A second coordinate y of which a law may be a function, and its rate.
+struct LawArgument {
+  double value = 0, rate = 0;
+};
+
 /// Answer of a law at a trial deflection x, rate x', with the memory (x₀, z₀).
 struct LawResponse {
   double force = 0;      ///< Q: what the law puts against the deflection
@@ -28,6 +36,8 @@ struct LawResponse {
   double force_by_x0 = 0, force_by_z0 = 0;  ///< ∂Q/∂x₀, ∂Q/∂z₀
   double z_by_x = 0, z_by_rate = 0;         ///< ∂z/∂x, ∂z/∂x'
   double z_by_x0 = 0, z_by_z0 = 0;          ///< ∂z/∂x₀, ∂z/∂z₀
+
+  double force_by_y = 0, force_by_y_rate = 0;  ///< ∂Q/∂y, ∂Q/∂y' where Q has a second argument
 };
 
 }  // namespace flexarm::joints

@@ -19,6 +19,7 @@ struct Energies {
   double kinetic = 0, elastic = 0, gravity = 0;
   double dissipation = 0;  ///< what the damping of beams and super-elements takes [W]
   double bow_power = 0;    ///< what growing bows give the beams [W], equation (7) of elements/beam.hpp
+  double in_passage = 0;   ///< part of elastic: of laws with a second argument, whose loss is all their force
 };
 
 /// Equation (1), and the powers of the elements.

@@ -1,7 +1,7 @@
 /// @file
 /// What parameters do to the joint laws: derivatives of their forces Q and of their memories z,
 ///
-///     dQ/dp = ∂Q/∂x dx + ∂Q/∂x' dx' + ∂Q/∂x₀ dx₀ + ∂Q/∂z₀ dz₀ + ∂Q/∂p                               (1)
+///     dQ/dp = ∂Q/∂x dx + ∂Q/∂x' dx' + ∂Q/∂y dy + ∂Q/∂y' dy' + ∂Q/∂x₀ dx₀ + ∂Q/∂z₀ dz₀ + ∂Q/∂p        (1)
 ///
 /// and alike for z. The laws give their partial derivatives themselves (joints/law_response.hpp); ∂/∂p is the
 /// difference of the two laws of a variation, and zero where they are equal.

@@ -1,10 +1,11 @@
 /// @file
 /// Writes states of a run into columns, and sums losses and work from instant to instant.
 ///
-///     loss = ∫ P dt + Σ ∫ Q dx,   work = Σ ∫ T dφ + ∫ F · v dt        by the trapezoidal rule      (1)
+///     loss = ∫ P dt + Σ ∫ Q dx − ΔE,   work = Σ ∫ T dφ + ∫ F · v dt        by the trapezoidal rule      (1)
 ///
 /// P: of the beams' damping [W], Q: dissipating force of a joint law over its deflection x, T: torque of a
-/// motor over its angle φ, F: point loads.
+/// motor over its angle φ, F: point loads. Laws with a second argument pass the energy E that they store on
+/// to no coordinate of their own: all of their force counts as Q.
 #pragma once
 
 #include "flexarm/simulation/consistent_forces.hpp"
@@ -32,7 +33,7 @@ class RecorderIn {
 
  private:
   struct Instant {
-    double dissipation = 0, power = 0, t = 0;
+    double dissipation = 0, power = 0, in_passage = 0, t = 0;
     Eigen::VectorXd loss, drives, s;  // drives: rows of the scalar coordinates, what motors give
   };
 

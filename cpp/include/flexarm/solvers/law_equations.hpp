@@ -30,9 +30,10 @@ namespace flexarm::solvers {
 struct LawHere {
   const joints::JointLaw* law;
   joints::LawMemory memory;
-  double x, rate;    ///< x_k, x'_k
-  double rate_by_x;  ///< c
-  double kept;       ///< κ_k
+  double x, rate;              ///< x_k, x'_k
+  double rate_by_x;            ///< c
+  double kept;                 ///< κ_k
+  joints::LawArgument y = {};  ///< stays: its changes come with the next iterate
   double force = force_at(0).force;
 
   struct Change {
@@ -47,7 +48,7 @@ struct LawHere {
 
  private:
   joints::LawResponse force_at(double w) const {
-    return joints::respond(*law, x + w, rate + rate_by_x * w, memory);
+    return joints::respond(*law, x + w, rate + rate_by_x * w, memory, y);
   }
 };
 

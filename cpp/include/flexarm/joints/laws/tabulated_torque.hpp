@@ -1,0 +1,37 @@
+/// @file
+/// A torque at the output bearing that a table gives:  Q = f(y),  with y the joint's angle x, its rate x', or
+/// the motor's angle. Of the angle it stores the integral of f; else it takes or gives energy.
+#pragma once
+
+#include "flexarm/joints/law_response.hpp"
+#include "flexarm/joints/laws/monotone_cubic.hpp"
+
+namespace flexarm::joints {
+
+struct TabulatedTorque {
+  Of of;  ///< angle, rate or motor_angle
+  MonotoneCubic table;
+
+  static constexpr bool acts_at_rest = true;
+
+  bool operator==(const TabulatedTorque&) const = default;
+
+  LawResponse respond(double x, double x_dot, const LawMemory&, const LawArgument& y) const {
+    const double at = of == Of::angle ? x : of == Of::rate ? x_dot : y.value;
+    const auto [force, slope, curvature] = table(at);
+    switch (of) {
+      case Of::angle:
+        return {.force = force, .stiffness = slope, .energy = table.integral(x)};
+      case Of::rate:
+        return {.force = force, .damping = slope, .loss = force};
+      default:
+        return {.force = force, .loss = force, .force_by_y = slope};
+    }
+  }
+
+  void check() const {
+    if (of == Of::torque) throw InvalidParameter("a torque is a table of angle, rate or motor angle");
+  }
+};
+
+}  // namespace flexarm::joints

@@ -1,0 +1,161 @@
+"""Columns as signals: by their names those of joints and points, by their motion those without names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from flexarm.arm import Arm
+from flexarm.importing.guess.logged import Logged
+from flexarm.importing.guess.motion import Track, agreement, rigid_track
+from flexarm.importing.guess.proposal import Proposal, drives_of
+from flexarm.importing.guess.words import VECTORS, matched, words_of
+from flexarm.quantities import QUANTITIES
+from flexarm.units import factor_to
+
+SCALARS = ("joint_angle", "joint_rate", "joint_command", "motor_torque", "current", "motor_voltage")
+MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "secondary", "load", "arm")
+"""Words of sides."""
+ALIKE_SPEEDS = 0.8
+"""Correlation of speeds from which on columns without names are taken for a point."""
+
+
+def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
+    """Return the signals of joints."""
+    known = [joint.name for joint in arm.moving_joints]
+    found = []
+    for column in columns:
+        quantity = column.meaning.quantity
+        if quantity not in SCALARS:
+            continue
+        label = f"{column.topic or ''} {column.column}" if not _is_message(column) else str(column.column)
+        joint = matched(label, known)
+        proposal = Proposal([column], "motor_torque" if quantity == "current" else quantity, ("joint", joint))
+        proposal.why["quantity"] = column.meaning.why
+        if joint:
+            proposal.why["joint"] = "its name stands in the column's"
+        if quantity == "current":
+            proposal.unknown["unit"] = "the motor's torque constant: unit = { torque_constant = } [N m/A]"
+            proposal.out = True
+        if QUANTITIES[proposal.quantity].has_side:
+            words = words_of(label)
+            side = "output" if any(w in OUTPUT for w in words) else "motor"
+            proposal.keys["side"] = side
+            if not any(w in (*MOTOR, *OUTPUT) for w in words):
+                proposal.unknown["side"] = "before or behind the gear; motor is taken"
+        found.append(proposal)
+    return found
+
+
+def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
+    """Return the signals of points."""
+    families: dict[tuple[Any, str, str], list[Logged]] = {}
+    for column in columns:
+        m = column.meaning
+        if m.quantity in VECTORS and m.axis:
+            families.setdefault((column.kind, m.stem, m.quantity), []).append(column)
+    known = [point.name for point in arm.points]
+    found = []
+    for ((file, topic, where), stem, quantity), members in families.items():
+        wanted = "xyzw" if quantity == "orientation" else "xyz"
+        by_axis = {column.meaning.axis: column for column in members if column.meaning.axis in wanted}
+        axes = [axis for axis in wanted if axis in by_axis]
+        if quantity == "orientation" and len(axes) < 4:
+            continue
+        label = where[1] if where else ""
+        point = matched(f"{stem} {topic or ''} {label}", known) or matched(Path(file).stem, known)
+        proposal = Proposal([by_axis[axis] for axis in axes], quantity, ("point", point))
+        proposal.why["quantity"] = by_axis[axes[0]].meaning.why
+        if point:
+            proposal.why["point"] = "its name stands in the log's"
+        if quantity != "orientation" and axes != ["x", "y", "z"]:
+            proposal.keys["axes"] = axes
+        found.append(proposal)
+    return found
+
+
+def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm: Arm) -> list[Proposal]:
+    """Return points among columns without names: three in a row that move as one of the model's does.
+
+    Speeds (1) of `motion` correlate whatever the unit of angles is, as long as they are small or the joint is
+    the only one; the joints' columns are taken as radians of the output where nothing is known yet.
+    """
+    joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals)}
+    bare = [column for column in columns if isinstance(column.column, int) and not column.meaning.quantity]
+    found: list[Proposal] = []
+    taken = {p.place for p in proposals if p.quantity == "position" and not p.out}
+    for kind in dict.fromkeys(column.kind for column in bare if joints):
+        here = [column for column in bare if column.kind == kind]
+        best: tuple[float, str, list[Logged]] = (0.0, "", [])
+        for three in (here[k : k + 3] for k in range(len(here) - 2)):
+            measured = Track.of(three[0].time.seconds, [column.values for column in three])
+            if len(measured.time) < 9 or measured.size == 0:
+                continue
+            for point in (p.name for p in arm.points if ("point", p.name) not in taken):
+                alike = agreement(measured, rigid_track(arm, point, joints, range(3))).correlation
+                named = kind[2] is not None and matched(kind[2][1], [point]) == point
+                best = max(best, (alike + named, point, three), key=lambda each: each[0])
+        score, point, three = best
+        if score < ALIKE_SPEEDS:
+            continue
+        proposal = Proposal(three, "position", ("point", point))
+        proposal.why["columns"] = "without names: their speed goes with the model's point"
+        proposal.unknown["columns"] = "whether they are x, y, z in this order"
+        found.append(proposal)
+    return found
+
+
+def _is_message(column: Logged) -> bool:
+    return column.topic is not None and "[" in str(column.column)
+
+
+def settle_places(proposals: Sequence[Proposal], arm: Arm) -> None:
+    """Give joints and points to the signals whose names do not say them."""
+    joints, points = [joint.name for joint in arm.moving_joints], [point.name for point in arm.points]
+    families: dict[tuple[Any, str, str], list[Proposal]] = {}
+    for proposal in proposals:
+        if proposal.place[0] == "joint" and not proposal.place[1]:
+            stem = re.sub(r"\d+", "", proposal.first.meaning.stem)
+            families.setdefault((proposal.first.kind, stem, proposal.quantity), []).append(proposal)
+        elif not proposal.place[1] and len(points) == 1:
+            proposal.place = ("point", points[0])
+            proposal.why["point"] = "the model's only point"
+        elif not proposal.place[1]:
+            proposal.unknown["point"] = f"there are {', '.join(points) or 'none'}"
+            proposal.out = True
+    for family in families.values():
+        if len(family) == 1 and len(joints) == 1:
+            family[0].place = ("joint", joints[0])
+            family[0].why["joint"] = "the model's only joint that moves"
+        elif len(family) == len(joints):
+            for proposal, joint in zip(family, joints, strict=True):
+                proposal.place = ("joint", joint)
+                proposal.unknown["joint"] = "taken in the order of the model, as there are as many columns"
+        else:
+            for proposal in family:
+                proposal.unknown["joint"] = f"there are {', '.join(joints)}"
+                proposal.out = True
+
+
+def of_joint_type(proposal: Proposal, arm: Arm) -> bool:
+    """Return False for a length of a joint that turns, or an angle of one that slides."""
+    kind, joint = proposal.place
+    units, unit = QUANTITIES[proposal.quantity].units, proposal.first.meaning.unit
+    if kind != "joint" or not joint or len(units) < 2 or not unit:
+        return True
+    own = units[1] if arm.joint(joint).type == "prismatic" else units[0]
+    other = units[0] if own == units[1] else units[1]
+    return factor_to(own, unit) is not None or factor_to(other, unit) is None
+
+
+def settle_doubles(proposals: Sequence[Proposal]) -> None:
+    """Comment out further columns of the same quantity, place and side: one log has it once as a rule."""
+    seen: dict[tuple[str, tuple[str, str], Any], Proposal] = {}
+    for proposal in proposals:
+        key = (proposal.quantity, proposal.place, proposal.keys.get("side"))
+        if not proposal.out and seen.setdefault(key, proposal) is not proposal:
+            first = seen[key].first
+            proposal.unknown["columns"] = f"which is meant; {first.column!r} of {first.file} is taken"
+            proposal.out = True
