@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -36,8 +35,6 @@ OTHERS = {
 """First bytes of what no command reads."""
 SHEETS = (".xlsx", ".xlsm", ".xlsb", ".ods")
 """Endings of spreadsheets, which are zip archives."""
-TOML_LINE = re.compile(r"""\s*([\w."' -]+=|\[\[?[\w."' -]+\]\]?\s*(#.*)?$)""")
-"""A line that begins a value or a table of TOML."""
 ADVICE = "write a map and read it with `flexarm import` (docs/importing.md)"
 
 
@@ -74,7 +71,7 @@ def table_of_text(text: str) -> str | None:
 
 def prose(text: str) -> str | None:
     """Return a sentence on a text without a key or a table of TOML, or None."""
-    if any(TOML_LINE.match(line) for line in text.splitlines()):
+    if any("=" in line or line.lstrip().startswith("[") for line in text.splitlines()):
         return None
     return "is a plain text, without a key or a table of TOML"
 

@@ -305,7 +305,7 @@ def effect_class(name: str) -> type[Effect]:
     from difflib import get_close_matches  # only on the way to an error
 
     close = get_close_matches(name, KNOWN_EFFECTS, n=1)
-    hint = f", did you mean {close[0]!r}?" if close else ""
+    hint = f" (did you mean {close[0]!r}?)" if close else ""
     raise InvalidParameter(f"unknown effect {name!r}{hint}; known are {', '.join(KNOWN_EFFECTS)}")
 
 
