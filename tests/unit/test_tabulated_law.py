@@ -5,10 +5,12 @@ import json
 import numpy as np
 import pytest
 from arms import paper_arm
+from diagnoses import STIFFNESS, nominal, record
 
 import flexarm
 from flexarm.arm.parameter import parameters, with_value
 from flexarm.cli.run import run as command
+from flexarm.diagnosis.workflow import diagnose
 from flexarm.effects import JointCompliance, TabulatedLaw, TransmissionError
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.tables import toml_text
@@ -126,3 +128,11 @@ def test_a_model_with_a_law_is_viewed_linearised_and_checked(tmp_path, capsys):
 
 def test_a_search_does_not_propose_tables():
     assert not TabulatedLaw.competes
+
+
+def test_a_model_with_the_right_table_explains_a_record_of_a_soft_hinge():
+    """The rigid hinge winds up by T over the stiffness of the hinge that was measured."""
+    knots = (-900.0, -100.0, 100.0, 900.0)
+    law = LAW.replace(x=knots, value=tuple(torque / STIFFNESS for torque in knots))
+    found = diagnose(nominal().with_effect(law), [record(1)], jobs=1, step=1e-2)
+    assert found.verdict == "adequate" and not found.effects
