@@ -21,7 +21,7 @@ TABLE = {
     "quantity": "windup",
     "of": "torque",
     "x": [-400.0, 0.0, 400.0],
-    "value": [-2e-3, 0.0, 1e-3],
+    "value": [2e-3, 0.0, -1e-3],
 }
 LAW = TabulatedLaw(**{key: value for key, value in TABLE.items() if key != "name"})
 SPRING = JointCompliance(at="hinge", stiffness=1e5, damping=100.0)
@@ -69,7 +69,7 @@ def test_arrays_become_lists():
         ({"at": "rod"}, "at", "rod"),
         ({"at": "base"}, "at", "base"),
         ({"knots": []}, "knots", "unknown key; allowed are at, quantity, of, x, value, direction"),
-        ({"value": [2e-3, 0.0, -6e-3]}, "value", "must not fall with the torque by 1/stiffness = 1e-05"),
+        ({"value": [-2e-3, 0.0, 6e-3]}, "value", "must not rise with the torque by 1/stiffness = 1e-05"),
         (
             {"of": "motor_angle", "x": [0.0, 1e-3, 2e-3]},
             "value",
@@ -91,17 +91,17 @@ def test_a_ripple_and_a_windup_of_the_motor_that_turn_the_output_back_together_a
 
 
 def test_values_are_parameters_with_numbers_and_the_units_of_their_quantity():
-    assert LAW.parameters() == [("value.0", -2e-3, "rad"), ("value.1", 0.0, "rad"), ("value.2", 1e-3, "rad")]
-    assert LAW.with_parameters({"value.1": 1e-4}).value == (-2e-3, 1e-4, 1e-3)
-    assert LAW.value_of("value.2") == 1e-3
+    assert LAW.parameters() == [("value.0", 2e-3, "rad"), ("value.1", 0.0, "rad"), ("value.2", -1e-3, "rad")]
+    assert LAW.with_parameters({"value.1": 1e-4}).value == (2e-3, 1e-4, -1e-3)
+    assert LAW.value_of("value.2") == -1e-3
     with pytest.raises(InvalidParameter, match=r"has no parameter 'value\.3'"):
         LAW.with_parameters({"value.3": 0.0})
     arm = paper_arm(1).replace(effects=(SPRING, LAW))
     found = parameters(arm, ["effects.tabulated_law.hinge.value"])
     assert [each.key for each in found] == [f"effects.tabulated_law.hinge.value.{k}" for k in range(3)]
     assert {each.unit for each in found} == {"rad"}
-    changed = with_value(arm, "effects.tabulated_law.hinge.value.2", 4e-3)
-    assert changed.effect("tabulated_law", "hinge").value == (-2e-3, 0.0, 4e-3)
+    changed = with_value(arm, "effects.tabulated_law.hinge.value.2", -4e-3)
+    assert changed.effect("tabulated_law", "hinge").value == (2e-3, 0.0, -4e-3)
     for wrong in ("value.3", "value.x"):
         with pytest.raises(InvalidParameter, match=r"value (has 3 components|)"):
             parameters(arm, [f"effects.tabulated_law.hinge.{wrong}"])
@@ -131,8 +131,8 @@ def test_a_search_does_not_propose_tables():
 
 
 def test_a_model_with_the_right_table_explains_a_record_of_a_soft_hinge():
-    """The rigid hinge winds up by T over the stiffness of the hinge that was measured."""
+    """The rigid hinge stays behind by T over the stiffness of the hinge that was measured."""
     knots = (-900.0, -100.0, 100.0, 900.0)
-    law = LAW.replace(x=knots, value=tuple(torque / STIFFNESS for torque in knots))
+    law = LAW.replace(x=knots, value=tuple(-torque / STIFFNESS for torque in knots))
     found = diagnose(nominal().with_effect(law), [record(1)], jobs=1, step=1e-2)
     assert found.verdict == "adequate" and not found.effects

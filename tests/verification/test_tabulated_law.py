@@ -29,9 +29,9 @@ LEVEL = np.pi / 2
 SPRING = JointCompliance(at="hinge", stiffness=K, damping=C)
 TORQUES = (-450.0, -150.0, 0.0, 200.0, 450.0)
 SOFTENING = TabulatedLaw(
-    at="hinge", quantity="windup", of="torque", x=TORQUES, value=(-3e-3, -5e-4, 0.0, 6e-4, 2e-3)
+    at="hinge", quantity="windup", of="torque", x=TORQUES, value=(3e-3, 5e-4, 0.0, -6e-4, -2e-3)
 )
-"""A windup that grows faster than the torque."""
+"""A windup that falls faster than the torque grows."""
 OTHERS = (
     ("windup", "angle", (-0.2, 0.3, 0.9, 1.7), (1e-3, 2e-3, -5e-4, -1.5e-3)),
     ("windup", "motor_angle", (-0.2, 0.3, 0.9, 1.7), (1e-3, 2e-3, -5e-4, -1.5e-3)),
@@ -85,9 +85,9 @@ def close(one: flexarm.Simulation, two: flexarm.Simulation, part: float = 1e-9) 
 
 
 @pytest.mark.parametrize("slope", [4e-6, -4e-6], ids=["softer", "stiffer"])
-def test_a_windup_that_grows_with_the_torque_is_a_softer_spring(slope):
+def test_a_windup_that_falls_with_the_torque_is_a_softer_spring(slope):
     """1/k' = 1/k + c, with the same damper; Newton's iterations leave 1e-9."""
-    wound = arm(SPRING, line("windup", "torque", slope))
+    wound = arm(SPRING, line("windup", "torque", -slope))
     soft = arm(SPRING.replace(stiffness=1 / (1 / K + slope)))
     rest, expected = (flexarm.static(model, {"hinge": 1.1}) for model in (wound, soft))
     assert rest.position == pytest.approx(expected.position, rel=1e-10)
@@ -118,7 +118,7 @@ def test_a_windup_by_a_sine_of_the_motor_is_a_transmission_error(spring):
         quantity="windup",
         of="motor_angle",
         x=tuple(phi),
-        value=tuple(-amplitude * np.sin(5 * phi + 0.4)),
+        value=tuple(amplitude * np.sin(5 * phi + 0.4)),
     )
     wave = TransmissionError(at="hinge", amplitude=amplitude, multiple=1.0, phase=0.4)
     one, two, plain = (moved(arm(*spring, *effect)) for effect in ([table], [wave], []))
@@ -135,10 +135,10 @@ def wound_by(law: TabulatedLaw, run: flexarm.Simulation) -> NDArray:
 
 @pytest.mark.parametrize("law", [LAWS[0], LAWS[1], LAWS[3]], ids=lambda law: law.of)
 def test_the_reducer_winds_up_by_its_spring_and_its_table_at_every_instant(law):
-    """phi - theta = (T - c (phi' - theta'))/k + w."""
+    """phi + w - theta = (T - c (phi' - theta'))/k."""
     run = moved(arm(SPRING, law, rotor_inertia=0.0))
     spring = run.joint_torque - C * (run.drive_rate - run.joint_rate)
-    expected = spring / K + wound_by(law, run)
+    expected = spring / K - wound_by(law, run)
     assert run.drive_angle - run.joint_angle == pytest.approx(expected, abs=1e-8)
     assert np.ptp(wound_by(law, run)) > 5e-4
 
@@ -158,10 +158,10 @@ def test_a_windup_of_a_rigid_joint_moves_its_drive(law):
     model = arm(law, rotor_inertia=0.0)
     run = moved(model)
     if law.of == "motor_angle":
-        assert run.drive_angle - run.joint_angle == pytest.approx(law(run.drive_angle), abs=1e-10)
+        assert run.drive_angle - run.joint_angle == pytest.approx(-law(run.drive_angle), abs=1e-10)
         return
     states = {"angle": run.joint_angle, "rate": run.joint_rate, "torque": run.joint_torque}
-    expected = law(states[law.of]) + run.joint_torque / 1e9
+    expected = run.joint_torque / 1e9 - law(states[law.of])
     assert run.drive_angle - run.joint_angle == pytest.approx(expected, abs=1e-8)
 
 
@@ -172,7 +172,7 @@ def test_at_rest_the_arm_obeys_its_table(law):
     y = {"angle": theta, "motor_angle": 1.2, "rate": 0.0, "torque": torque}[law.of]
     lost = float(law(y)) if law.quantity == "torque" else 0.0
     wound = 0.0 if law.quantity == "torque" else float(law(y))
-    assert 1.2 - theta == pytest.approx((torque + lost) / K + wound, abs=1e-11)
+    assert 1.2 - theta == pytest.approx((torque + lost) / K - wound, abs=1e-11)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=NAMES)
@@ -188,7 +188,7 @@ def test_backlash_and_windup_of_the_torque_add_up():
     gap = 4e-4
     found = flexarm.static(arm(SPRING, Backlash(at="hinge", gap=gap), SOFTENING), {"hinge": LEVEL})
     torque = float(found.joint_torque[0])
-    d = torque / K + float(SOFTENING(torque)) + np.sign(torque) * gap / 2
+    d = torque / K - float(SOFTENING(torque)) + np.sign(torque) * gap / 2
     assert LEVEL - float(found.link_angle[0]) == pytest.approx(d, abs=1e-4 * gap)
 
 
@@ -198,7 +198,7 @@ def test_friction_is_lost_behind_the_spring_that_winds_up():
     run = moved(model)
     d = run.drive_angle - run.joint_angle
     w = np.interp(d, *spring_curve())
-    spring = K * (d - w)
+    spring = K * (d + w)
     lost = np.abs(spring - run.joint_torque)
     assert lost.max() == pytest.approx(30.0, abs=0.1)
 
@@ -206,7 +206,7 @@ def test_friction_is_lost_behind_the_spring_that_winds_up():
 def spring_curve() -> tuple[NDArray, NDArray]:
     """Deflection and windup of SOFTENING on the spring without a damper."""
     T = np.linspace(-600, 600, 20001)
-    return T / K + SOFTENING(T), SOFTENING(T)
+    return T / K - SOFTENING(T), SOFTENING(T)
 
 
 # --------------------------------------------------------------------------------- the table
@@ -227,7 +227,7 @@ def test_the_table_is_scipys_monotone_cubic_and_held_beyond_its_ends():
 
 def test_beyond_the_ends_the_torque_no_longer_grows():
     """The level arm puts -620 N m on the hinge, beyond the first knot of -100 N m."""
-    law = TabulatedLaw(at="hinge", quantity="windup", of="torque", x=(-100.0, 100.0), value=(-1e-3, 1e-3))
+    law = TabulatedLaw(at="hinge", quantity="windup", of="torque", x=(-100.0, 100.0), value=(1e-3, -1e-3))
     found = flexarm.static(arm(SPRING, law), {"hinge": LEVEL})
     torque = float(found.joint_torque[0])
     assert torque < -400
@@ -295,19 +295,19 @@ def complex_pchip(x: NDArray, y: NDArray, at: NDArray) -> NDArray:
 
 @pytest.mark.parametrize("k", range(5))
 def test_a_rigid_joint_has_the_derivatives_of_a_complex_step(k):
-    """theta = phi - w(phi), so dtheta/dvalue = -dw/dvalue, exact by a complex step."""
+    """theta = phi + w(phi), so dtheta/dvalue = dw/dvalue, exact by a complex step."""
     x, y = np.array([0.0, 0.3, 0.5, 0.9, 1.5]), np.array([2e-3, 1e-3, -4e-4, -1e-3, -3e-3])
     law = TabulatedLaw(at="hinge", quantity="windup", of="motor_angle", x=tuple(x), value=tuple(y))
     key = f"effects.tabulated_law.hinge.value.{k}"
     run = flexarm.simulate(arm(law), turn(), step=2e-3, sensitivities=[key])
     assert run.sensitivities is not None
     step = 1e-30j * (np.arange(5) == k)
-    exact = -complex_pchip(x, y + step, run.drive_angle[:, 0]).imag / 1e-30
+    exact = complex_pchip(x, y + step, run.drive_angle[:, 0]).imag / 1e-30
     assert run.sensitivities.by(key)["joint_angle"][:, 0] == pytest.approx(exact, abs=1e-8)
 
 
 def test_the_derivative_of_a_windup_of_the_torque_solves_its_equation():
-    """At rest T is given: d(phi - theta)/dvalue = dw/dvalue (1 + ...) with gravity's small turn left in T."""
+    """At rest T is given: d(theta - phi)/dvalue = dw/dvalue + ... with gravity's small turn left in T."""
     key = "effects.tabulated_law.hinge.value.3"
     model = arm(SPRING, SOFTENING)
     found = flexarm.static(model, {"hinge": LEVEL}, sensitivities=[key])
@@ -316,9 +316,9 @@ def test_the_derivative_of_a_windup_of_the_torque_solves_its_equation():
     x, y = np.array(TORQUES), np.array(SOFTENING.value)
     w = complex_pchip(x, y + 1e-30j * (np.arange(5) == 3), np.array([torque])).imag[0] / 1e-30
     d_torque = float(found.sensitivities.by(key)["joint_torque"][0])
-    slope = 1 / K + (float(SOFTENING(torque + 0.01)) - float(SOFTENING(torque - 0.01))) / 0.02
+    slope = 1 / K - (float(SOFTENING(torque + 0.01)) - float(SOFTENING(torque - 0.01))) / 0.02
     d_theta = float(found.sensitivities.by(key)["link_angle"][0])
-    assert -d_theta == pytest.approx(w + slope * d_torque, rel=1e-6)
+    assert d_theta == pytest.approx(w - slope * d_torque, rel=1e-6)
 
 
 # ------------------------------------------------------------------------- several joints
@@ -345,7 +345,7 @@ def test_two_joints_with_tables_move_in_space_as_their_springs_do():
         ).replace(effects=effects)
 
     springs = [JointCompliance(at=at, stiffness=2e4, damping=30.0) for at in ("turn", "lift")]
-    table = line("windup", "torque", 2e-5)
+    table = line("windup", "torque", -2e-5)
     tables = [table.replace(at=at) for at in ("turn", "lift")]
     soft = [JointCompliance(at=at, stiffness=1 / (1 / 2e4 + 2e-5), damping=30.0) for at in ("turn", "lift")]
     motion = drive(

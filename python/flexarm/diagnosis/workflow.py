@@ -21,6 +21,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fit_statistics import fit_statistics
 from flexarm.diagnosis.homogeneity import constancy
 from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
@@ -203,7 +204,7 @@ def _diagnosis(
     curves: tuple[LawCurve, ...] = ()
     if laws and found.verdict == "unexplained" and allows("the missing law was sought"):
         tell(0.92, "missing law")
-        curves = missing_laws(problem, choice.best, parted.held_out, seen.main_signal)
+        curves = missing_laws(problem, _simplest_first(choice), parted.held_out, seen.main_signal)
     told = Diagnosis(
         found.verdict,
         arm,
@@ -283,6 +284,11 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
     return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
+
+
+def _simplest_first(choice: Choice) -> list[Fit]:
+    """Return the fits about which a law is sought: effects of an unexplained gap may imitate parts of it."""
+    return [choice.null, choice.best] if choice.best.members else [choice.best]
 
 
 def _sizes(choice: Choice, problem: Problem) -> Estimates:

@@ -1,12 +1,13 @@
 r"""A law that a table gives: windup of a joint, or torque at its output bearing, of a state of the joint.
 
-.. math:: \psi - \theta = d + w(y), \qquad T = T_s(d)                                                   (1)
+.. math:: T = T_s(d + w(y)), \qquad d = \psi - \theta                                                   (1)
 .. math:: T \leftarrow T - f(y)                                                                       (2)
 
-A `windup` w [rad] adds to the deflection d that the torque makes of the reducer's spring T_s, eq. (1): a
-table w = c T makes a spring of stiffness k one of 1/(1/k + c). A `torque` f [N m] is lost by T as friction
-is, eq. (2). The table is a function of y: of the `angle` \theta [rad] of the link or of its `rate` [rad/s],
-of the `motor_angle` \varphi over the gear ratio [rad], or, a windup alone, of the `torque` T_s [N m].
+A `windup` w [rad] is added to the deflection d of the reducer's spring T_s, eq. (1), and so turns the link
+forward: a table w = -c T makes a spring of stiffness k one of 1/(1/k + c). A `torque` f [N m] is lost by T as
+friction is, eq. (2). The table is a function of y: of the `angle` \theta [rad] of the link, of its `rate`
+[rad/s], of the `motor_angle` \varphi over the gear ratio [rad], or, a windup alone, of the `torque` T_s
+[N m].
 
 Between knots the table is a monotone cubic [Fritsch1984]_, beyond them it holds its first and last value. A
 windup of the torque is solved within the spring; of the motor's angle it is a part of the teeth's map, as
@@ -110,13 +111,15 @@ class TabulatedLaw(Effect):
 
     def __call__(self, y: ArrayLike) -> NDArray[np.float64]:
         """Return the table at y [rad, rad/s or N m], shape of y."""
-        return np.asarray(self.table()(np.asarray(y, float)))
+        sign = -1.0 if self.quantity == "windup" else 1.0
+        return sign * np.asarray(self.table()(np.asarray(y, float)))
 
     def table(self) -> _core.MonotoneCubic:
-        """Return the table as the core takes it."""
+        """Return the table as the core takes it: it counts by what a windup leaves the link behind, -w."""
         from flexarm import _core
 
-        return _core.MonotoneCubic(self.x, self.value)
+        behind = self.quantity == "windup"
+        return _core.MonotoneCubic(self.x, [-each for each in self.value] if behind else self.value)
 
     def patch(self, machine: Machine) -> None:
         """Add the table to the teeth, the spring or the output bearing, eqs. (1), (2)."""
@@ -147,8 +150,8 @@ class TabulatedLaw(Effect):
         if self.of == "torque" and -low * k >= 1:
             yield (
                 "value",
-                f"must not fall with the torque by 1/stiffness = {1 / k:.3g} rad/(N m) or more, which would "
-                f"leave the spring none; the table falls by {-low:.3g}",
+                f"must not rise with the torque by 1/stiffness = {1 / k:.3g} rad/(N m) or more, which would "
+                f"leave the spring none; the table rises by {-low:.3g}",
             )
 
     def parameters(self) -> list[tuple[str, float, str]]:
@@ -174,5 +177,5 @@ class TabulatedLaw(Effect):
             quantity="windup",
             of="torque",
             x=(-400.0, -40.0, 40.0, 400.0),
-            value=(-4e-4, -2e-4, 2e-4, 4e-4),
+            value=(4e-4, 2e-4, -2e-4, -4e-4),
         )

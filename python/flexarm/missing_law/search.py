@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -32,19 +32,21 @@ NORMAL90 = 1.645
 
 def missing_laws(
     problem: Problem,
-    fit: Fit,
+    fits: Sequence[Fit],
     held_out: Mapping[str, Record],
     signal: str,
     policy: LawPolicy | None = None,
 ) -> tuple[LawCurve, ...]:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
+    The first model that a function of a state completes is taken, or the last one.
+
     Parameters
     ----------
     problem : Problem
         Records of motions along drives; of others nothing is inferred.
-    fit : Fit
-        The model that leaves a gap.
+    fits : sequence of Fit
+        Models that leave a gap, the simplest first.
     held_out : dict of str to Record
         What the law is checked with.
     signal : str
@@ -57,7 +59,18 @@ def missing_laws(
     tuple of LawCurve
         Empty if no latent motion is more likely than none by `policy.evidence`.
     """
-    policy = policy or LawPolicy()
+    found: tuple[LawCurve, ...] = ()
+    for fit in fits:
+        found = _about(problem, fit, held_out, signal, policy or LawPolicy())
+        if any(each.kind not in ("time", "none") for each in found):
+            break
+    return found
+
+
+def _about(
+    problem: Problem, fit: Fit, held_out: Mapping[str, Record], signal: str, policy: LawPolicy
+) -> tuple[LawCurve, ...]:
+    """Return the laws about one model."""
     if not _applies(problem, fit):
         return ()
     found = []
@@ -210,8 +223,8 @@ def _softening(latent: Latent, law: Law) -> str:
     if law.of != "torque" or not stiffness:
         return ""
     slope, std = _slope(latent, law)
-    part = 1 - 1 / (1 + stiffness * slope)
-    error = stiffness * std / (1 + stiffness * slope) ** 2
+    part = 1 - 1 / (1 - stiffness * slope)  # 1/k' = 1/k - slope
+    error = stiffness * std / (1 - stiffness * slope) ** 2
     word = "softer" if part > 0 else "stiffer"
     return f": there it is {100 * abs(part):.0f} ± {max(100 * error, 1):.0f} % {word}"
 

@@ -17,7 +17,7 @@ INSTANT = 9.0
 
 def softening(t, states):
     """A quarter of the stiffness is lost at an instant: 1/k grows by a third."""
-    return np.where(t > INSTANT, states["torque"] / STIFFNESS / 3, 0.0)
+    return np.where(t > INSTANT, -states["torque"] / STIFFNESS / 3, 0.0)
 
 
 def bump(t, states):
@@ -41,7 +41,7 @@ def nothing(t, states):
 
 def found_of(windup, **held_out):
     problem, estimator = problem_of(windup)
-    return missing_laws(problem, estimator.fit(()), held_out, "tip")
+    return missing_laws(problem, [estimator.fit(())], held_out, "tip")
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_a_torque_and_its_windup_explain_alike_and_are_both_shown():
 @pytest.mark.parametrize("seed", [3, 4, 5, 6])
 def test_nothing_is_drawn_where_nothing_is_missing(seed):
     problem, estimator = problem_of(nothing, seed)
-    assert missing_laws(problem, estimator.fit(()), {}, "tip") == ()
+    assert missing_laws(problem, [estimator.fit(())], {}, "tip") == ()
 
 
 def test_the_linear_response_is_that_of_simulated_windups():
