@@ -17,4 +17,11 @@ def load_script(example: str, name: str) -> ModuleType:
         spec.loader.exec_module(module)
     finally:
         sys.path.remove(str(folder))
+        for sibling in [name for name, each in sys.modules.items() if _is_beside(each, folder)]:
+            del sys.modules[sibling]  # other examples have modules of the same names
     return module
+
+
+def _is_beside(module: ModuleType, folder: Path) -> bool:
+    file = getattr(module, "__file__", None)
+    return file is not None and Path(file).parent == folder

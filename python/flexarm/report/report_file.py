@@ -269,7 +269,8 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         "details": _details(d),
         "laws": [law_dict(law) for law in d.laws],
     }
-    return ReportFile.model_validate(plain(content)).model_dump(mode="json")
+    without = None if d.laws else {"laws"}
+    return ReportFile.model_validate(plain(content)).model_dump(mode="json", exclude=without)
 
 
 def law_dict(law: LawCurve) -> dict[str, Any]:
