@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.comparison.comparison import frame_words
 from flexarm.report.gap_tables import gap_tables
+from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
     foretold_sentence,
     headline,
@@ -33,6 +34,7 @@ def summary(diagnosis: Diagnosis) -> str:
             *_wrapped(verdict_sentence(diagnosis)),
             *_wrapped(foretold_sentence(diagnosis)),
         ],
+        _laws(diagnosis),
         _effects(diagnosis),
         _refined(diagnosis),
         _nuisances(diagnosis),
@@ -51,6 +53,16 @@ def _wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
         break_long_words=False,
         break_on_hyphens=False,
     )
+
+
+def _laws(diagnosis: Diagnosis) -> list[str]:
+    """Return lines on the missing laws, each with its probability and the gap of held-out data with it."""
+    lines: list[str] = []
+    for row in law_rows(diagnosis):
+        text = f"missing law, probability {row['probability']}: {row['says']}"
+        shrinks = "" if row["held_out"] == "–" else f" Held out: {row['held_out']}."
+        lines += _wrapped(text + shrinks, then="  ")
+    return lines
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:

@@ -117,6 +117,7 @@ def test_a_diagnosis_tells_the_law_and_keeps_it(tmp_path):
     assert found.verdict == "unexplained"
     law = found.laws[0]
     assert (law.at, law.of, law.kind) == ("hinge", "torque", "change")
+    assert "missing law" in found.summary() and "25 ± 1 % softer" in " ".join(found.summary().split())
     found.save(tmp_path / "found")
     assert "What is missing has this shape" in (tmp_path / "found" / "report.html").read_text()
     again = flexarm.Diagnosis.load(tmp_path / "found").laws[0]
