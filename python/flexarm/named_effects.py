@@ -5,6 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+Place = str | tuple[str, ...]
+"""Where an effect sits: a place, or all places of a family."""
+
+
+def place_text(at: Place) -> str:
+    """Return a place, or places with commas."""
+    return at if isinstance(at, str) else ", ".join(at)
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -34,14 +42,14 @@ class Alternative:
 
     Attributes
     ----------
-    name, at : str
+    name, at : str and Place
         Effect and place.
     probability : float
         Among the named effect and its alternatives.
     """
 
     name: str
-    at: str
+    at: Place
     probability: float
 
 
@@ -51,7 +59,7 @@ class NamedEffect:
 
     Attributes
     ----------
-    name, at : str
+    name, at : str and Place
         Effect and place.
     probability : float
         That this is the effect, all alternatives considered.
@@ -64,11 +72,16 @@ class NamedEffect:
     """
 
     name: str
-    at: str
+    at: Place
     probability: float
     parameters: tuple[Estimate, ...] = ()
     alternatives: tuple[Alternative, ...] = ()
     evidence: str = ""
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Return its place, or all places of a family."""
+        return (self.at,) if isinstance(self.at, str) else self.at
 
 
 @dataclass(frozen=True)
@@ -100,7 +113,7 @@ class Rejected:
     """
 
     name: str
-    at: str
+    at: Place
     log_bayes_factor: float
     why: str
 

@@ -113,18 +113,31 @@ def effect_words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def place_words(name: str, at: str) -> str:
+SPELT_OUT = 4
+"""Most places of a family that are spelt out in a sentence; its parameters name all."""
+
+
+def place_words(name: str, at: str | Sequence[str]) -> str:
     """Return an effect with its place, and what kind of thing that is where the effect's name does not say
-    it.
+    it; or with the places of a family.
 
     >>> place_words("backlash", "hinge"), place_words("link_mass", "rod"), place_words("base_tilt", "base")
     ('backlash at joint hinge', 'link mass at rod', 'base tilt')
+    >>> (
+    ...     place_words("viscous_friction", ["a", "b"]),
+    ...     place_words("joint_compliance", ("a", "b", "c", "d", "e")),
+    ... )
+    ('viscous friction at joints a and b', 'joint compliance at 5 joints')
     """
     kind = KNOWN_EFFECTS.get(name, "")
     if at == "base":
         return effect_words(name)
     said = " or " in kind or kind in name.split("_")
-    return f"{effect_words(name)} at {at if said else f'{kind} {at}'.strip()}"
+    if isinstance(at, str):
+        return f"{effect_words(name)} at {at if said else f'{kind} {at}'.strip()}"
+    if len(at) > SPELT_OUT:
+        return f"{effect_words(name)} at {len(at)} {'places' if ' or ' in kind else f'{kind}s'}"
+    return f"{effect_words(name)} at {listed(at) if said else f'{kind}s {listed(at)}'}"
 
 
 def probability(value: float) -> str:

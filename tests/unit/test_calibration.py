@@ -16,6 +16,7 @@ from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.comparison.poses import solve_poses
+from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Frame
@@ -165,7 +166,8 @@ def test_nothing_uncertain_is_refused():
 def family(spread: float) -> Family:
     prior = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
     members = tuple(FreeParameter.of_family(f"k{k}", prior, spread, None) for k in range(3))
-    return Family("joint_compliance", "stiffness", prior, members, ("a", "b", "c"), spread, spread)
+    hierarchy = HierarchicalPrior.of(prior, spread, CalibrationPolicy.spread_members)
+    return Family("joint_compliance", "stiffness", prior, members, ("a", "b", "c"), hierarchy)
 
 
 def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():
@@ -179,9 +181,8 @@ def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():
 
 def test_the_spread_is_between_its_prior_and_that_of_the_members():
     """Eq. (3) with nu = 2, tau_0 = 0.5 and members at -1, 0 and 1 about a shared size that is free."""
-    policy = CalibrationPolicy()
     u = log(1e4) + np.array([-1.0, 0.0, 1.0])
-    found = family(0.5).with_spread(u, np.zeros(3), policy).spread
+    found = family(0.5).with_spread(u, np.zeros(3)).spread
     assert found**2 == approx((2 * 0.25 + 2.0) / 5)
 
 

@@ -171,6 +171,14 @@ class Effect(EffectTraits):
         return cls.torque_at == "output" or (cls.place == "joint" and cls.requires is not None)
 
     @classmethod
+    def forms_families(cls) -> bool:
+        """Return True if one cause may give it to all joints or sensors at once: what these are made like.
+
+        Waves have phases of their own, and fits that need many starts, or another effect, need them apart.
+        """
+        return cls.place in ("joint", "signal") and not (cls.is_wave or cls.multistart or cls.requires)
+
+    @classmethod
     def typical(cls, at: str, arm: Arm) -> Self:
         """Return the effect with the typical values of its priors."""
         required: dict[str, Any] = {

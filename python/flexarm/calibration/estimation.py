@@ -123,7 +123,7 @@ class Estimation:
         """Return the same with spreads of families about estimates with these variances."""
         places = [self.columns(family) for family in self.families]
         families = (
-            family.with_spread(u[columns], variance[columns], self.policy)
+            family.with_spread(u[columns], variance[columns])
             for family, columns in zip(self.families, places, strict=True)
         )
         return replace(self, families=tuple(families))

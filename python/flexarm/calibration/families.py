@@ -1,29 +1,13 @@
-r"""Families: one effect at all places of a kind, as one hypothesis with a hierarchical prior.
+"""Families: one effect at all places of a kind, as one hypothesis with a hierarchical prior.
 
-Sizes that are positive are alike in the logarithm u = ln p,
-
-.. math:: u_i \sim N(\mu, \tau^2), \quad \mu \sim N(m, s^2)                                            (1)
-
-with mode m and s of the effect's own prior: a member that the data hardly know stays near the shared size
-exp(mu). Errors that may have either sign have no shared value but a shared size,
-
-.. math:: u_i \sim N(0, \tau^2)                                                                        (2)
-
-The spread tau is estimated: its posterior mode given estimates u and their variances v,
-
-.. math:: \tau^2 = \frac{\nu \tau_0^2 + \sum_i \left((u_i - \mu)^2 + v_i\right)}{\nu + n}             (3)
-
-where a prior spread tau_0 counts as nu members: of (1) `CalibrationPolicy.spread`, of (2) the effect's own
-sigma. Source: [Gelman2013], chapter 5; (3) is a step of expectation maximisation [Dempster1977].
+Eqs. (1) to (3) are those of `diagnosis.hierarchical_prior`. The policy has tau_0 of (1) as `spread` and nu as
+`spread_members`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import log, sqrt
-
-import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect, effect_class
@@ -34,6 +18,7 @@ from flexarm.arrays import Floats
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.candidate_places import places_of
+from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
 from flexarm.diagnosis.parameters import ACROSS
 from flexarm.diagnosis.problem import Problem
@@ -54,10 +39,8 @@ class Family:
         One a place.
     places : tuple of str
         Of the members.
-    spread : float
-        tau of (1) or (2).
-    prior_spread : float
-        tau_0 of (3).
+    hierarchy : HierarchicalPrior
+        Of the members.
     """
 
     effect: str
@@ -65,41 +48,34 @@ class Family:
     prior: Prior
     members: tuple[FreeParameter, ...]
     places: tuple[str, ...]
-    spread: float
-    prior_spread: float
+    hierarchy: HierarchicalPrior
+
+    @property
+    def spread(self) -> float:
+        """Return tau."""
+        return self.hierarchy.spread
 
     @property
     def shared(self) -> bool:
         """Return True if the members have a shared value, eq. (1)."""
-        return self.prior.scale == "log"
+        return self.hierarchy.shared
 
     @property
     def hyperprior(self) -> tuple[float, float]:
         """Return m and s of (1); zeros of (2)."""
-        if not self.shared:
-            return 0.0, 0.0
-        low, mode, high = (log(value) for value in (self.prior.low, self.prior.typical, self.prior.high))
-        return mode, (high - low) / (2 * QUANTILE)
+        return self.hierarchy.hyperprior
 
     def precision(self) -> Floats:
         """Return the inverse of the prior covariance of the members, shape (n, n)."""
-        n = len(self.members)
-        covariance = self.hyperprior[1] ** 2 * np.ones((n, n)) + self.spread**2 * np.eye(n)
-        return np.asarray(np.linalg.inv(covariance))
+        return self.hierarchy.precision(len(self.members))
 
     def shared_value(self, u: Floats) -> float:
         """Return the posterior mean of mu given the members' u; 0 of (2)."""
-        m, s = self.hyperprior
-        if not self.shared:
-            return 0.0
-        weights = 1 / self.spread**2, 1 / s**2
-        return float((weights[0] * u.sum() + weights[1] * m) / (weights[0] * len(u) + weights[1]))
+        return self.hierarchy.shared_value(u)
 
-    def with_spread(self, u: Floats, variance: Floats, policy: CalibrationPolicy) -> Family:
+    def with_spread(self, u: Floats, variance: Floats) -> Family:
         """Return the same with the spread of (3)."""
-        nu, n = policy.spread_members, len(u)
-        squares = float(np.sum((u - self.shared_value(u)) ** 2 + variance))
-        return replace(self, spread=sqrt((nu * self.prior_spread**2 + squares) / (nu + n)))  # eq. (3)
+        return replace(self, hierarchy=self.hierarchy.updated(u, variance))
 
 
 def with_families(
@@ -186,16 +162,14 @@ def _nowhere(kind: type[Effect]) -> str:
 
 def _family(members: Sequence[tuple[str, Prior, Effect]], policy: CalibrationPolicy) -> Family:
     parameter, prior, first = members[0]
-    spread = policy.spread if prior.scale == "log" else (prior.high - prior.low) / (2 * QUANTILE)
+    hierarchy = HierarchicalPrior.of(prior, policy.spread, policy.spread_members)
     free = tuple(
         FreeParameter.of_family(
             f"effects.{effect.name}.{effect.at}.{name}",
             each,
-            spread,
+            hierarchy.spread,
             None if effect.smooth else ACROSS * (each.high - each.low) / (2 * QUANTILE),
         )
         for name, each, effect in members
     )
-    return Family(
-        first.name, parameter, prior, free, tuple(effect.at for _, _, effect in members), spread, spread
-    )
+    return Family(first.name, parameter, prior, free, tuple(effect.at for _, _, effect in members), hierarchy)

@@ -94,8 +94,9 @@ class Criteria:
             abs(value - stated[key].centre) / stated[key].sigma
             for member in new.members
             if member.place not in old.places
-            for name, value, _ in member.effect.parameters()
-            if (key := f"effects.{member.name}.{member.at}.{name}") in stated
+            for name, value, _ in member.parameters_in(new.nuisance.arm)
+            for key in member.keys_of(name)
+            if key in stated
         ]
         return bool(pulls) and max(pulls) < self.policy.pull
 

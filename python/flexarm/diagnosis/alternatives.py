@@ -34,6 +34,7 @@ from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import ROUNDS, further
 from flexarm.diagnosis.screening import Probed, screen, sharpened
+from flexarm.named_effects import Place
 
 NEARER = 0.3
 """Least gain of ln Z in a step of a rival that comes nearer, made or foretold: a tenth of what decides."""
@@ -158,7 +159,7 @@ def without(others: tuple[Candidate, ...], estimator: Estimator, tried: Sequence
         return next((f for f in reversed(tried) if set(f.places) == places), None)
 
 
-def _known(best: Fit, others: set[tuple[str, str]], tried: Sequence[Fit]) -> dict[tuple[str, str], Fit]:
+def _known(best: Fit, others: set[tuple[str, Place]], tried: Sequence[Fit]) -> dict[tuple[str, Place], Fit]:
     """Models that were tried and differ from the chosen one by one effect, by its place."""
     return {
         next(iter(set(f.places) - others)): f
@@ -173,7 +174,7 @@ def _peer(best: Fit, tried: Sequence[Fit]) -> Fit:
 
 
 def _near(
-    known: Mapping[tuple[str, str], Fit],
+    known: Mapping[tuple[str, Place], Fit],
     wanted: Sequence[Candidate],
     best: Fit,
     problem: Problem,
@@ -188,7 +189,7 @@ def _near(
 
 
 def _soft_elsewhere(
-    known: Mapping[tuple[str, str], Fit],
+    known: Mapping[tuple[str, Place], Fit],
     wanted: Sequence[Candidate],
     best: Fit,
     before: float,

@@ -7,8 +7,12 @@ from dataclasses import dataclass, field, replace
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
-from flexarm.arm.joint_units import priors_in
+from flexarm.arm.joint_units import parameters_in, priors_in
 from flexarm.arm.prior import Prior
+from flexarm.named_effects import Place
+
+WEIGHT = 1 / 3
+"""Of priors in fits: `diagnosis.least_squares`."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +51,24 @@ class Candidate:
         return self.effect.name
 
     @property
-    def at(self) -> str:
+    def at(self) -> Place:
         """Return the name of its place."""
         return self.effect.at
 
     @property
-    def place(self) -> tuple[str, str]:
+    def place(self) -> tuple[str, Place]:
         """Return name and place: candidates of one place are variants of one effect."""
         return self.name, self.at
+
+    @property
+    def spot(self) -> tuple[str, str]:
+        """Return name and place, of a family those of its first place."""
+        return self.name, self.effect.at
+
+    @property
+    def spots(self) -> frozenset[tuple[str, str]]:
+        """Return name and place of each effect that it puts into a model."""
+        return frozenset({self.spot})
 
     @property
     def stands_on(self) -> tuple[str, str] | None:
@@ -64,6 +78,43 @@ class Candidate:
     def priors_in(self, arm: Arm) -> dict[str, Prior]:
         """Return the priors of all parameters in a model."""
         return {**priors_in(self.effect, arm), **self.priors}
+
+    def prior_weight(self, name: str) -> float:
+        """Return the weight of a parameter's prior in a fit, which need not know this machine."""
+        return WEIGHT
+
+    @property
+    def hyperprior_cost(self) -> float:
+        """Return ln of the evidence of what its priors were estimated from, 0 where nothing was."""
+        return 0.0
+
+    def parameters_in(self, arm: Arm) -> list[tuple[str, float, str]]:
+        """Return all parameters as (name, value, unit) in a model."""
+        return parameters_in(self.effect, arm)
+
+    def value_of(self, name: str) -> float:
+        """Return a parameter."""
+        return self.effect.value_of(name)
+
+    def with_parameters(self, values: Mapping[str, float]) -> Candidate:
+        """Return the same with other values."""
+        return replace(self, effect=self.effect.with_parameters(values))
+
+    def keys_of(self, name: str) -> list[str]:
+        """Return the model's parameters that a parameter is the value of."""
+        return [f"effects.{self.name}.{self.effect.at}.{name}"]
+
+    def is_size(self, name: str) -> bool:
+        """Return True if a parameter says how much of the effect there is."""
+        return name == self.free[0]
+
+    def opened(self) -> Candidate:
+        """Return the same with a size for each of its places."""
+        return self
+
+    def enter(self, arm: Arm) -> Arm:
+        """Return a model with the effect, and with what it needs."""
+        return self.base(arm).with_effect(self.effect)
 
     def base(self, arm: Arm) -> Arm:
         """Return the model that a probe differs from: with what the effect needs, unless that is there."""
@@ -75,6 +126,10 @@ class Candidate:
         """Return the effect of multiples of its probes; `least` as in `Effect.sized`."""
         return self._at(self.effect.sized(multiples, self.probes, self.null, self.without, least))
 
+    def at_size(self, multiples: Sequence[float]) -> Candidate:
+        """Return the same, of multiples of its probes."""
+        return replace(self, effect=self.sized(multiples))
+
     def nudged(self, probe: int, part: float) -> Effect:
         """Return the effect of a small part of one of its probes, for derivatives."""
         return self.sized([part if k == probe else 0.0 for k in range(len(self.probes))], least=0.0)
@@ -82,6 +137,8 @@ class Candidate:
     def acting_as(self, other: Candidate) -> Candidate | None:
         """Return this candidate at the size that plays the part of another one; None where it has no such."""
         alike = self.effect.is_spring and other.effect.is_spring
+        if len(other.spots) > 1:
+            return None
         if not alike and (self.effect.acts_as, self.at) != other.place:
             return None
         values = self.effect.acting_as(other.effect, other.without, self.without)
@@ -99,13 +156,13 @@ def springs_first(members: Iterable[Candidate]) -> list[Candidate]:
 def with_members(arm: Arm, members: Iterable[Candidate]) -> Arm:
     """Return a model with effects, and with what they need."""
     for member in springs_first(members):
-        arm = member.base(arm).with_effect(member.effect)
+        arm = member.enter(arm)
     return arm
 
 
 def carries(members: Sequence[Candidate], spring: Candidate) -> bool:
     """Return True if other effects require a spring that the model has not."""
-    return any(member.stands_on == spring.place for member in members)
+    return any(member.stands_on in spring.spots for member in members)
 
 
 def nulls(effect: Effect, without: Effect | None, arm: Arm) -> dict[str, float]:

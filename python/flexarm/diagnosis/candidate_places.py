@@ -59,7 +59,7 @@ def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
 def causes(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
     """Return the number of effects, the same one at both axes of a cardan joint counted once."""
     places = {member.place for member in members}
-    return len(members) - sum((m.name, pairs.get(m.at, "")) in places for m in members)
+    return len(members) - sum((m.name, pairs.get(m.effect.at, "")) in places for m in members)
 
 
 def _weightless(arm: Arm, name: str) -> bool:

@@ -21,6 +21,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, with_members
+from flexarm.diagnosis.family import with_spreads
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.generalised_least_squares import gls_nuisance
 from flexarm.diagnosis.least_squares import EVALUATIONS, TOLERANCE, LeastSquares
@@ -189,7 +190,7 @@ class Estimator:
 
     def taken(self, members: Sequence[Candidate]) -> frozenset[str]:
         """Unknowns that are effects of a set."""
-        fitted = {(member.name, member.at) for member in members}
+        fitted = frozenset().union(*(member.spots for member in members))
         return frozenset(
             u.key for u in self.nuisance.parameters if u.key.startswith("effects.") and u.place in fitted
         )
@@ -232,14 +233,20 @@ class Estimator:
     def trial(self, members: Sequence[Candidate], nearby: Fit, limit: float = inf) -> Fit:
         """Return a fit that is one of several: its derivatives are those that led there.
 
+        A family with a shared size is fitted first, then with one size each and the spread that these have.
+
         Raises
         ------
         NotConverged, InvalidParameter
             If not even the start can be simulated.
         """
         solver = self.solver(tuple(members), nearby)
-        z = solver.solve(solver.z_of(members), limit=limit)
-        return self._found(solver, z, solver.members_at(z), solver.jacobian_at(z))
+        shares = any(member.opened() is not member for member in members)
+        z = solver.solve(solver.z_of(members), limit=inf if shares else limit)
+        fit = self._found(solver, z, solver.members_at(z), solver.jacobian_at(z))
+        if shares:
+            return self.trial([member.opened() for member in fit.members], fit, limit)
+        return with_spreads(fit)
 
     def linearised(self, members: Sequence[Candidate]) -> Fit:
         """Return a model with effects as they are, and its derivatives."""

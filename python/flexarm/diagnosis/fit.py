@@ -24,6 +24,7 @@ from flexarm.diagnosis.nuisance import NuisanceModel
 from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.named_effects import Place
 
 
 class Projection:
@@ -119,11 +120,16 @@ class Fit:
         return is_non_smooth(self.nuisance.arm) or not all(member.effect.smooth for member in self.members)
 
     @property
-    def places(self) -> tuple[tuple[str, str], ...]:
+    def places(self) -> tuple[tuple[str, Place], ...]:
         """Name and place of each effect."""
         return tuple(member.place for member in self.members)
 
-    def key(self, k: int) -> tuple[str, str, str]:
+    @property
+    def spots(self) -> frozenset[tuple[str, str]]:
+        """Name and place of each effect, all places of a family."""
+        return frozenset().union(*(member.spots for member in self.members))
+
+    def key(self, k: int) -> tuple[str, Place, str]:
         """Name and place of the effect of coordinate k, and its parameter."""
         parameter = self.parameters[k]
         return (*self.members[parameter.candidate].place, parameter.name)

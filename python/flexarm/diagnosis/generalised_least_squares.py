@@ -28,8 +28,6 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.parameters import prior_rows
 
-HELD = 1.0 / 9.0
-"""Weight of an effect's prior, as in `least_squares`."""
 UNKNOWN = 1e-15
 """Part of the greatest eigenvalue below which a direction is unknown: nothing but rounding."""
 ROUNDED = 1e-10
@@ -85,7 +83,7 @@ def joint_jacobian(fit: Fit) -> tuple[Floats, Floats, Floats]:
     x = fit.projection.solve(fit.residual)
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
     residual = fit.residual + fit.projection.jacobian @ x
-    held = [1e-6 if c.prior.scale == "uniform" else HELD for c in fit.parameters]
+    held = [c.held**2 for c in fit.parameters]
     return jacobian, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
 
 

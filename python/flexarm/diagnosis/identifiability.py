@@ -93,7 +93,7 @@ def sizes(fit: Fit) -> Iterator[tuple[int, TransformedParameter, float]]:
     """
     for k, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
         member = fit.members[parameter.candidate]
-        is_size = fit.key(k)[2] == member.free[0] and parameter.prior.scale != "uniform"
+        is_size = member.is_size(parameter.name) and parameter.prior.scale != "uniform"
         if is_size and not (z < 0 and member.effect.may_vanish):
             yield k, parameter, float(z)
 
@@ -108,14 +108,14 @@ def estimates_at_bounds(fit: Fit) -> list[str]:
     found = []
     for k, parameter, z in sizes(fit):
         if abs(z) > NEAR * parameter.bound:
-            *place, name = fit.key(k)
+            effect, at, name = fit.key(k)
             prior = parameter.prior
             value, low, high = (
                 with_unit(each, prior.unit) for each in (parameter.value(z), prior.low, prior.high)
             )
             found.append(
-                f"{name} of {place_words(*place)} rests where fits end, at {value} (95 % of machines have "
-                f"{low} to {high})"
+                f"{name} of {place_words(effect, at)} rests where fits end, at {value} (95 % of machines "
+                f"have {low} to {high})"
             )
     return found
 

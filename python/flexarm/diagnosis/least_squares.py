@@ -28,7 +28,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
-from flexarm.diagnosis.candidate import Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.parameters import TransformedParameter, members_at, prior_rows
 from flexarm.errors import InvalidParameter, NotConverged
@@ -123,7 +123,7 @@ class LeastSquares:
 
     def z_of(self, members: Sequence[Candidate]) -> Floats:
         """Their parameters."""
-        return np.array([c.z(value_of(members[c.candidate].effect, c.name)) for c in self.parameters])
+        return np.array([c.z(members[c.candidate].value_of(c.name)) for c in self.parameters])
 
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
         """Return the effects with these parameters."""
@@ -241,14 +241,16 @@ class LeastSquares:
 
     def _exact(self, z: Floats) -> Floats | None:
         """Return the same of laws without corners in poses, which have derivatives of their own."""
-        names = [(self.members[c.candidate], c.name) for c in self.parameters]
+        keys = [self.members[c.candidate].keys_of(c.name) for c in self.parameters]
         arm = self._arm(z)
-        if not names or arm is None or not all(c.smooth for c in self.parameters):
+        if not keys or arm is None or not all(c.smooth for c in self.parameters):
             return None
-        keys = [f"effects.{member.name}.{member.at}.{name}" for member, name in names]
-        found = self.estimator.problem.static_jacobian(arm, keys)
+        found = self.estimator.problem.static_jacobian(arm, [key for each in keys for key in each])
+        if found is None:
+            return None
+        first = np.cumsum([0, *(len(each) for each in keys[:-1])])
         slope = [c.slope(float(x)) for c, x in zip(self.parameters, z, strict=True)]
-        return None if found is None else found * slope
+        return np.asarray(np.add.reduceat(found, first, axis=1)) * slope
 
     def _steps(self, z: Floats) -> Floats:
         seconds = self.estimator.problem.seconds

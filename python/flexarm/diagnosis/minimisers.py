@@ -24,7 +24,7 @@ from math import inf
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidate import Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.parameters import TransformedParameter, members_at, prior_rows
@@ -142,7 +142,7 @@ def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
     if k is None:
         return None
     key = str(fit.members[k].effect.multistart)
-    value = value_of(fit.members[k].effect, key)
+    value = fit.members[k].value_of(key)
     tried = [_with_value(fit.members, k, key, times * value) for times in TIMES]
     estimator.problem.prepare(estimator.with_effects(members) for members in tried)
     best = min(tried, key=lambda members: _left(members, estimator))
@@ -152,8 +152,7 @@ def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
 
 
 def _with_value(members: Sequence[Candidate], k: int, key: str, value: float) -> tuple[Candidate, ...]:
-    moved = replace(members[k], effect=members[k].effect.with_parameters({key: value}))
-    return (*members[:k], moved, *members[k + 1 :])
+    return (*members[:k], members[k].with_parameters({key: value}), *members[k + 1 :])
 
 
 def _left(members: Sequence[Candidate], estimator: Estimator) -> float:

@@ -26,7 +26,7 @@ from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
-from flexarm.named_effects import Alternative, NamedEffect, Rejected
+from flexarm.named_effects import Alternative, NamedEffect, Place, Rejected
 from flexarm.wording import listed, number, place_words, with_unit
 
 SHRUNK = 0.95
@@ -69,7 +69,7 @@ def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
     before = max(above_noise(choice.null.projected, problem, choice.null.non_smooth).values())
     after = max(above_noise(choice.best.projected, problem, choice.best.non_smooth).values())
     it = "it" if alone or k else members[k]
-    stated = problem.arm.effect(choice.best.members[k].name, choice.best.members[k].at) is not None
+    stated = any(problem.arm.effect(*spot) is not None for spot in choice.best.members[k].spots)
     over = f"with {it} as stated" if stated else f"without {it}"
     gained = f"(ln Bayes factor {_factor(choice.needed[k])} over the model {over})"
     if k:
@@ -187,7 +187,7 @@ def _moves(drift: Drift, member: Candidate) -> bool:
 
 def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
     """Rivals out of reach, and what was tried on the way; alternatives are neither."""
-    found: dict[tuple[str, str], Rejected] = {}
+    found: dict[tuple[str, Place], Rejected] = {}
     near = {rival.candidate.place for rivals in choice.rivals for rival in rivals if rival.within_reach}
     chosen = {*choice.best.places, *near}
     for rivals in choice.rivals:

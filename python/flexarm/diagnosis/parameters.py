@@ -12,7 +12,7 @@ freedom, as some machines are unlike all others,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import exp, log, log1p, pi
 
 import numpy as np
@@ -20,7 +20,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidate import WEIGHT, Candidate
 from flexarm.errors import InvalidParameter
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
@@ -51,12 +51,20 @@ class TransformedParameter:
         At the start of the fit.
     smooth : bool
         Whether its law has no corners.
+    weight : float
+        Of its prior in a fit, unless that is uniform.
     """
 
     candidate: int
     name: str
     prior: Prior
     smooth: bool = True
+    weight: float = WEIGHT
+
+    @property
+    def held(self) -> float:
+        """Return the root of the weight with which its prior holds z in a fit."""
+        return 1e-3 if self.prior.scale == "uniform" else self.weight
 
     def z(self, value: float) -> float:
         """Sigmas from the mode.
@@ -119,7 +127,7 @@ class TransformedParameter:
 def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[TransformedParameter, ...]:
     """Return the free parameters of a set of effects, in their order."""
     return tuple(
-        TransformedParameter(k, name, prior, member.effect.smooth)
+        TransformedParameter(k, name, prior, member.effect.smooth, member.prior_weight(name))
         for k, member in enumerate(members)
         for name, prior in member.priors_in(arm).items()
         if name in member.free
@@ -130,7 +138,7 @@ def prior_rows(parameters: Sequence[TransformedParameter], z: Floats) -> tuple[F
     """Return the priors' rows of a least-squares problem, with squares ln(1 + (z/3)^2), and their
     derivatives.
     """
-    weak = np.array([1e-3 if c.prior.scale == "uniform" else 1 / 3 for c in parameters])
+    weak = np.array([c.held for c in parameters])
     x = weak * z
     rows = np.sign(x) * np.sqrt(np.log1p(x**2))
     near = np.abs(x) < 1e-4  # where the row is x
@@ -145,5 +153,5 @@ def members_at(
     found = list(members)
     for k, member in enumerate(found):
         values = {c.name: c.value(float(x)) for c, x in zip(parameters, z, strict=True) if c.candidate == k}
-        found[k] = replace(member, effect=member.effect.with_parameters(values))
+        found[k] = member.with_parameters(values)
     return tuple(found)

@@ -18,6 +18,7 @@ MOVES = (
     "second_rank",
     "prior_ends",
     "gap_scan",
+    "families",
     "twin_spring",
     "pairs",
     "triples",
@@ -97,6 +98,16 @@ class SelectionPolicy:
     """Candidates fitted more [1], screened at low frequency or in conflict with priors."""
     among: int = 16
     """Places of which all triples are screened [1], and half as many from pairs: time grows as the cube."""
+    families: int = 3
+    """Families fitted in a step [1]: each costs as many fits as it has places."""
+    family_places: int = 3
+    """Least places of a family [1]: two are a pair of effects."""
+    family_spread: float = 1.0
+    """Prior spread [-] of ln(size) in a family: a factor e, as base and wrist of an arm differ."""
+    family_count: float = 2.0
+    """Members that the prior of a spread counts as [1]: it decides only where a family is small."""
+    family_leave: float = log(20.0)
+    """ln B by which a family must be better without a place that leaves it: undetermined ones stay."""
     faint: float = 0.3
     """Share of the best candidate's [-] below which others are not fitted once one explains all."""
     halfway: float = 0.5

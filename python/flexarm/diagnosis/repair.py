@@ -34,7 +34,7 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
         arm = _written(partial(_refined, arm, refined))
     found = dict(zip(fit.places, sizes.effects, strict=True))
     for member in springs_first(fit.members):
-        arm = _written(partial(_added, member.base(arm), member, found[member.place]))
+        arm = _written(partial(_added, arm, member, found[member.place]))
     return arm
 
 
@@ -54,7 +54,7 @@ def _refined(arm: Arm, refined: Refined, rounding: Rounding) -> Arm:
 
 def _added(arm: Arm, member: Candidate, values: Sequence[Estimate], rounding: Rounding) -> Arm:
     sized = {each.name: rounding(each.value, each.std) for each in values}
-    return arm.with_effect(member.effect.with_parameters(sized))
+    return member.with_parameters(sized).enter(arm)
 
 
 def moved(refined: Refined) -> bool:

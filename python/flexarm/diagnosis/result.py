@@ -192,7 +192,8 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
 
     def figures_of(self, effect: NamedEffect) -> list[str]:
         """Names of the files that `save` draws for a named effect."""
-        names = stems([f"{each.name}-{each.at}" for each in self.effects])
+        places = [e.at if isinstance(e.at, str) else f"{len(e.at)}-places" for e in self.effects]
+        names = stems([f"{e.name}-{at}" for e, at in zip(self.effects, places, strict=True)])
         return [f"{names[self.effects.index(effect)]}.png"] if self.has_gap else []
 
     # ------------------------------------------------------------------- output

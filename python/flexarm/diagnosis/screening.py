@@ -27,6 +27,7 @@ from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.named_effects import Place, place_text
 from flexarm.simulation import Progress, reported
 
 Ranked = tuple[float, tuple[int, ...]]
@@ -68,12 +69,12 @@ class Share:
     share: float
 
     @property
-    def places(self) -> tuple[tuple[str, str], ...]:
+    def places(self) -> tuple[tuple[str, Place], ...]:
         """Name and place of each member."""
         return tuple(member.place for member in self.members)
 
     def __str__(self) -> str:
-        return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {m.at}" for m in self.members)
+        return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {place_text(m.at)}" for m in self.members)
 
 
 def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
@@ -180,7 +181,7 @@ def together(
     if size == 2:
         return linear.shares(two, KEPT)
     alone = linear.ranked((k,) for k in linear.free)
-    few: dict[tuple[str, str], int] = {}
+    few: dict[tuple[str, Place], int] = {}
     among = estimator.problem.policy.among
     for ranked, most in ((alone, among), (two, among + among // 2)):
         for k in (k for _, chosen in ranked for k in chosen):
@@ -241,8 +242,7 @@ class Linear:
         seen: Callable[[Floats], Floats] | None = None,
     ) -> None:
         self.estimator, self.probed, self.fit, self.seen = estimator, probed, fit, seen
-        taken = set(fit.places)
-        self.free = [k for k, p in enumerate(probed) if p.candidate.place not in taken]
+        self.free = [k for k, p in enumerate(probed) if not p.candidate.spots & fit.spots]
         ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
         self._columns = [np.arange(ends[k], ends[k + 1]) for k in range(len(probed))]
         self._own = np.arange(ends[-1], ends[-1] + fit.jacobian.shape[1])
@@ -263,7 +263,9 @@ class Linear:
             one = self.probed[i].candidate
             for j in self.free:
                 other = self.probed[j].candidate
-                if pairs.get(one.at) == other.at and other.effect == one.effect.replace(at=other.at):
+                if pairs.get(one.effect.at) == other.at and other.effect == one.effect.replace(
+                    at=other.effect.at
+                ):
                     yield i, j
 
     def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
@@ -277,7 +279,7 @@ class Linear:
 
     def _stands(self, chosen: tuple[int, ...]) -> bool:
         members = [self.probed[k].candidate for k in chosen]
-        there = {None, *self.fit.places, *(member.place for member in members)}
+        there = {None, *self.fit.spots, *(member.place for member in members)}
         return all(member.stands_on in there for member in members)
 
     def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
@@ -289,7 +291,7 @@ class Linear:
             try:
                 for index, mine in zip(chosen, alphas, strict=True):
                     candidate = self.probed[index].candidate
-                    members.append(replace(candidate, effect=candidate.sized(mine.tolist())))
+                    members.append(candidate.at_size(mine.tolist()))
             except FIT_ERRORS:
                 continue
             found.append(Share(tuple(members), share))

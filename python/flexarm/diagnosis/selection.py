@@ -21,6 +21,7 @@ from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joi
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.moves.families import without_idle_places
 from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
@@ -87,6 +88,7 @@ def forward_and_backward(state: SearchState, about: Estimator, tell: Note) -> tu
     for _ in range(state.criteria.policy.rounds):
         larger, there = forward(state, best, about, tell)
         best, about = backward(state.criteria, larger, there)
+        best, about = without_idle_places(state.criteria, best, about)
         if len(best.members) == len(larger.members) or state.criteria.explains(best):
             break
     return best, about

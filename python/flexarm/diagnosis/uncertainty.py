@@ -30,7 +30,6 @@ from math import pi
 
 import numpy as np
 
-from flexarm.arm.joint_units import parameters_in
 from flexarm.arrays import Floats
 from flexarm.diagnosis.evidence import evidence_of, simulation_errors
 from flexarm.diagnosis.fit import Fit
@@ -104,7 +103,7 @@ def _of_effect(fit: Fit, i: int, sigma: Floats) -> tuple[Estimate, ...]:
     member = fit.members[i]
     places = {c.name: j for j, c in enumerate(fit.parameters) if c.candidate == i}
     found = []
-    for name, value, unit in parameters_in(member.effect, fit.nuisance.arm):
+    for name, value, unit in member.parameters_in(fit.nuisance.arm):
         if name not in places:
             continue
         j = places[name]

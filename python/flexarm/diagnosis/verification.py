@@ -17,7 +17,7 @@ from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
-from flexarm.named_effects import Stage
+from flexarm.named_effects import Stage, place_text
 from flexarm.record import Record
 from flexarm.residual_analysis.free_decay import describe_free_decays, free_decays
 from flexarm.residual_analysis.localisation import Localisation, localise
@@ -89,7 +89,7 @@ def stages(
     if updated.effects != model.effects:
         for member in springs_first(members):
             model = with_members(model, [member])
-            found.append(Stage(f"{member.name} at {member.at}", _rms(beside(model), main)))
+            found.append(Stage(f"{member.name} at {place_text(member.at)}", _rms(beside(model), main)))
     if updated != arm:
         found.append(Stage("nominal values refined", _rms(after, main)))
     return tuple(found)

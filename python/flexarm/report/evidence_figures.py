@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.result import Diagnosis
-    from flexarm.named_effects import NamedEffect
+    from flexarm.named_effects import NamedEffect, Place
 
 RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
 REACH = log(20.0)
@@ -54,7 +54,7 @@ def _lacking(value: float, colour: str) -> str:
 
 def _candidate_rows(d: Diagnosis) -> list[tuple[str, float, str]]:
     """Words, evidence lacking, colour; each pair of name and place once."""
-    rows: dict[tuple[str, str], tuple[float, str]] = {}
+    rows: dict[tuple[str, Place], tuple[float, str]] = {}
     for effect in d.effects:
         rows[effect.name, effect.at] = (0.0, AFTER)
         for other in effect.alternatives:
@@ -110,23 +110,29 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
 def _estimate(d: Diagnosis, entry: Any) -> Any:
     """Return what all records together gave for a parameter, or None."""
     for effect in d.effects:
-        if (effect.name, effect.at) == (entry["effect"], entry["at"]):
+        if _is_of(entry, effect):
             return next((each for each in effect.parameters if each.name == entry["parameter"]), None)
     return None
+
+
+def _is_of(entry: Any, effect: NamedEffect) -> bool:
+    """Return True if a parameter by record is one of an effect."""
+    places = (entry["at"],) if isinstance(entry["at"], str) else tuple(entry["at"])
+    return (entry["effect"], places) == (effect.name, effect.places)
 
 
 def of_effect(d: Diagnosis, effect: NamedEffect) -> Figure:
     """Return the gap that an effect repairs, and whether its parameters stay the same from record to
     record.
     """
-    entries = [e for e in d.constancy if (e["effect"], e["at"]) == (effect.name, effect.at)]
+    entries = [entry for entry in d.constancy if _is_of(entry, effect)]
     heights = [1.7, *(0.2 * (1 + len(entry["values"])) for entry in entries)]
     left = max(LEFT, margin_for([name for entry in entries for name in entry["values"]]))
     figure, axes = sheet(
         len(heights), 1, sum(heights), left=left, between=(0.0, TITLED), height_ratios=heights
     )
     if d.located is not None and d.main_signal in d.located.gaps:
-        draw_of_effect(axes[0, 0], d, effect.name, effect.at)
+        draw_of_effect(axes[0, 0], d, effect)
     else:
         _draw_in_time(axes[0, 0], d)
     legend_below(figure, axes[0, 0])

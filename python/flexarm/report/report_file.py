@@ -54,7 +54,7 @@ class AlternativeEntry(Entry):
     """An alternative that the data cannot exclude."""
 
     name: str
-    at: str
+    at: str | list[str]
     probability: Probability
 
 
@@ -62,7 +62,7 @@ class EffectEntry(Entry):
     """A named effect."""
 
     name: str
-    at: str
+    at: str | list[str]
     probability: Probability
     parameters: list[ParameterEntry]
     alternatives: list[AlternativeEntry]
@@ -121,7 +121,7 @@ class RejectedEntry(Entry):
     """A candidate that was not taken."""
 
     name: str
-    at: str
+    at: str | list[str]
     log_bayes_factor: Known
     why: str
 

@@ -79,13 +79,13 @@ def rivals(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
 
 def in_model(diagnosis: Diagnosis, effect: NamedEffect) -> bool:
     """Return True if the nominal model has an effect of that name at that place."""
-    return diagnosis.arm.effect(effect.name, effect.at) is not None
+    return any(diagnosis.arm.effect(effect.name, at) is not None for at in effect.places)
 
 
 def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
     """Return what the nominal model says of a named effect; empty if it has none."""
-    old = diagnosis.arm.effect(effect.name, effect.at)
-    if old is None:
+    old = diagnosis.arm.effect(effect.name, effect.places[0])
+    if old is None or len(effect.places) > 1:
         return ""
     known = {name: value for name, value, _ in old.parameters()}
     told = [

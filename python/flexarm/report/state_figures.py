@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.result import Diagnosis
+    from flexarm.named_effects import NamedEffect
     from flexarm.residual_analysis.joint_rotations import JointRotation
     from flexarm.residual_analysis.localisation import Localisation
     from flexarm.residual_analysis.motion_states import JointStates
@@ -54,7 +55,10 @@ def shown_joints(d: Diagnosis) -> list[JointStates]:
     if d.located is None or rows is None or not rows.states:
         return []
     found = d.located.rotations
-    ranked = [*(e.at for e in d.effects), *(each.joint for each in (found.joints if found else ()))]
+    ranked = [
+        *(at for e in d.effects for at in e.places),
+        *(each.joint for each in (found.joints if found else ())),
+    ]
     moving = [each.joint for each in rows.states]
     order = dict.fromkeys([*(joint for joint in ranked if joint in moving), *moving])
     return [_of(rows.states, joint) for joint in list(order)[:MOST_JOINTS]]
@@ -154,12 +158,13 @@ def _largest(rows: SignalResidual) -> str:
     return max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
 
 
-def draw_of_effect(ax: Axes, d: Diagnosis, effect: str, at: str) -> None:
+def draw_of_effect(ax: Axes, d: Diagnosis, effect: NamedEffect) -> None:
     """Draw the gap that an effect explains, against the state of its joint that its law speaks of."""
     assert d.located is not None
     signal = most_repaired(d)
     rows = d.located.gaps[signal]
     joints = [each.joint for each in rows.states]
-    joint = at if at in joints else turned_most(d.located, rows).joint
-    draw_against(ax, d, signal, _largest(rows), joint, effect_class(effect).varies_with)
+    most = turned_most(d.located, rows).joint
+    joint = next((at for at in effect.places if at in joints and len(effect.places) == 1), most)
+    draw_against(ax, d, signal, _largest(rows), joint, effect_class(effect.name).varies_with)
     ax.set_title(f"{signal}: measured − model")

@@ -28,7 +28,16 @@ from flexarm.configuration import version
 from flexarm.errors import InvalidFile
 from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion
 from flexarm.law_curve import LawCurve, LawGap
-from flexarm.named_effects import Alternative, Estimate, NamedEffect, Nuisance, Refined, Rejected, Stage
+from flexarm.named_effects import (
+    Alternative,
+    Estimate,
+    NamedEffect,
+    Nuisance,
+    Place,
+    Refined,
+    Rejected,
+    Stage,
+)
 from flexarm.netcdf import Contents, Variable
 from flexarm.reading import reading
 from flexarm.report.report_file import ReportFile
@@ -188,10 +197,15 @@ def _estimates(entry: Entry) -> tuple[Estimate, ...]:
     )
 
 
+def _place(entry: Entry) -> Place:
+    """Return a place, or the places of a family."""
+    return entry["at"] if isinstance(entry["at"], str) else tuple(entry["at"])
+
+
 def _effect(entry: Entry) -> NamedEffect:
-    alternatives = tuple(Alternative(a["name"], a["at"], a["probability"]) for a in entry["alternatives"])
+    alternatives = tuple(Alternative(a["name"], _place(a), a["probability"]) for a in entry["alternatives"])
     return NamedEffect(
-        entry["name"], entry["at"], entry["probability"], _estimates(entry), alternatives, entry["evidence"]
+        entry["name"], _place(entry), entry["probability"], _estimates(entry), alternatives, entry["evidence"]
     )
 
 
@@ -202,7 +216,7 @@ def _refined(arm: Arm, entry: Entry) -> Refined:
 
 def _rejected(entry: Entry) -> Rejected:
     factor = entry["log_bayes_factor"]
-    return Rejected(entry["name"], entry["at"], -math.inf if factor is None else factor, entry["why"])
+    return Rejected(entry["name"], _place(entry), -math.inf if factor is None else factor, entry["why"])
 
 
 def _statistics(entry: Entry) -> FitStatistics:

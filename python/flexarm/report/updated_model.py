@@ -72,8 +72,8 @@ def _records(names: Sequence[str]) -> str:
 
 def _in(d: Diagnosis, effect: NamedEffect) -> bool:
     """Return True if a named effect was added to the model; faults of sensors and open questions are not."""
-    added = d.updated.effect(effect.name, effect.at)
-    return added is not None and added != d.arm.effect(effect.name, effect.at)
+    pairs = [(d.updated.effect(effect.name, at), d.arm.effect(effect.name, at)) for at in effect.places]
+    return any(added is not None and added != old for added, old in pairs)
 
 
 def _range(each: Estimate) -> str:

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.measurement.outliers import listed
-from flexarm.named_effects import NamedEffect
+from flexarm.named_effects import NamedEffect, place_text
 from flexarm.validation.channel import Channel
 from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import effective_samples
@@ -208,7 +208,7 @@ class ValidationResult:
         for fault in self.faults:
             where = ", ".join(fault.channels)
             lines.append(
-                f"  {fault.name:<14}{fault.at + (f' ({where})' if where else ''):<20}"
+                f"  {fault.name:<14}{place_text(fault.at) + (f' ({where})' if where else ''):<20}"
                 f"probability {fault.probability:.3f}   in {', '.join(fault.records)}"
             )
             lines += [

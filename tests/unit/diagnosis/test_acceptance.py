@@ -8,12 +8,14 @@ import pytest
 from flexarm.diagnosis import acceptance
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.nuisance import NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.effects import TimeDelay
 
 OBSERVED = SimpleNamespace(policy=SelectionPolicy())
 """As much of a problem as is asked for."""
+NO_JOINTS = SimpleNamespace(arm=SimpleNamespace(joints=(), sensors=()))
 
 
 @pytest.mark.parametrize(
@@ -108,9 +110,10 @@ def test_a_clock_within_what_is_stated_of_it_is_no_effect(delay, stated):
     """Two milliseconds are stated, and up to two of these the model without the effect has it there too."""
     clock = NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 2e-3, "s", "clock")
     effect = TimeDelay(at="tracker", delay=delay)
-    late = SimpleNamespace(name="time_delay", at="tracker", place=("time_delay", "tracker"), effect=effect)
+    late = Candidate(effect, ("delay",), (), {})
     old = SimpleNamespace(nuisance=SimpleNamespace(parameters=(clock,)), places=())
-    assert Criteria(OBSERVED, None).as_stated(SimpleNamespace(members=(late,)), old) is stated
+    new = SimpleNamespace(members=(late,), nuisance=NO_JOINTS)
+    assert Criteria(OBSERVED, None).as_stated(new, old) is stated
     assert not Criteria(OBSERVED, None).as_stated(SimpleNamespace(members=()), old)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.cross_validation import folds
 from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.parameters import TransformedParameter
@@ -56,8 +57,7 @@ def fitted(noise, slope, kind=PayloadMass):
     column = slope[:, None]
     z = np.linalg.lstsq(column, -noise, rcond=None)[0] if slope.any() else np.zeros(1)
     effect = kind(at="load", mass=14.0 + SIZE * float(z[0]))
-    place = (kind.name, "load")
-    member = SimpleNamespace(effect=effect, name=kind.name, place=place, free=("mass",), needs=None)
+    member = Candidate(effect, ("mass",), (), {})
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
     nuisance = SimpleNamespace(parameters=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))

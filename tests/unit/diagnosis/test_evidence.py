@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.discrepancy import TimeDiscrepancy
 from flexarm.diagnosis.evidence import Evidence, above_noise, autocovariance, explained_share, occam
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.parameters import TransformedParameter
+from flexarm.effects.backlash import Backlash
+from flexarm.effects.cable_torque import CableTorque
+from flexarm.effects.joint_compliance import JointCompliance
 
 RNG = np.random.default_rng(5)
 KEY = ("run", "tip", 0)
@@ -85,6 +89,7 @@ def fit_of(*members):
         projected=np.zeros(5),
         projection=Projection(np.zeros((5, 0)), np.zeros(0)),
         members=members,
+        spots={member.place for member in members},
         places=tuple((member.name, "hinge") for member in members),
     )
 
@@ -94,9 +99,10 @@ def cost(fit):
 
 
 def test_a_law_that_needs_a_spring_that_the_model_lacks_is_half_as_likely():
-    spring = SimpleNamespace(name="joint_compliance", at="hinge", needs=None)
-    alone = SimpleNamespace(name="cable_torque", at="hinge", needs=None)
-    gap = SimpleNamespace(name="backlash", at="hinge", needs=spring)
+    stiff = JointCompliance(at="hinge", stiffness=1e5)
+    spring = Candidate(stiff, ("stiffness",), (), {})
+    alone = Candidate(CableTorque(at="hinge", stiffness=1.0), ("stiffness",), (), {})
+    gap = Candidate(Backlash(at="hinge", gap=1e-3), ("gap",), (), {}, needs=stiff)
     plain = cost(fit_of(alone))
     assert plain - cost(fit_of(gap)) == pytest.approx(np.log(2))
     assert cost(fit_of(gap, spring)) == pytest.approx(plain)

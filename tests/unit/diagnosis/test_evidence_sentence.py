@@ -61,7 +61,12 @@ def _named(left, coarse=False, needed=50.0, share=None):
     fit = null_of(left[0], left[1])
     effect = SimpleNamespace(parameters=tuple, shape=())
     member = SimpleNamespace(
-        name="link_bow", at="rod", place=("link_bow", "rod"), free=("tip_offset.x",), effect=effect
+        name="link_bow",
+        at="rod",
+        place=("link_bow", "rod"),
+        spots={("link_bow", "rod")},
+        free=("tip_offset.x",),
+        effect=effect,
     )
     fit.members, fit.parameters, fit.z, fit.projected = (member,), (), (), fit.residual
     choice = SimpleNamespace(

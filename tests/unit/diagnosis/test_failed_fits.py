@@ -51,7 +51,7 @@ def fitted(error, monkeypatch):
     """What is found of three effects, of which the second leads to an error."""
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     shares = [SimpleNamespace(members=(name,), share=0.9) for name in ("tilt", "bow", "play")]
-    return [fit.name for fit in promising._fitted(failing(error, "bow"), shares, NOTHING, CRITERIA)]
+    return [fit.name for fit in promising.fitted(failing(error, "bow"), shares, NOTHING, CRITERIA)]
 
 
 @pytest.mark.parametrize("error", FAILURES, ids=lambda error: type(error).__name__)
@@ -83,8 +83,12 @@ class Made:
         return tuple((each, "hinge") for each in self.name)
 
     @property
+    def spots(self):
+        return frozenset(self.places)
+
+    @property
     def members(self):
-        return tuple(SimpleNamespace(place=place, stands_on=None) for place in self.places)
+        return tuple(SimpleNamespace(place=place, spots={place}, stands_on=None) for place in self.places)
 
 
 def test_values_stay_where_they_are_stated_if_no_other_model_can_be_simulated():
@@ -135,10 +139,12 @@ def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_s
     """They need no simulation; what else could take over is asked of the fit in longer steps."""
     monkeypatch.setattr(takeover, "in_proportion", lambda candidate, *_: None if candidate.at == "rod" else 1)
     monkeypatch.setattr(takeover, "_unlike", lambda *_: False)
-    probed = [SimpleNamespace(candidate=SimpleNamespace(place=at, at=at)) for at in ("rod", "tracker")]
+    probed = [
+        SimpleNamespace(candidate=SimpleNamespace(place=at, at=at, spots={at})) for at in ("rod", "tracker")
+    ]
     nuisance = SimpleNamespace(keys=[], parameters=[SimpleNamespace(kind="nominal", key="modulus")])
     projection = SimpleNamespace(jacobian=None)
-    best = SimpleNamespace(members=(), places=(), nuisance=nuisance, projection=projection)
+    best = SimpleNamespace(members=(), spots=set(), nuisance=nuisance, projection=projection)
     problem = SimpleNamespace(step=1e-3, with_step=lambda step: SimpleNamespace(jacobian=raises))
     steps = SimpleNamespace(steps=lambda arm: {})
     estimator = SimpleNamespace(problem=problem, nuisance=steps, with_effects=lambda members: None)

@@ -306,7 +306,7 @@ def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
     problem = Problem(run_of("two joints").simulation.arm, {"run": run_of("two joints").record}, step=4e-3)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     probed = [Probed(each, np.empty((0, 0))) for each in candidates(problem, estimator.nuisance.arm)]
-    found = promising._at_ends(estimator, probed, SimpleNamespace(places=[("link_mass", "fore")]))
+    found = promising._at_ends(estimator, probed, SimpleNamespace(spots={("link_mass", "fore")}))
     values = {(m.name, m.at): [] for (m,) in (share.members for share in found)}
     for (m,) in (share.members for share in found):
         values[m.name, m.at].append(m.effect.parameters()[0][1])

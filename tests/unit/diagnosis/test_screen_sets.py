@@ -29,6 +29,7 @@ def setup(gap: np.ndarray, moves: dict[str, np.ndarray]) -> tuple:
     )
     fit = SimpleNamespace(
         places=(),
+        spots=frozenset(),
         members=(),
         residual=gap,
         projected=projection.project(gap),

@@ -62,7 +62,7 @@ def out_of_step():
         problem=problem(),
     )
     fit = SimpleNamespace(
-        places=(), members=(), residual=gap, projected=projection.project(gap),
+        places=(), spots=frozenset(), members=(), residual=gap, projected=projection.project(gap),
         jacobian=np.empty((len(gap), 0)), cost=float(gap @ gap),
     )  # fmt: skip
 

@@ -103,7 +103,10 @@ def choice_of(names: list[str], before: float, after: float, monkeypatch) -> Sim
             projected=which,
             non_smooth=False,
             residual=which,
-            members=[SimpleNamespace(name=name, at="hinge", effect=NOTHING_HELD) for name in names],
+            members=[
+                SimpleNamespace(name=name, at="hinge", spots={(name, "hinge")}, effect=NOTHING_HELD)
+                for name in names
+            ],
             parameters=(),
             z=(),
             nuisance=SimpleNamespace(parameters=[unknown], sigma=np.ones(1)),

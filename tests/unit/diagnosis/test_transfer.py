@@ -32,12 +32,12 @@ def fit_of(gap: np.ndarray, moves: np.ndarray | None) -> SimpleNamespace:
     k = 0 if moves is None else moves.shape[1]
     moves = np.empty((N, 0)) if moves is None else moves
     size = np.linalg.lstsq(moves, -gap, rcond=None)[0] if k else np.zeros(0)
-    prior = SimpleNamespace(scale="linear")
+    parameter = SimpleNamespace(held=1 / 3)
     return SimpleNamespace(
         z=size,
         residual=gap + moves @ size,
         jacobian=moves,
-        parameters=[SimpleNamespace(prior=prior)] * k,
+        parameters=[parameter] * k,
         projection=Projection(np.ones((N, 1)), np.ones(1)),
         nuisance=SimpleNamespace(parameters=[SimpleNamespace(kind="frame")], sigma=np.ones(1)),
     )

@@ -139,8 +139,9 @@ def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Flo
         members = list(fit.members)
         member = members[parameter.candidate]
         step = parameter.step(float(z), problem.seconds)
-        moved = member.effect.with_parameters({parameter.name: parameter.value(float(z) + step)})
-        members[parameter.candidate] = replace(member, effect=moved)
+        members[parameter.candidate] = member.with_parameters(
+            {parameter.name: parameter.value(float(z) + step)}
+        )
         try:
             columns.append((problem.residual(_put(arm, choice, fit, members)) - here) / step)
         except (InvalidParameter, NotConverged):

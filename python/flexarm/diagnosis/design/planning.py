@@ -62,7 +62,7 @@ def planned_effect(
         Units of signals, for effects that have that of their signal.
     """
     size = candidate.probes[shown.probe]
-    own = signals.get(candidate.at, "")
+    own = signals.get(candidate.effect.at, "")
     units = {name: own if unit == "SI" else unit for name, _, unit in parameters_in(size, arm)}
     name = _parameter(candidate, size)
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
@@ -74,7 +74,7 @@ def planned_effect(
     else:
         there, least = null, null + times * (value - null)
     why = hidden(arm, candidate.effect, seen)
-    return PlannedEffect(*candidate.place, name, units[name], value, there, least, seen, why)
+    return PlannedEffect(*candidate.spot, name, units[name], value, there, least, seen, why)
 
 
 def hidden(arm: Arm, effect: Effect, seen: float) -> str:
@@ -170,7 +170,7 @@ def plan(
     tell(0.6, "looking for additions")
     partings = lab.partings(bench, rows, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions"))
     said = tuple(dict.fromkeys(sentence for run in runs for sentence in run.assumed))
-    places = [each[0].candidate.place for each in base.effects]
+    places = [each[0].candidate.spot for each in base.effects]
     return Plan(
         arm,
         tuple(run.name for run in runs),

@@ -54,7 +54,7 @@ class Bench:
     @property
     def effects(self) -> list[tuple[Probed, ...]]:
         """Variants by effect and place."""
-        return [tuple(each) for _, each in groupby(self.probed, key=lambda p: p.candidate.place)]
+        return [tuple(each) for _, each in groupby(self.probed, key=lambda p: p.candidate.spot)]
 
     def only(self, rows: NDArray[np.bool_]) -> Bench:
         """With some of the rows."""
@@ -65,17 +65,17 @@ class Bench:
         """With some of the effects, in the order of the bench."""
         wanted = set(places)
         return Bench(
-            self.nuisance, self.jacobian, tuple(p for p in self.probed if p.candidate.place in wanted)
+            self.nuisance, self.jacobian, tuple(p for p in self.probed if p.candidate.spot in wanted)
         )
 
     def beside(self, other: Bench) -> Bench:
         """With the rows of another bench below; effects of which all variants are in both."""
         below = {_key(p.candidate): p.moves for p in other.probed}
-        lost = {p.candidate.place for p in self.probed if _key(p.candidate) not in below}
+        lost = {p.candidate.spot for p in self.probed if _key(p.candidate) not in below}
         probed = tuple(
             Probed(p.candidate, np.vstack([p.moves, below[_key(p.candidate)]]))
             for p in self.probed
-            if p.candidate.place not in lost
+            if p.candidate.spot not in lost
         )
         return Bench(self.nuisance, np.vstack([self.jacobian, other.jacobian]), probed)
 
@@ -99,7 +99,7 @@ def left(bench: Bench, gaps: Floats, rival: Probed | None) -> Floats:
 
 def taken_by(candidate: Candidate, nuisance: NuisanceModel) -> set[str]:
     """Unknowns that are a candidate themselves: a clock's delay as an effect has no prior of a clock."""
-    return {u.key for u in nuisance.parameters if u.key.startswith("effects.") and u.place == candidate.place}
+    return {u.key for u in nuisance.parameters if u.key.startswith("effects.") and u.place == candidate.spot}
 
 
 def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:

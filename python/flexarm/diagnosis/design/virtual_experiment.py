@@ -96,7 +96,7 @@ class Laboratory:
         note: Callable[[float], object],
     ) -> dict[tuple[int, int], list[Parting]]:
         """Return what every addition would do for every tied pair, the cheapest that parts it first."""
-        places = [each[0].candidate.place for each in bench.effects]
+        places = [each[0].candidate.spot for each in bench.effects]
         index = np.flatnonzero(tied.any(axis=1))
         wanted = [places[i] for i in index]
         found: dict[tuple[int, int], list[Parting]] = {pair: [] for pair in pairs(tied)}
@@ -104,7 +104,7 @@ class Laboratory:
             return found
         for k, addition in enumerate(self.additions):
             with_it = self._added(bench, rows, addition, wanted)
-            there = [each[0].candidate.place for each in with_it.effects]
+            there = [each[0].candidate.spot for each in with_it.effects]
             factors = matrix(with_it, [shown[places.index(place)] for place in there])
             least = np.array([seen[places.index(place)] for place in there])
             where = {places.index(place): n for n, place in enumerate(there)}
@@ -123,7 +123,7 @@ class Laboratory:
         if addition.sensors:
             return kept.only(rows.all(sensor.name for sensor in addition.sensors))
         there = self.problem({f"{run.name}, {addition.words}": run for run in addition.runs})
-        mine = [each for each in self.candidates if each.place in set(wanted)]
+        mine = [each for each in self.candidates if each.spot in set(wanted)]
         return kept.only(rows.all()).beside(self._bench(there, mine, lambda done: None))
 
 

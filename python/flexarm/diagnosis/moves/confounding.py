@@ -35,6 +35,7 @@ from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
+from flexarm.named_effects import Place
 
 SAME = 0.98
 """Least part of what another unknown moves for an effect to take it along, eq. (1)."""
@@ -110,7 +111,7 @@ def takeovers(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list
         for key, part, takeover in _takes_over(candidate, moves, of, policy):
             alike[key].append((part, takeover))
     ranked = [[each for _, each in sorted(found, key=lambda one: -one[0])] for found in alike.values()]
-    found: dict[tuple[str, str], Takeover] = {}
+    found: dict[tuple[str, Place], Takeover] = {}
     for each in chain.from_iterable(zip_longest(*ranked)):
         if each is not None and len(found) < policy.proposals // 2:
             found.setdefault(each.candidate.place, each)
@@ -137,7 +138,7 @@ def _moves(
     Beside them what strained unknowns move in the same simulations. Nothing is simulated for clocks alone:
     late readings look like nothing that an arm does.
     """
-    free = [p.candidate for p in probed if p.candidate.place not in best.places]
+    free = [p.candidate for p in probed if not p.candidate.spots & best.spots]
     others: list[Candidate] = []
     for candidate in free:
         moves = in_proportion(candidate, best.nuisance.keys, best.projection.jacobian)

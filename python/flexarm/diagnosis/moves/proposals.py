@@ -30,6 +30,7 @@ from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
+from flexarm.named_effects import Place
 
 
 def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
@@ -78,13 +79,13 @@ def fit_singles(
     policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
     wanted, others = _promising(estimator, probed, best, places, at_ends)
-    more = _fitted(estimator, wanted, best, criteria)
+    more = fitted(estimator, wanted, best, criteria)
     if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
         slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
         slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
-        more += _fitted(estimator, slower, best, criteria, found=more)
+        more += fitted(estimator, slower, best, criteria, found=more)
     if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
-        more += _fitted(
+        more += fitted(
             estimator, [s for s in others if not _there(s, best, more)], best, criteria, found=more
         )
     if policy.allows("gap_scan") and criteria.all_leave_gaps([*found, *more]):
@@ -121,10 +122,10 @@ def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -
     shares = [s for s in together(estimator, probed, start, size) if s.share > policy.least_reduction]
     ahead = size == 2 or _leads(shares, beside, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
-    found = _fitted(estimator, wanted, start, criteria, most)
+    found = fitted(estimator, wanted, start, criteria, most)
     if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(found):
         slow = together(estimator, probed, start, size, slow_part(estimator.problem))
-        found += _fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
+        found += fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
     return found
 
 
@@ -133,7 +134,7 @@ def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
     return {*best.places, *share.places} in (set(f.places) for f in found)
 
 
-def _fitted(
+def fitted(
     estimator: Estimator,
     wanted: Sequence[Share],
     best: Fit,
@@ -164,7 +165,7 @@ def _fitted(
 
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     """Return the best variant of each, the best of those."""
-    found: dict[tuple[tuple[str, str], ...], Share] = {}
+    found: dict[tuple[tuple[str, Place], ...], Share] = {}
     for share in shares:
         found.setdefault(tuple(sorted(m.place for m in share.members)), share)
     return list(found.values())[:most]
@@ -196,7 +197,7 @@ def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[
     """
     found = []
     for candidate in (p.candidate for p in probed):
-        if candidate.place in best.places or candidate.stands_on or len(candidate.free) > 1:
+        if candidate.spots & best.spots or candidate.stands_on or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
         with suppress(*FIT_ERRORS):

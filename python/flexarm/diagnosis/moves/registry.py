@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexarm.diagnosis.moves.confounding import confounding
+from flexarm.diagnosis.moves.families import families
 from flexarm.diagnosis.moves.proposals import pairs, singles, triples
 from flexarm.diagnosis.moves.search_state import Move
 from flexarm.diagnosis.moves.springs import spring_swap, twin_spring
 
-FORWARD: Mapping[str, Move] = {"confounding": confounding, "singles": singles, "twin_spring": twin_spring}
+FORWARD: Mapping[str, Move] = {
+    "confounding": confounding,
+    "singles": singles,
+    "families": families,
+    "twin_spring": twin_spring,
+}
 """They add an effect."""
 SETS: Mapping[str, Move] = {"pairs": pairs, "triples": triples}
 """They compete with a single effect, which is the model that they get."""

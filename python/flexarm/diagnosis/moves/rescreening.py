@@ -32,7 +32,7 @@ from flexarm.diagnosis.screening import LONGER, Probed, in_proportion
 
 def new_springs(fit: Fit) -> frozenset[str]:
     """Joints that are rigid in the nominal model and have a spring in a fit."""
-    return frozenset(m.at for m in fit.members if _softens_a_joint(m))
+    return frozenset(at for m in fit.members if _softens_a_joint(m) for _, at in m.spots)
 
 
 def awakened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
@@ -76,7 +76,7 @@ def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Pro
     spring are of one variant; softer ones, which move modes by themselves, are no small steps.
     """
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
-    there = {None, *fit.places}
+    there = {None, *fit.spots}
     found: list[Probed] = []
     smooth: dict[int, Probed] = {}
     for each in probed:
@@ -84,7 +84,7 @@ def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Pro
         moves = in_proportion(candidate, fit.nuisance.keys, fit.projection.jacobian)
         if moves is not None:
             each = replace(each, moves=moves)
-        elif candidate.place not in fit.places and candidate.stands_on in there:
+        elif not candidate.spots & fit.spots and candidate.stands_on in there:
             again = same_in_small_steps(candidate, [other.candidate for other in smooth.values()])
             small = candidate.effect.smooth and not candidate.effect.is_wave
             if again or candidate.needs is not None or not small:
@@ -144,7 +144,7 @@ def _from(candidate: Candidate, there: Arm) -> Candidate:
 
     A small step of a load's mass would else begin with all that the fit has moved it.
     """
-    without = there.effect(candidate.name, candidate.at)
+    without = there.effect(candidate.name, candidate.effect.at)
     null = nulls(candidate.effect, without, there)
     away = {key: value - candidate.null[key] for key, value in null.items() if isfinite(value)}
     if not any(away[key] for key in candidate.free if key in away):

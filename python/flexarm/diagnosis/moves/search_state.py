@@ -14,6 +14,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.moves.rescreening import awakened, nearby, new_springs
 from flexarm.diagnosis.screening import Probed
+from flexarm.named_effects import Place
 
 
 @dataclass(eq=False)
@@ -47,7 +48,7 @@ class SearchState:
     tried: list[Fit] = field(default_factory=list)
     complete: Fit | None = None
     _awake: dict[frozenset[str], Sequence[Probed]] = field(default_factory=dict)
-    _near: dict[frozenset[tuple[str, str]], Sequence[Probed]] = field(default_factory=dict)
+    _near: dict[frozenset[tuple[str, Place]], Sequence[Probed]] = field(default_factory=dict)
 
     def candidates(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Return candidates given the effects of a fit, screened about it where more is to be explained."""

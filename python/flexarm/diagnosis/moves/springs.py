@@ -44,8 +44,8 @@ def spring_swap(state: SearchState, best: Fit, about: Estimator, found: Sequence
     limit, swapped = (1 + state.criteria.policy.alike) * best.cost, []
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
-        for place, candidate in springs.items():
-            if not spring.effect.is_spring or place in best.places or carries(others, spring):
+        for candidate in springs.values():
+            if not spring.effect.is_spring or candidate.spots & best.spots or carries(others, spring):
                 continue
             with suppress(*FIT_ERRORS):
                 swapped.append(about.trial((candidate.acting_as(spring) or candidate, *others), best, limit))

@@ -1,0 +1,262 @@
+"""A family: one effect at all places of a kind as one candidate, with a hierarchical prior of its sizes.
+
+Its places share each positive parameter at first. Once *opened* each has its own, named after it, such as
+"j1.stiffness", with the priors of `diagnosis.hierarchical_prior`; their mean and spread are those of a fit
+(empirical Bayes), and what these are not known to is part of the evidence. Parameters that shape a law, such
+as a damping, keep the effect's own priors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import log
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arm.prior import Prior
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
+from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
+from flexarm.named_effects import Place
+
+ROUNDS = 5
+"""Steps of expectation maximisation; each moves a spread less than half as far as the one before."""
+
+
+@dataclass(frozen=True)
+class EffectFamily(Candidate):
+    """One effect at several places.
+
+    Attributes
+    ----------
+    members : tuple of Candidate
+        One a place; all else is that of the first, but for `free`.
+    hierarchy : dict of str to HierarchicalPrior
+        Of the members' parameters that are alike, by their names.
+    shared : bool
+        Whether the members have one value of each parameter.
+    """
+
+    members: tuple[Candidate, ...] = ()
+    hierarchy: Mapping[str, HierarchicalPrior] = field(default_factory=dict)
+    shared: bool = False
+
+    @classmethod
+    def of(
+        cls, members: Sequence[Candidate], hierarchy: Mapping[str, HierarchicalPrior], shared: bool
+    ) -> EffectFamily:
+        """Return the family of candidates that are alike but for their places."""
+        first = members[0]
+        free = first.free if shared else tuple(f"{m.effect.at}.{name}" for m in members for name in m.free)
+        return cls(
+            first.effect, free, first.probes, first.null, members=tuple(members), hierarchy=hierarchy,
+            shared=shared,
+        )  # fmt: skip
+
+    def _with(self, members: Sequence[Candidate]) -> EffectFamily:
+        return replace(self, effect=members[0].effect, members=tuple(members))
+
+    @property
+    def at(self) -> Place:
+        """Return the names of its places."""
+        return tuple(member.effect.at for member in self.members)
+
+    @property
+    def spots(self) -> frozenset[tuple[str, str]]:
+        """Return name and place of each effect that it puts into a model."""
+        return frozenset().union(*(member.spots for member in self.members))
+
+    @cached_property
+    def _values(self) -> dict[str, list[tuple[int, str]]]:
+        """Members and their parameters that a parameter is the value of."""
+        names = [[name for name, _, _ in member.effect.parameters()] for member in self.members]
+        if self.shared:
+            return {name: [(k, name) for k in range(len(self.members))] for name in names[0]}
+        return {
+            f"{member.effect.at}.{name}": [(k, name)]
+            for k, member in enumerate(self.members)
+            for name in names[k]
+        }
+
+    def priors_in(self, arm: Arm) -> dict[str, Prior]:
+        """Return the priors of all parameters in a model."""
+        own = [member.priors_in(arm) for member in self.members]
+        found = {}
+        for name, ((k, parameter), *_) in self._values.items():
+            prior = self.prior_of(name) or own[k].get(parameter)
+            if prior is not None:
+                found[name] = prior
+        return found
+
+    def prior_of(self, name: str) -> Prior | None:
+        """Return the prior of a member's parameter that this machine told; None of all others."""
+        alike = None if self.shared else self.hierarchy.get(self._values[name][0][1])
+        return None if alike is None else alike.of_member()
+
+    def prior_weight(self, name: str) -> float:
+        """Return the weight of a parameter's prior in a fit: a whole one if this machine told it."""
+        return super().prior_weight(name) if self.prior_of(name) is None else 1.0
+
+    @property
+    def hyperprior_cost(self) -> float:
+        """Return ln of the evidence of the means and spreads."""
+        return sum(each.cost(len(self.members)) for each in self.hierarchy.values())
+
+    def parameters_in(self, arm: Arm) -> list[tuple[str, float, str]]:
+        """Return all parameters as (name, value, unit) in a model."""
+        known = [{n: (value, unit) for n, value, unit in m.parameters_in(arm)} for m in self.members]
+        return [(name, *known[k][parameter]) for name, ((k, parameter), *_) in self._values.items()]
+
+    def value_of(self, name: str) -> float:
+        """Return a parameter."""
+        k, parameter = self._values[name][0]
+        return self.members[k].value_of(parameter)
+
+    def with_parameters(self, values: Mapping[str, float]) -> EffectFamily:
+        """Return the same with other values."""
+        own: list[dict[str, float]] = [{} for _ in self.members]
+        for name, value in values.items():
+            for k, parameter in self._values[name]:
+                own[k][parameter] = value
+        return self._with([m.with_parameters(each) for m, each in zip(self.members, own, strict=True)])
+
+    def keys_of(self, name: str) -> list[str]:
+        """Return the model's parameters that a parameter is the value of."""
+        return [key for k, parameter in self._values[name] for key in self.members[k].keys_of(parameter)]
+
+    def is_size(self, name: str) -> bool:
+        """Return True if a parameter says how much of the effect there is at a place."""
+        k, parameter = self._values[name][0]
+        return self.members[k].is_size(parameter)
+
+    def enter(self, arm: Arm) -> Arm:
+        """Return a model with the effect at all places."""
+        for member in self.members:
+            arm = member.enter(arm)
+        return arm
+
+    def base(self, arm: Arm) -> Arm:
+        """Return the model that a probe differs from."""
+        return arm
+
+    def at_size(self, multiples: Sequence[float]) -> EffectFamily:
+        """Return the same, of multiples of probes: shared ones, or those of one member after the other."""
+        each = len(multiples) if self.shared else len(multiples) // len(self.members)
+        parts = [multiples[k * each :][:each] for k in range(len(self.members))]
+        if self.shared:
+            parts = [list(multiples)] * len(self.members)
+        return self._with([m.at_size(part) for m, part in zip(self.members, parts, strict=True)])
+
+    def acting_as(self, other: Candidate) -> Candidate | None:
+        """Return None: no other effect acts at so many places."""
+        return None
+
+    def opened(self) -> EffectFamily:
+        """Return the same with a size for each of its places, alike by the prior spread."""
+        if not self.shared:
+            return self
+        hierarchy = {
+            name: replace(each, mean=log(self.value_of(name)), spread=each.prior_spread)
+            for name, each in self.hierarchy.items()
+        }
+        return EffectFamily.of(self.members, hierarchy, shared=False)
+
+    def without_place(self, at: str) -> EffectFamily:
+        """Return the same without one of its places."""
+        return EffectFamily.of([m for m in self.members if m.effect.at != at], self.hierarchy, self.shared)
+
+    def at_of(self, name: str) -> str:
+        """Return the place of a parameter."""
+        return self.members[self._values[name][0][0]].effect.at
+
+    def alike(self, parameter: str) -> list[str]:
+        """Return the names of a parameter of all members."""
+        return [name for name, ((_, own), *_) in self._values.items() if own == parameter]
+
+
+def family_of(members: Sequence[Candidate], arm: Arm, spread: float, count: float) -> EffectFamily | None:
+    """Return the family of candidates that are alike but for their places; None where nothing is alike.
+
+    Parameters
+    ----------
+    members : sequence of Candidate
+        One a place.
+    arm : Arm
+        The model, for priors.
+    spread, count : float
+        tau_0 and nu of eq. (3) of `diagnosis.hierarchical_prior`.
+    """
+    first = members[0]
+    hierarchy = {
+        name: HierarchicalPrior.of(prior, spread, count)
+        for name, prior in first.priors_in(arm).items()
+        if name in first.free and name not in first.effect.shape and prior.scale != "uniform"
+    }
+    if not hierarchy:
+        return None
+    return EffectFamily.of(members, hierarchy, all(each.shared for each in hierarchy.values()))
+
+
+def with_spreads(fit: Fit) -> Fit:
+    """Return a fit with the means and spreads of its families' sizes, of which the posterior is greatest."""
+    if not any(_opened(member) for member in fit.members):
+        return fit
+    for _ in range(ROUNDS):
+        variance = np.diag(covariance(fit))
+        fit = _on_scales_of(fit, [_updated(fit, k, variance) for k in range(len(fit.members))])
+    return fit
+
+
+def covariance(fit: Fit) -> Floats:
+    """Return the covariance of z and x, where rows are worth what the fit leaves of them in the mean."""
+    jacobian, _, prior = joint_jacobian(fit)
+    weight = np.full(len(jacobian), min(1.0, len(fit.residual) / max(fit.cost, 1e-300)))
+    return NormalEquations.of(jacobian, prior, weight).inverse()
+
+
+def _opened(member: Candidate) -> bool:
+    return isinstance(member, EffectFamily) and not member.shared
+
+
+def _updated(fit: Fit, k: int, variance: Floats) -> Candidate:
+    """Return a member of a fit; a family with the mean and spread of its sizes."""
+    member = fit.members[k]
+    if not isinstance(member, EffectFamily) or member.shared:
+        return member
+    hierarchy = dict(member.hierarchy)
+    for parameter, prior in member.hierarchy.items():
+        names = member.alike(parameter)
+        where = [j for j, c in enumerate(fit.parameters) if c.candidate == k and c.name in names]
+        values = np.array([fit.parameters[j].value(float(fit.z[j])) for j in where])
+        u = np.log(values) if prior.shared else values
+        hierarchy[parameter] = prior.updated(u, variance[where] * prior.spread**2)
+    return replace(member, hierarchy=hierarchy)
+
+
+def _on_scales_of(fit: Fit, members: Sequence[Candidate]) -> Fit:
+    """Return the same fit with its parameters on the scales of other priors."""
+    parameters = tuple(
+        replace(c, prior=prior) for c, prior in zip(fit.parameters, _priors(members, fit), strict=True)
+    )
+    values = [c.value(float(x)) for c, x in zip(fit.parameters, fit.z, strict=True)]
+    z = np.array([c.z(value) for c, value in zip(parameters, values, strict=True)])
+    times = [
+        new.slope(float(x)) / old.slope(float(y))
+        for new, old, x, y in zip(parameters, fit.parameters, z, fit.z, strict=True)
+    ]
+    return replace(
+        fit, members=tuple(members), parameters=parameters, z=z, jacobian=fit.jacobian * np.array(times)
+    )
+
+
+def _priors(members: Sequence[Candidate], fit: Fit) -> Iterator[Prior]:
+    """Yield the priors of the parameters of a fit, of families those of other members."""
+    for c in fit.parameters:
+        member = members[c.candidate]
+        alike = isinstance(member, EffectFamily) and member.prior_of(c.name)
+        yield alike or c.prior

@@ -1,0 +1,115 @@
+"""Families: one effect at all places of a kind, proposed as one cause.
+
+With D_i what the probe of an effect moves at place i, a shared size alpha moves sum_i D_i alpha; errors that
+may have either sign have an alpha each. So a family is screened, sharpened and fitted as a single candidate
+is (`diagnosis.screening`), from the same probes. Where the model has the effect at some places already, the
+family takes their place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+
+import numpy as np
+
+from flexarm.diagnosis.acceptance import Criteria
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.evidence import log_bayes_factor
+from flexarm.diagnosis.family import EffectFamily, covariance, family_of, with_spreads
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.moves.proposals import fitted, one_variant
+from flexarm.diagnosis.moves.search_state import SearchState
+from flexarm.diagnosis.refinement import about_or_here
+from flexarm.diagnosis.screening import Probed, screen, sharpened
+
+
+def families(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
+    """Propose the most promising families, unless a single effect explains everything."""
+    criteria, policy = state.criteria, state.criteria.policy
+    if any(criteria.explains(fit) for fit in found):
+        return []
+    probed = probed_families(about, state.candidates(best, about))
+    here = best if best.members else state.start
+    shares = one_variant(screen(about, probed, here), 2 * policy.families)
+    more = fitted(about, sharpened(about, shares, here)[: policy.families], here, criteria, found=found)
+    return more + _in_place_of_singles(
+        about, probed, best, criteria.early_stop([best, *found, *more], state.null, policy.halfway)
+    )
+
+
+def without_idle_places(criteria: Criteria, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:
+    """Return a model of which places have left their families, if that is more probable without them.
+
+    A family that is left with too few places becomes single effects.
+    """
+    whole = best
+    for family in [m for m in best.members if isinstance(m, EffectFamily)]:
+        rest, policy = tuple(m for m in best.members if m is not family), criteria.policy
+        for at in _doubtful(best, family, policy.strong_evidence):
+            [family] = [m for m in best.members if isinstance(m, EffectFamily) and m.spots & family.spots]
+            with suppress(*FIT_ERRORS):
+                fewer = with_spreads(about.fit((*rest, family.without_place(at)), nearby=best))
+                if log_bayes_factor(fewer, best, criteria.problem) > policy.family_leave:
+                    best = fewer
+        if len(family.members) < policy.family_places:
+            with suppress(*FIT_ERRORS):
+                best = about.fit((*rest, *family.members), nearby=best)
+    return best, about if best is whole else about_or_here(best, about)
+
+
+def _doubtful(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
+    """Return the places of a family of which no size is known so well that it is clearly there."""
+    std, sure = np.sqrt(np.diag(covariance(fit))), set()
+    for j, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
+        if fit.members[parameter.candidate] is family and family.is_size(parameter.name):
+            relative = abs(parameter.slope(float(z)) / parameter.value(float(z))) * std[j]
+            if relative < (2 * strong) ** -0.5:
+                sure.add(family.at_of(parameter.name))
+    return [member.effect.at for member in family.members if member.effect.at not in sure]
+
+
+def probed_families(estimator: Estimator, probed: Sequence[Probed]) -> list[Probed]:
+    """Return the families of single candidates, one a variant, and what their probes move."""
+    policy, found = estimator.problem.policy, []
+    for alike in _alike(probed):
+        family = family_of(
+            [p.candidate for p in alike], estimator.arm, policy.family_spread, policy.family_count
+        )
+        if len(alike) >= policy.family_places and family is not None:
+            moves = [p.moves for p in alike]
+            found.append(Probed(family, np.sum(moves, axis=0) if family.shared else np.hstack(moves)))
+    return found
+
+
+def _alike(probed: Iterable[Probed]) -> list[list[Probed]]:
+    """Return candidates that are the same but for their places, if neither model nor records state them."""
+    found: dict[tuple[object, ...], list[Probed]] = {}
+    for each in probed:
+        candidate = each.candidate
+        stated = candidate.without is not None and not candidate.without.inert
+        if candidate.effect.forms_families() and not stated and candidate.needs is None:
+            found.setdefault(_kind(candidate), []).append(each)
+    return list(found.values())
+
+
+def _kind(candidate: Candidate) -> tuple[object, ...]:
+    """Return what is the same of candidates of one family: the variant, what is free and its units."""
+    effect = candidate.effect
+    sizes = tuple((name, value) for name, value, _ in effect.parameters())
+    return candidate.name, sizes, candidate.free
+
+
+def _in_place_of_singles(about: Estimator, probed: Sequence[Probed], best: Fit, limit: float) -> list[Fit]:
+    """Return fits of families that take the place of the same effect at some of their places."""
+    found: list[Fit] = []
+    for family in {p.candidate.name: p.candidate for p in reversed(probed)}.values():
+        there = [m for m in best.members if m.spots < family.spots]
+        if not there or not isinstance(family, EffectFamily) or not family.shared:
+            continue
+        sized = {name: there[0].value_of(name) for name in family.free}
+        others = [m for m in best.members if m not in there]
+        with suppress(*FIT_ERRORS):
+            found.append(about.trial((family.with_parameters(sized), *others), best, limit))
+    return found
