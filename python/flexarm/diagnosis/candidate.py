@@ -100,6 +100,11 @@ class Candidate:
         """Return the same with other values."""
         return replace(self, effect=self.effect.with_parameters(values))
 
+    def held(self) -> list[tuple[str, float, str]]:
+        """Return the parameters as (name, value, unit) that say how it acts and are chosen, not fitted."""
+        shape = [each for each in self.effect.parameters() if each[0] in self.effect.shape]
+        return [each for each in shape if each[0] not in self.free]
+
     def keys_of(self, name: str) -> list[str]:
         """Return the model's parameters that a parameter is the value of."""
         return [f"effects.{self.name}.{self.effect.at}.{name}"]

@@ -125,6 +125,10 @@ class EffectFamily(Candidate):
                 own[k][parameter] = value
         return self._with([m.with_parameters(each) for m, each in zip(self.members, own, strict=True)])
 
+    def held(self) -> list[tuple[str, float, str]]:
+        """Return the parameters as (name, value, unit) that say how it acts and are chosen, not fitted."""
+        return self.members[0].held()
+
     def keys_of(self, name: str) -> list[str]:
         """Return the model's parameters that a parameter is the value of."""
         return [key for k, parameter in self._values[name] for key in self.members[k].keys_of(parameter)]
@@ -200,6 +204,21 @@ def family_of(members: Sequence[Candidate], arm: Arm, spread: float, count: floa
     if not hierarchy:
         return None
     return EffectFamily.of(members, hierarchy, all(each.shared for each in hierarchy.values()))
+
+
+def clear_places(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
+    """Return the places of a family where the data show its size by themselves.
+
+    A size is known to a part f of itself if its effect has a signal to noise ratio of 1/f, which is an
+    evidence of 1/(2 f^2): more than `strong` [-].
+    """
+    std, found = np.sqrt(np.diag(covariance(fit))), []
+    for j, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
+        if fit.members[parameter.candidate] is family and family.is_size(parameter.name):
+            relative = abs(parameter.slope(float(z)) / parameter.value(float(z))) * std[j]
+            if relative < (2 * strong) ** -0.5:
+                found.append(family.at_of(parameter.name))
+    return list(dict.fromkeys(found))
 
 
 def with_spreads(fit: Fit) -> Fit:

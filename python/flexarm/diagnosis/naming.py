@@ -22,12 +22,13 @@ from flexarm.diagnosis.alternatives import probabilities
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.cross_validation import press_rms
 from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
+from flexarm.diagnosis.family import EffectFamily, clear_places
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.named_effects import Alternative, NamedEffect, Place, Rejected
-from flexarm.wording import listed, number, place_words, with_unit
+from flexarm.wording import SPELT_OUT, listed, number, place_words, with_unit
 
 SHRUNK = 0.95
 """Part of a gap that may be left where it is said to fall."""
@@ -54,12 +55,19 @@ def evidence_sentence(
     if Criteria(problem, choice.null).in_conflict(best):
         worst = "".join(_strained(best, problem.policy.pull))
         text += f"; even with it {worst}, so that something else may be missing"
-    text += "".join(f"; {said}" for said in (*_held(best.members[k]), *_unusual(best, k)))
+    text += "".join(f"; {said}" for said in _doubts(best, k, problem.policy.strong_evidence))
     for each in moving:
         text += (
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
         )
     return text + "."
+
+
+def _doubts(best: Fit, k: int, strong: float) -> Iterator[str]:
+    """Yield what is chosen, shared or unusual in an effect."""
+    yield from _held(best.members[k])
+    yield from _known_places(best, best.members[k], strong)
+    yield from _unusual(best, k)
 
 
 def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
@@ -120,15 +128,24 @@ def _strained(fit: Fit, beyond: float) -> Iterator[str]:
 
 def _held(member: Candidate) -> Iterator[str]:
     """Parameters that say how an effect acts and were chosen, not fitted."""
-    for name, value, unit in member.effect.parameters():
-        if name in member.effect.shape and name not in member.free:
-            yield f"its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
+    for name, value, unit in member.held():
+        yield f"its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
+
+
+def _known_places(fit: Fit, member: Candidate, strong: float) -> Iterator[str]:
+    """Places of a family where the data show its size by themselves."""
+    if isinstance(member, EffectFamily):
+        clear, count = clear_places(fit, member, strong), len(member.members)
+        where = listed(clear) if len(clear) <= SPELT_OUT else f"{len(clear)} places"
+        if len(clear) < count:
+            yield f"its size is known by itself at {where or 'none of them'}, elsewhere taken alike"
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:
     """Parameters of an effect that are far from those of other machines."""
     for parameter, z in zip(fit.parameters, fit.z, strict=True):
-        if parameter.candidate == k and abs(z) > UNUSUAL and parameter.prior.scale != "uniform":
+        own = parameter.weight < 1.0  # and not that of the other places
+        if parameter.candidate == k and own and abs(z) > UNUSUAL and parameter.prior.scale != "uniform":
             prior, value = parameter.prior, parameter.value(float(z))
             low, high = (with_unit(end, prior.unit) for end in (prior.low, prior.high))
             yield (

@@ -79,7 +79,7 @@ class SelectionPolicy:
 
     # Stopping
     most_effects: int = 12
-    """Effects in a diagnosis, and swaps in a search [1]: evidence ends a search before."""
+    """Effects, families counted once, and swaps in a search [1]: a budget, as each takes a round of fits."""
     most_of_gap: float = 0.5
     """Part of the gap [-]: two effects explain it for a third, the best screened one for no more starts."""
     hardly_helps: float = 0.15
@@ -106,8 +106,8 @@ class SelectionPolicy:
     """Prior spread [-] of ln(size) in a family: a factor e, as base and wrist of an arm differ."""
     family_count: float = 2.0
     """Members that the prior of a spread counts as [1]: it decides only where a family is small."""
-    family_leave: float = log(20.0)
-    """ln B by which a family must be better without a place that leaves it: undetermined ones stay."""
+    family_leave: float = 1.0
+    """ln B by which a family must be better without a place: places that no data show gain some 0.2."""
     faint: float = 0.3
     """Share of the best candidate's [-] below which others are not fitted once one explains all."""
     halfway: float = 0.5

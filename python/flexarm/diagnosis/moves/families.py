@@ -13,11 +13,12 @@ from contextlib import suppress
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor
-from flexarm.diagnosis.family import EffectFamily, covariance, family_of, with_spreads
+from flexarm.diagnosis.family import EffectFamily, clear_places, family_of, with_spreads
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import fitted, one_variant
 from flexarm.diagnosis.moves.search_state import SearchState
@@ -42,38 +43,44 @@ def families(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fi
 def without_idle_places(criteria: Criteria, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """Return a model of which places have left their families, if that is more probable without them.
 
-    A family that is left with too few places becomes single effects.
+    Where the data show too few places by themselves, these become single effects, if that is as much more
+    probable for each place that leaves.
     """
-    whole = best
-    for family in [m for m in best.members if isinstance(m, EffectFamily)]:
-        rest, policy = tuple(m for m in best.members if m is not family), criteria.policy
-        for at in _doubtful(best, family, policy.strong_evidence):
-            [family] = [m for m in best.members if isinstance(m, EffectFamily) and m.spots & family.spots]
-            with suppress(*FIT_ERRORS):
-                fewer = with_spreads(about.fit((*rest, family.without_place(at)), nearby=best))
-                if log_bayes_factor(fewer, best, criteria.problem) > policy.family_leave:
-                    best = fewer
-        if len(family.members) < policy.family_places:
-            with suppress(*FIT_ERRORS):
-                best = about.fit((*rest, *family.members), nearby=best)
-    return best, about if best is whole else about_or_here(best, about)
+    found = best
+    for family in (m for m in best.members if isinstance(m, EffectFamily)):
+        found = _thinned(criteria, found, family, about)
+    return found, about if found is best else about_or_here(found, about)
 
 
-def _doubtful(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
-    """Return the places of a family of which no size is known so well that it is clearly there."""
-    std, sure = np.sqrt(np.diag(covariance(fit))), set()
-    for j, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
-        if fit.members[parameter.candidate] is family and family.is_size(parameter.name):
-            relative = abs(parameter.slope(float(z)) / parameter.value(float(z))) * std[j]
-            if relative < (2 * strong) ** -0.5:
-                sure.add(family.at_of(parameter.name))
-    return [member.effect.at for member in family.members if member.effect.at not in sure]
+def _thinned(criteria: Criteria, whole: Fit, family: EffectFamily, about: Estimator) -> Fit:
+    rest, policy = tuple(m for m in whole.members if m is not family), criteria.policy
+    clear, best, left = clear_places(whole, family, policy.strong_evidence), whole, family
+    for at in (m.effect.at for m in family.members if m.effect.at not in clear):
+        fewer = _fitted(about, (*rest, left.without_place(at)), best) if len(left.members) > 1 else None
+        if fewer is not None and log_bayes_factor(fewer, best, criteria.problem) > policy.family_leave:
+            best = fewer
+            [left] = [m for m in best.members if isinstance(m, EffectFamily) and m.spots < family.spots]
+    sure = [m for m in left.members if m.effect.at in clear]
+    if len(sure) < policy.family_places:
+        few = len(left.members) < policy.family_places
+        singles = _fitted(about, (*rest, *(left.members if few else sure)), best)
+        least = policy.family_leave * (len(family.members) - len(sure))
+        if singles and (few or log_bayes_factor(singles, whole, criteria.problem) > least):
+            return singles
+    return best
+
+
+def _fitted(about: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:
+    try:
+        return with_spreads(about.fit(members, nearby=nearby))
+    except FIT_ERRORS:
+        return None
 
 
 def probed_families(estimator: Estimator, probed: Sequence[Probed]) -> list[Probed]:
     """Return the families of single candidates, one a variant, and what their probes move."""
     policy, found = estimator.problem.policy, []
-    for alike in _alike(probed):
+    for alike in _alike(probed, estimator.arm):
         family = family_of(
             [p.candidate for p in alike], estimator.arm, policy.family_spread, policy.family_count
         )
@@ -83,22 +90,22 @@ def probed_families(estimator: Estimator, probed: Sequence[Probed]) -> list[Prob
     return found
 
 
-def _alike(probed: Iterable[Probed]) -> list[list[Probed]]:
+def _alike(probed: Iterable[Probed], arm: Arm) -> list[list[Probed]]:
     """Return candidates that are the same but for their places, if neither model nor records state them."""
     found: dict[tuple[object, ...], list[Probed]] = {}
     for each in probed:
         candidate = each.candidate
         stated = candidate.without is not None and not candidate.without.inert
         if candidate.effect.forms_families() and not stated and candidate.needs is None:
-            found.setdefault(_kind(candidate), []).append(each)
+            found.setdefault(_kind(candidate, arm), []).append(each)
     return list(found.values())
 
 
-def _kind(candidate: Candidate) -> tuple[object, ...]:
+def _kind(candidate: Candidate, arm: Arm) -> tuple[object, ...]:
     """Return what is the same of candidates of one family: the variant, what is free and its units."""
-    effect = candidate.effect
-    sizes = tuple((name, value) for name, value, _ in effect.parameters())
-    return candidate.name, sizes, candidate.free
+    sizes = tuple(candidate.effect.parameters())
+    units = tuple(prior.unit for prior in candidate.priors_in(arm).values())
+    return candidate.name, sizes, candidate.free, units
 
 
 def _in_place_of_singles(about: Estimator, probed: Sequence[Probed], best: Fit, limit: float) -> list[Fit]:
