@@ -66,6 +66,7 @@ def _named(left, coarse=False, needed=50.0, share=None):
         place=("link_bow", "rod"),
         spots={("link_bow", "rod")},
         free=("tip_offset.x",),
+        held=list,
         effect=effect,
     )
     fit.members, fit.parameters, fit.z, fit.projected = (member,), (), (), fit.residual

@@ -87,7 +87,6 @@ def test_refined_values_are_listed_once_where_they_are_many():
     assert "(links.rod.material.youngs_modulus) explains the gap" in verdict_sentence(found)
 
 
-NOTHING_HELD = SimpleNamespace(parameters=tuple, shape=())
 BENCH = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
 """Records of a model without effects."""
 
@@ -104,8 +103,7 @@ def choice_of(names: list[str], before: float, after: float, monkeypatch) -> Sim
             non_smooth=False,
             residual=which,
             members=[
-                SimpleNamespace(name=name, at="hinge", spots={(name, "hinge")}, effect=NOTHING_HELD)
-                for name in names
+                SimpleNamespace(name=name, at="hinge", spots={(name, "hinge")}, held=list) for name in names
             ],
             parameters=(),
             z=(),
