@@ -114,6 +114,19 @@ def uncertain(arm: Arm) -> tuple[Parameter, ...]:
     return parameters(arm, arm.uncertainty)
 
 
+def numbers_at(arm: Arm, key: str) -> tuple[tuple[Parameter, Path], ...]:
+    """Return the numbers that a key means, vectors spelt out, each with its path.
+
+    There need be no derivative by them, and what was left out may be infinite.
+
+    Raises
+    ------
+    InvalidParameter
+        If the key means nothing in this arm.
+    """
+    return tuple((Parameter(name, path.get(arm), _unit(arm, path)), path) for name, path in _paths(arm, key))
+
+
 def path_of(arm: Arm, key: str) -> Path:
     """Return the path of the key of a `Parameter`."""
     return _paths(arm, key)[0][1]
@@ -169,12 +182,16 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
                 f"{key} has no derivative: the law jumps with it; change its value in finite steps instead",
                 where="sensitivities",
             )
-        if isinstance(owner, Effect):
-            unit = unit_at(owner, arm, path.fields[-1], owner.unit(path.fields[-1]))
-        else:
-            unit = unit_of(type(owner).model_fields[path.fields[-1]])
-        found.append(Parameter(name, path.get(arm), unit, rule == "one-sided"))
+        found.append(Parameter(name, path.get(arm), _unit(arm, path), rule == "one-sided"))
     return found
+
+
+def _unit(arm: Arm, path: Path) -> str:
+    """Return the unit of the number at a path."""
+    owner, field = path.owner(arm), path.fields[-1]
+    if isinstance(owner, Effect):
+        return unit_at(owner, arm, field, owner.unit(field))
+    return unit_of(type(owner).model_fields[field])
 
 
 def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
