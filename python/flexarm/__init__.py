@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from flexarm.calibration.policy import CalibrationPolicy
     from flexarm.calibration.result import Calibration
     from flexarm.calibration.workflow import calibrate
-    from flexarm.campaign import simulate_all
+    from flexarm.campaigns.campaign import Campaign, campaign
     from flexarm.comparison.compare import compare
     from flexarm.comparison.comparison import Comparison
     from flexarm.comparison.frequency_response import compare_responses
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from flexarm.reduction import InterfaceSet, reduce_mesh
     from flexarm.sensitivity import Sensitivities
     from flexarm.simulation.simulate import simulate
+    from flexarm.simulation.simulate_all import simulate_all
     from flexarm.simulation.simulation import Simulation
     from flexarm.solids import SolidMesh, read_mesh
     from flexarm.statics.static import static
@@ -46,6 +47,7 @@ _EXPORTS = {
     "Arm": "flexarm.arm",
     "Calibration": "flexarm.calibration.result",
     "CalibrationPolicy": "flexarm.calibration.policy",
+    "Campaign": "flexarm.campaigns.campaign",
     "Comparison": "flexarm.comparison",
     "Diagnosis": "flexarm.diagnosis.result",
     "Drive": "flexarm.drive",
@@ -69,6 +71,7 @@ _EXPORTS = {
     "SuperElement": "flexarm.superelement",
     "accept_matrices": "flexarm.superelement.foreign",
     "calibrate": "flexarm.calibration.workflow",
+    "campaign": "flexarm.campaigns.campaign",
     "compare": "flexarm.comparison",
     "compare_responses": "flexarm.comparison",
     "config": "flexarm.configuration",
@@ -85,7 +88,7 @@ _EXPORTS = {
     "reduce_mesh": "flexarm.reduction",
     "show_config": "flexarm.configuration",
     "simulate": "flexarm.simulation",
-    "simulate_all": "flexarm.campaign",
+    "simulate_all": "flexarm.simulation.simulate_all",
     "static": "flexarm.statics",
 }
 
@@ -93,6 +96,7 @@ __all__ = [
     "Arm",
     "Calibration",
     "CalibrationPolicy",
+    "Campaign",
     "Comparison",
     "Diagnosis",
     "Drive",
@@ -116,6 +120,7 @@ __all__ = [
     "SuperElement",
     "accept_matrices",
     "calibrate",
+    "campaign",
     "compare",
     "compare_responses",
     "config",

@@ -90,6 +90,47 @@ def output_directory(
 
 
 @contextmanager
+def growing_directory(
+    path: str | Path, more: bool = False, inputs: Iterable[Path] = (), names: Iterable[str] = ()
+) -> Iterator[Path]:
+    """Claim a directory that is filled file by file, and keeps what it has if the block ends with an error.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the output shall be; it is made with its parents, and removed again if nothing was put there.
+    more : bool
+        Take a directory that holds files.
+    inputs, names : iterable
+        As of `output_directory`.
+
+    Yields
+    ------
+    Path
+        A hidden directory in it, for files that are moved to their places once they are whole.
+
+    Raises
+    ------
+    InvalidFile
+        As `output_directory`.
+    """
+    target, made = Path(path), list[Path]()
+    with _blamed(target):
+        _refuse_occupied(target, more)
+        _refuse_inputs((target / name for name in names), tuple(inputs))
+        _make_parents(target, made)
+    try:
+        with _claimed(target) as partial:
+            _refuse_occupied(target, more)
+            partial.mkdir()
+            yield partial
+    finally:
+        for parent in made:
+            with suppress(OSError):
+                parent.rmdir()
+
+
+@contextmanager
 def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]:
     """Yield a file to write, which becomes `path` if the block ends without an error.
 

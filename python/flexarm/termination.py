@@ -26,6 +26,7 @@ WAYS = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")
 """Exit code and word of each signal."""
 
 _undo: list[Callable[[], object]] = []
+_told: list[Callable[[], str]] = []
 _leaving = threading.RLock()  # a second signal interrupts the handler of the first, in the same thread
 
 
@@ -59,6 +60,16 @@ def undone_on_exit(undo: Callable[[], object]) -> Iterator[None]:
 
 
 @contextmanager
+def told_on_exit(text: Callable[[], str]) -> Iterator[None]:
+    """Say what is kept if the process leaves within the block, in place of what was written whole."""
+    _told.append(text)
+    try:
+        yield
+    finally:
+        _told.remove(text)
+
+
+@contextmanager
 def scratch_directory() -> Iterator[Path]:
     """Make a directory that vanishes with the block, or with the process."""
     import shutil
@@ -71,6 +82,8 @@ def scratch_directory() -> Iterator[Path]:
 
 def farewell(how: str) -> str:
     """Return the line about a command that was stopped, and the outputs that were written whole."""
+    if _told:
+        return f"{how}: {_told[-1]()}"
     written = getattr(sys.modules.get("flexarm.output"), "written", ())  # not imported: nothing is
     what = f"{', '.join(map(str, written))} was written whole" if written else "nothing was written"
     return f"{how}: {what}"

@@ -1,64 +1,170 @@
-"""Many runs at once give what each gives alone."""
+"""A campaign gives what each of its runs gives alone, keeps all of it, and goes on where it stopped."""
+
+import json
 
 import numpy as np
 import pytest
-from tests.helpers.arms import TUBE, beam, hinge, point
+from campaign_runs import MASS, SIMULATED, STATIC, study_in
 
 import flexarm
+from flexarm import InvalidFile
+from flexarm.arm.parameter import with_value
+from flexarm.campaigns import campaign as campaigns
+from flexarm.campaigns.store import Store
+from flexarm.effects.backlash import Backlash
 
 
-def arm_with(mass: float) -> flexarm.Arm:
-    return flexarm.Arm.from_dict(
-        {
-            "joints": [hinge("hinge", "rod")],
-            "links": [beam("rod", [0, 0, 1.0], TUBE)],
-            "payloads": [{"name": "load", "link": "rod", "position": [0, 0, 1.0], "mass": mass}],
-            "points": [point("tip", "rod", [0, 0, 1.0])],
-        }
+@pytest.fixture
+def simulated(tmp_path):
+    return study_in(tmp_path)
+
+
+def entries(folder):
+    """Names in a directory."""
+    return sorted(each.name for each in folder.iterdir())
+
+
+def test_a_row_is_what_its_run_gives_alone(simulated, tmp_path):
+    data = flexarm.campaign(simulated, tmp_path / "out", jobs=1).dataset
+    arm = flexarm.Arm.from_toml(tmp_path / "arm.toml")
+    drive = flexarm.Drive.from_csv(tmp_path / "swing.csv", arm)
+    nominal = flexarm.simulate(arm, drive, step=5e-3)
+    for k in (0, 7, 15):
+        row = data.isel(sample=k)
+        gap = Backlash(at="hinge", gap=float(row["effects.backlash.hinge.gap"]))
+        variant = with_value(arm, MASS, float(row[MASS])).with_effect(gap)
+        run = flexarm.simulate(variant, drive, step=5e-3)
+        assert np.array_equal(row["tip_position"], run.at(row["time"], "tip"))
+        off = np.linalg.norm(run.position[:, 0] - nominal.position[:, 0], axis=1)
+        assert float(row["tip_position_max"]) == pytest.approx(off.max(), rel=1e-9)
+        assert float(row["tip_position_rms"]) == pytest.approx(np.sqrt(np.mean(off**2)), rel=1e-9)
+        assert float(row["tip_position_final"]) == pytest.approx(off[-1], rel=1e-9)
+    assert np.array_equal(data["tip_position_nominal"], nominal.at(data["time"], "tip"))
+
+
+def test_results_say_what_they_are(simulated, tmp_path):
+    data = flexarm.campaign(simulated, tmp_path / "out", jobs=1).dataset
+    assert data.sizes == {"sample": 16, "time": 11, "axis": 3}
+    assert set(data["status"].values) == {"ok"}
+    assert {MASS, "effects.backlash.hinge.gap"} <= set(data["tip_position"].coords)
+    assert data["tip_position"].attrs["units"] == "m"
+    assert data[MASS].attrs == {"units": "kg", "nominal": 2.0}
+
+
+def test_the_directory_holds_nothing_else_and_tells_what_ran(simulated, tmp_path):
+    done = flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    assert entries(tmp_path / "out") == sorted(done.files)
+    record = json.loads((tmp_path / "out" / "study.json").read_text())
+    assert record["state"] == "finished"
+    assert record["runs"] == {"ok": 16, "failed": 0}
+    assert set(record["inputs_sha256"]) == {"arm.toml", "swing.csv"}
+    assert record["versions"]["flexarm"] == flexarm.__version__
+    assert flexarm.Campaign.load(tmp_path / "out").record == record
+
+
+def test_a_variant_that_fails_is_a_row_with_its_reason(tmp_path):
+    """Masses from -1 to 3 kg: those below zero are refused, the others are computed."""
+    file = study_in(tmp_path, STATIC.replace("low = 1.0", "low = -1.0"))
+    done = flexarm.campaign(file, tmp_path / "out", jobs=1)
+    data = done.dataset
+    negative = data[MASS].values < 0
+    assert 0 < negative.sum() < 50
+    assert np.array_equal(data["status"].values == "failed", negative)
+    assert np.array_equal(np.isnan(data["tip_displacement"].values).all(axis=1), negative)
+    reason = str(data["reason"].values[negative][0])
+    assert reason.startswith(f"{MASS}: must be at least 0, got -0.")
+    assert done.record["runs"]["failed"] == negative.sum() == len(done.record["failures"])
+    assert done.record["failures"][0]["parameters"][MASS] < 0
+
+
+def test_modes_of_variants_are_kept_whole(tmp_path):
+    text = (
+        STATIC[: STATIC.index("[[keep]]")]
+        .replace('"static"', '"modes"')
+        .replace("joints", "count = 3\njoints")
     )
+    data = flexarm.campaign(study_in(tmp_path, text), tmp_path / "out", jobs=1).dataset
+    heaviest = int(np.argmax(data[MASS].values))
+    arm = with_value(flexarm.Arm.from_toml(tmp_path / "arm.toml"), MASS, float(data[MASS][heaviest]))
+    alone = flexarm.modes(arm, joints={"hinge": 0.5}, count=3)
+    assert np.array_equal(data["frequency_hz"][heaviest], alone.frequency_hz)
+    assert data["frequency_hz"].dims == ("sample", "mode")
 
 
-DRIVE = flexarm.Drive.from_samples([0.0, 0.1, 0.2, 0.3], {"hinge": [0.0, 0.1, 0.2, 0.2]})
-MASSES = [1.0, 2.0, 4.0, 8.0]
+def stopped_after(parts: int, monkeypatch):
+    """Let a campaign stop, as if interrupted, once so many batches were kept."""
+    put, kept = Store.put, []
+
+    def counted(self, rows):
+        if len(kept) == parts:
+            raise KeyboardInterrupt
+        kept.append(rows)
+        put(self, rows)
+
+    monkeypatch.setattr(Store, "put", counted)
 
 
-def test_runs_side_by_side_are_the_runs_alone_in_their_order() -> None:
-    together = flexarm.simulate_all([(arm_with(m), DRIVE) for m in MASSES], jobs=2, step=1e-3)
-    for mass, run in zip(MASSES, together, strict=True):
-        assert np.array_equal(run.position, flexarm.simulate(arm_with(mass), DRIVE, step=1e-3).position)
+def test_what_is_done_is_not_computed_again(simulated, tmp_path, monkeypatch):
+    whole = flexarm.campaign(simulated, tmp_path / "whole", jobs=1).dataset
+    monkeypatch.setattr(campaigns, "TASKS_EACH", 8)
+    with monkeypatch.context() as patched:
+        stopped_after(3, patched)
+        with pytest.raises(KeyboardInterrupt):
+            flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    assert entries(tmp_path / "out") == ["results.parts", "study.json"]
+    computed = []
+    compute = campaigns.compute_here
+    monkeypatch.setattr(
+        campaigns,
+        "compute_here",
+        lambda job, tasks, put: compute(
+            job, tasks, lambda rows: (computed.extend(r.sample for r in rows), put(rows))
+        ),
+    )
+    data = flexarm.campaign(simulated, tmp_path / "out", resume=True, jobs=1).dataset
+    assert computed == list(range(6, 16))  # tasks of two, three of which were kept
+    assert data.drop_vars("seconds").equals(whole.drop_vars("seconds"))
 
 
-def test_options_reach_every_run() -> None:
-    runs = flexarm.simulate_all([(arm_with(2.0), DRIVE)], step=5e-3, sensitivities=["payloads.load.mass"])
-    assert runs[0].solver["step"] == 5e-3
-    assert runs[0].sensitivities is not None
+def test_another_study_does_not_go_on_with_this_one(simulated, tmp_path):
+    flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    simulated.write_text(SIMULATED.replace("n = 16", "n = 32"))
+    with pytest.raises(
+        InvalidFile, match=r"study.json: study.sampling: was .*\"n\": 16.*is .*\"n\": 32.* now; allowed"
+    ):
+        flexarm.campaign(simulated, tmp_path / "out", resume=True)
+    simulated.write_text(SIMULATED)
+    (tmp_path / "arm.toml").write_text((tmp_path / "arm.toml").read_text() + "\n# changed\n")
+    with pytest.raises(InvalidFile, match=r"study.json: inputs_sha256.arm.toml: the file has changed"):
+        flexarm.campaign(simulated, tmp_path / "out", resume=True)
 
 
-def test_a_run_that_fails_is_raised() -> None:
-    stray = flexarm.Drive.from_samples([0.0, 1.0], {"elbow": [0.0, 0.1]})
-    with pytest.raises(flexarm.InvalidParameter, match="elbow"):
-        flexarm.simulate_all([(arm_with(1.0), DRIVE), (arm_with(1.0), stray)], jobs=2)
+def test_a_directory_with_files_needs_resume_or_force(simulated, tmp_path):
+    flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    with pytest.raises(InvalidFile, match="holds a campaign already; allowed is --resume"):
+        flexarm.campaign(simulated, tmp_path / "out")
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    before = (tmp_path / "out" / "results.nc").stat().st_mtime_ns
+    again = flexarm.campaign(simulated, tmp_path / "out", force=True, jobs=1)
+    assert (tmp_path / "out" / "results.nc").stat().st_mtime_ns > before
+    assert entries(tmp_path / "out") == sorted([*again.files, "notes.txt"])
 
 
-def test_progress_tells_the_share_and_can_stop() -> None:
-    seen: list[float] = []
-
-    def report(done: float) -> bool:
-        seen.append(done)
-        return len(seen) < 2
-
-    runs = flexarm.simulate_all([(arm_with(m), DRIVE) for m in MASSES], jobs=1, progress=report)
-    assert seen == [0.25, 0.5]
-    assert len(runs) == 2
+def test_a_study_at_fault_leaves_no_directory(simulated, tmp_path):
+    simulated.write_text(SIMULATED.replace("n = 16", "n = -1"))
+    with pytest.raises(InvalidFile, match=r"sampling\.n"):
+        flexarm.campaign(simulated, tmp_path / "new" / "out")
+    assert not (tmp_path / "new").exists()
 
 
-def test_no_threads_are_refused() -> None:
-    with pytest.raises(flexarm.InvalidParameter, match="at least 1"):
-        flexarm.simulate_all([], jobs=0)
-
-
-def test_a_run_that_is_no_pair_is_named() -> None:
-    with pytest.raises(flexarm.InvalidParameter, match=r"runs\[1\]: must be a pair .*, got Arm"):
-        flexarm.simulate_all([(arm_with(1.0), DRIVE), arm_with(2.0)])  # type: ignore[list-item]
-    with pytest.raises(flexarm.InvalidParameter, match=r"runs\[0\]: .*, got \(Drive, Arm\)"):
-        flexarm.simulate_all([(DRIVE, arm_with(1.0))])  # type: ignore[list-item]
+def test_several_drives_are_cases_of_their_own(tmp_path):
+    file = study_in(tmp_path, SIMULATED.replace('"swing.csv"', '["swing.csv", "short.csv"]'))
+    lines = (tmp_path / "swing.csv").read_text().splitlines()
+    (tmp_path / "short.csv").write_text("\n".join([*lines[:7], ""]))
+    data = flexarm.campaign(file, tmp_path / "out", jobs=1).dataset
+    assert data.sizes["sample"] == 32
+    assert data["drive"].values.tolist() == ["swing.csv"] * 16 + ["short.csv"] * 16
+    series = data["tip_position"].values
+    assert np.isfinite(series[:16]).all()
+    assert np.isfinite(series[16:, :6]).all()
+    assert np.isnan(series[16:, 6:]).all()

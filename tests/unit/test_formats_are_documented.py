@@ -24,6 +24,7 @@ from flexarm.arm import (
     StateFeedback,
     Tube,
 )
+from flexarm.campaigns.study import Keep, Sampling, Study, Vary
 from flexarm.quantities import QUANTITIES
 from flexarm.record import CarriedPayload, Clock, Frame, Record
 from flexarm.record.file_table import RecordTable, SignalTable
@@ -46,6 +47,10 @@ TABLES = [
     Frame,
     RecordTable,
     SignalTable,
+    Study,
+    Sampling,
+    Vary,
+    Keep,
 ]
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from math import isinf
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arm.closure import refuse_closures
 from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import unit_at
 from flexarm.arm.link import Beam
@@ -100,7 +101,9 @@ def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
         If a key means nothing in this arm, or the model's predictions have no derivative by it.
     """
     found: dict[str, Parameter] = {}
-    for key in [keys] if isinstance(keys, str) else keys:
+    if keys := [keys] if isinstance(keys, str) else list(keys):
+        refuse_closures(arm, "a derivative")
+    for key in keys:
         for parameter in _parameters(arm, key):
             found.setdefault(parameter.key, parameter)
     return tuple(found.values())
@@ -109,6 +112,19 @@ def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
 def uncertain(arm: Arm) -> tuple[Parameter, ...]:
     """Return all parameters to which the arm's `[uncertainty]` gives a sigma, vectors spelt out."""
     return parameters(arm, arm.uncertainty)
+
+
+def numbers_at(arm: Arm, key: str) -> tuple[tuple[Parameter, Path], ...]:
+    """Return the numbers that a key means, vectors spelt out, each with its path.
+
+    There need be no derivative by them, and what was left out may be infinite.
+
+    Raises
+    ------
+    InvalidParameter
+        If the key means nothing in this arm.
+    """
+    return tuple((Parameter(name, path.get(arm), _unit(arm, path)), path) for name, path in _paths(arm, key))
 
 
 def path_of(arm: Arm, key: str) -> Path:
@@ -166,12 +182,16 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
                 f"{key} has no derivative: the law jumps with it; change its value in finite steps instead",
                 where="sensitivities",
             )
-        if isinstance(owner, Effect):
-            unit = unit_at(owner, arm, path.fields[-1], owner.unit(path.fields[-1]))
-        else:
-            unit = unit_of(type(owner).model_fields[path.fields[-1]])
-        found.append(Parameter(name, path.get(arm), unit, rule == "one-sided"))
+        found.append(Parameter(name, path.get(arm), _unit(arm, path), rule == "one-sided"))
     return found
+
+
+def _unit(arm: Arm, path: Path) -> str:
+    """Return the unit of the number at a path."""
+    owner, field = path.owner(arm), path.fields[-1]
+    if isinstance(owner, Effect):
+        return unit_at(owner, arm, field, owner.unit(field))
+    return unit_of(type(owner).model_fields[field])
 
 
 def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:

@@ -21,6 +21,7 @@ COMMANDS = (
     "diagnose",
     "calibrate",
     "plan",
+    "campaign",
     "reduce",
     "export",
     "view",
@@ -48,6 +49,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm diagnose arm.toml measured --out why    what does the model lack
     flexarm calibrate arm.toml measured --out fit   estimate what is uncertain
     flexarm plan arm.toml --drive swing.csv         what could an experiment tell
+    flexarm campaign tolerances.toml --out study    what do its tolerances cost
     flexarm reduce hub.inp --interface ...          a solid part as a link
     flexarm export found.toml --urdf robot.urdf --out found.urdf
     flexarm view run                                see it move, in the browser

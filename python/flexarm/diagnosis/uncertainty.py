@@ -62,7 +62,12 @@ class Estimates:
 
 def estimates(fit: Fit, problem: Problem, input_errors: Floats | None = None) -> Estimates:
     """Return values and intervals of a fit, by (1) to (3); input_errors: e of (2), shape (draws, n)."""
-    sigma, k = deviations(fit, problem, input_errors=input_errors), len(fit.z)
+    return estimates_at(fit, deviations(fit, problem, input_errors=input_errors))
+
+
+def estimates_at(fit: Fit, sigma: Floats) -> Estimates:
+    """Return values of a fit, and intervals for standard deviations of z and x, shape (k + m,)."""
+    k = len(fit.z)
     return Estimates(
         [_of_effect(fit, i, sigma[:k]) for i in range(len(fit.members))], *_of_unknowns(fit, sigma[k:])
     )

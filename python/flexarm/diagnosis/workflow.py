@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import ARM, COUNT, FLAG, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
+from flexarm.arm.closure import refuse_closures
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.budget import allows, current, limited
 from flexarm.configuration import version
@@ -48,10 +49,10 @@ from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
-from flexarm.diagnosis.verification import Bench, verified
+from flexarm.diagnosis.verification import Bench, main_signal, verified
 from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
-from flexarm.law_curve import LawCurve
-from flexarm.missing_law.search import missing_laws
+from flexarm.missing_law.check import LawCheck
+from flexarm.missing_law.search import MissingLaws, missing_laws, replaced_effects
 from flexarm.named_effects import NamedEffect
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
@@ -133,6 +134,7 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
+    refuse_closures(arm, "diagnose")
     with limited(max_seconds):
         return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, laws, progress)
 
@@ -189,7 +191,6 @@ def _diagnosis(
     further = NextExperiment()
     if allows("the next experiment was sought"):
         further = next_experiment(choice, problem, found.verdict == "unexplained")
-    tell(0.85, "verifying")
     if out.any():
         parted = parted.without_strays(found.repaired, problem)
     bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
@@ -198,19 +199,23 @@ def _diagnosis(
         updated, refined = set_zeros(updated, refined, arm)
     updated, refined = restore_unidentifiable(problem.arm, updated, refined, bench.in_training)
     updated = without_idle_zeros(updated, arm)
-    seen = verified(
-        bench, arm, updated, [encoder.effect for encoder in coarse], choice.best.members, found.open_gap
-    )
-    curves: tuple[LawCurve, ...] = ()
+    missing, members, sizes = MissingLaws(), choice.best.members, found.sizes
     if laws and found.verdict == "unexplained" and allows("the missing law was sought"):
-        tell(0.92, "missing law")
-        curves = missing_laws(problem, _simplest_first(choice), parted.held_out, seen.main_signal)
+        tell(0.87, "missing law")
+        signal = main_signal(parted.training, bench.in_training(arm))
+        ground = LawCheck(bench, arm, updated, signal)
+        missing = missing_laws(choice.estimator, _simplest_first(choice), ground)
+    if missing.added is not None:
+        updated, members, sizes = missing.added.arm, missing.added.members, missing.added.sizes
+        refined = tuple(filter(moved, sizes.refined))
+    tell(0.95, "verifying")
+    seen = verified(bench, arm, updated, [encoder.effect for encoder in coarse], members, found.open_gap)
     told = Diagnosis(
         found.verdict,
         arm,
         updated,
         found.effects,
-        counted_from_stamps(found.sizes.nuisances, problem),
+        counted_from_stamps(sizes.nuisances, problem),
         refined,
         rejected(choice, problem),
         where=seen.located.where if seen.located else (),
@@ -235,6 +240,7 @@ def _diagnosis(
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
             *swings(choice.best, problem),
             *seen.remarks,
+            *replaced_effects(missing, choice.best),
             *current().remarks,
         ),
         next_experiment=further.sentence,
@@ -242,7 +248,7 @@ def _diagnosis(
         provenance=_provenance(seed, step, begun),
         located=seen.located,
         located_after=seen.located_after,
-        laws=curves,
+        laws=missing.curves,
     )
     no_gap = no_gap_of(problem, choice.best.non_smooth)
     return adequate_if_foretold(told, no_gap, bool(problem.initial_conditions))

@@ -45,9 +45,15 @@ class GaussianData:
     @property
     def nuisance(self) -> Floats:
         """B of (1), shape (n, k); parameters without a prior get a wide one."""
+        found: Floats = self.projection.jacobian * self.nuisance_size
+        return found
+
+    @property
+    def nuisance_size(self) -> Floats:
+        """Prior deviation of nuisance parameters, shape (k,)."""
         known = np.isfinite(self.projection.sigma)
         wide = np.where(known, 1.0, 1e3 * max(float(np.linalg.norm(self.y)), 1.0))
-        found: Floats = self.projection.jacobian * (self.projection.scale * wide)
+        found: Floats = self.projection.scale * wide
         return found
 
     def cost(self) -> float:
@@ -102,13 +108,23 @@ class GaussianModel:
 
     def posterior(self) -> tuple[Floats, Floats]:
         """Return mean of s^-1 s xi and a root of its covariance, for what multiplies `factor`."""
+        mean, root = self._posterior()
+        m = self.factor.shape[1]
+        return mean[:m] / np.sqrt(self.noise), root[:m]
+
+    def nuisance_posterior(self) -> tuple[Floats, Floats]:
+        """Return mean and deviation of the nuisance parameters, in their own units."""
+        mean, root = self._posterior()
+        m, size = self.factor.shape[1], self.data.nuisance_size
+        return size * mean[m:], size * np.sqrt(self.noise) * np.linalg.norm(root[m:], axis=1)
+
+    def _posterior(self) -> tuple[Floats, Floats]:
+        """Return the mean of what multiplies U, and a root of its covariance over v."""
         from scipy.linalg import solve_triangular
 
         u, lower = self._whitened()
-        m = self.factor.shape[1]
         inverse = solve_triangular(lower, np.eye(len(lower)), lower=True)
-        mean = inverse.T @ (inverse @ (u.T @ self.data.y)) / np.sqrt(self.noise)
-        return mean[:m], inverse[:, :m].T
+        return inverse.T @ (inverse @ (u.T @ self.data.y)), inverse.T
 
     def predictive(self, blocks: Sequence[NDArray[np.intp]]) -> float:
         """Return the sum of (3) over blocks."""

@@ -183,8 +183,8 @@ class LawSearch:
 
     def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
         y = self.states.values[of]
-        low, high = np.quantile(y, (0.005, 0.995)).tolist()
-        knots = np.linspace(low, high, self.policy.curve_knots)
+        beyond = float(np.ptp(y)) / self.policy.curve_knots
+        knots = np.linspace(y.min() - beyond, y.max() + beyond, self.policy.curve_knots)
         between = np.stack([np.interp(y, knots, unit) for unit in np.eye(len(knots))], axis=1)
         design = np.column_stack([mask[:, None] * between for mask in masks])
         root = block_diag(*[matern_root(knots, length * float(np.ptp(knots)))] * len(masks))

@@ -39,3 +39,17 @@ class LawPolicy:
     """Rms difference from a known shape over the peak [-] up to which a curve has that shape."""
     most_laws: int = 4
     """Laws that are reported [1]."""
+    refits: int = 4
+    """Most Gauss-Newton steps of the knots of a law through the simulation [1]."""
+    rest: float = 1.0
+    """Squared change of the residual over its noise [-] at which steps end: none moves by its deviation."""
+    law_step: float = 0.05
+    """Perturbation of a law for a difference quotient over its peak [-]: larger than its wiggles."""
+    least_mode: float = 1e-3
+    """Size of the least mode of a curve that is fitted, over that of the greatest one [-]."""
+    least_closed: float = 0.1
+    """Part of the held-out gap [-] that a law of the updated model closes: more than a new draw of noise."""
+    window: float = 0.2
+    """Window of the states that a law without a table acts along [s]: half a period of the first mode."""
+    rounds: int = 3
+    """Runs in which such a law and its states settle [1]."""

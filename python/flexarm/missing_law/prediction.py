@@ -1,7 +1,7 @@
 """Gap of records with a law: the motion that it foretells is put into the drive.
 
 A law needs the states of the run that it moves. A run without it gives the first ones, its own runs the next;
-these are means over `WINDOW`, so that rounds converge at the first mode.
+these are means over `policy.window`, so that rounds converge at the first mode.
 """
 
 from __future__ import annotations
@@ -13,40 +13,49 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from flexarm.comparison.before_after import BeforeAfter
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.pooled_gap import pooled_gap
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.law_curve import LawGap
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law
+from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import states_of
 from flexarm.missing_law.windup import added
 
 if TYPE_CHECKING:
     from flexarm.record import Record
 
-WINDOW, ROUNDS = 0.2, 3
-"""Window of the states of a law [s], and rounds of runs."""
-
 
 def gaps_with_law(
-    latent: Latent, law: Law, problem: Problem, held_out: Mapping[str, Record], signal: str
+    latent: Latent,
+    law: Law,
+    problem: Problem,
+    held_out: Mapping[str, Record],
+    signal: str,
+    policy: LawPolicy,
 ) -> tuple[LawGap, LawGap]:
     """Return the gap of a signal without and with a law: of the records that were fitted, and held out."""
     found = []
     for records, fitted in ((problem.records, True), (held_out, False)):
         try:
-            found.append(_gap(latent, law, problem, records, signal, fitted))
+            found.append(_gap(latent, law, problem, records, signal, fitted, policy))
         except FIT_ERRORS:
             found.append(LawGap())
     return found[0], found[1]
 
 
 def _gap(
-    latent: Latent, law: Law, problem: Problem, records: Mapping[str, Record], signal: str, fitted: bool
+    latent: Latent,
+    law: Law,
+    problem: Problem,
+    records: Mapping[str, Record],
+    signal: str,
+    fitted: bool,
+    policy: LawPolicy,
 ) -> LawGap:
     runs = SimulationCache(records, problem.step, problem.alpha)
     before: dict[str, Comparison] = {}
@@ -54,22 +63,17 @@ def _gap(
     for k, (name, record) in enumerate(records.items()):
         if record.kind != "motion":
             continue
-        plain, wound = _runs(latent, law, runs, name, k if fitted else -1)
+        plain, wound = _runs(latent, law, runs, name, k if fitted else -1, policy)
         before[name] = compare(plain.arm, record, simulation=plain)
         after[name] = compare(plain.arm, record, simulation=wound)
     if not any(signal in each.signals for each in before.values()):
         return LawGap()
-    return LawGap(**asdict(_Gaps(before, after, signal).gap(before)))
+    return LawGap(**asdict(pooled_gap(before, after, before, signal)))
 
 
-class _Gaps(BeforeAfter):
-    """Comparisons without and with a law."""
-
-    def __init__(self, before: Any, after: Any, signal: str) -> None:
-        self.before, self.after, self.main_signal = before, after, signal
-
-
-def _runs(latent: Latent, law: Law, runs: SimulationCache, name: str, number: int) -> tuple[Any, Any]:
+def _runs(
+    latent: Latent, law: Law, runs: SimulationCache, name: str, number: int, policy: LawPolicy
+) -> tuple[Any, Any]:
     """Return the runs of a record without and with a law."""
     from flexarm.missing_law.windup import TimeBasis
 
@@ -80,8 +84,8 @@ def _runs(latent: Latent, law: Law, runs: SimulationCache, name: str, number: in
     count = max(int((run.time[-1] - run.time[0]) / np.diff(latent.bases[0].places).max()), 4)
     edges = np.linspace(run.time[0], run.time[-1], count + 1)
     basis = TimeBasis(np.concatenate([[edges[0]] * 3, edges, [edges[-1]] * 3]))
-    window = max(int(WINDOW / float(np.median(np.diff(run.time)))), 1)
-    for _ in range(ROUNDS):
+    window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
+    for _ in range(policy.rounds):
         states = states_of(run, joint, run.time, arm.joint(joint).gear_ratio)
         slow = {
             key: np.interp(

@@ -2,259 +2,238 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexarm.arrays import Floats
+from flexarm.arm import Arm
 from flexarm.budget import allows
-from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.repair import repaired
+from flexarm.diagnosis.uncertainty import Estimates
+from flexarm.diagnosis.zeros import without_idle_zeros
+from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
 from flexarm.law_curve import LawCurve, LawKind
+from flexarm.missing_law.check import LawCheck
+from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
 from flexarm.missing_law.latent import Latent, latent_motions
 from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import gaps_with_law
-from flexarm.missing_law.shapes import closest_shape
+from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.states import joint_states
-from flexarm.wording import with_unit
 
-if TYPE_CHECKING:
-    from flexarm.record import Record
 
-OF_UNITS = {"torque": "N m", "angle": "rad", "rate": "rad/s", "motor_angle": "rad", "time": "s"}
-"""Units of the states of a revolute joint."""
-NORMAL90 = 1.645
-"""Deviations of a normal distribution in half of its 90 % interval."""
+@dataclass(frozen=True, eq=False)
+class AddedLaw:
+    """A law that the model gains.
+
+    Attributes
+    ----------
+    fitted : FittedLaw
+        With all that was fitted along.
+    arm : Arm
+        The nominal model with it.
+    """
+
+    fitted: FittedLaw
+    arm: Arm
+
+    @property
+    def members(self) -> tuple[Candidate, ...]:
+        """Effects of the model, the law last."""
+        return self.fitted.fit.members
+
+    @property
+    def sizes(self) -> Estimates:
+        """What was fitted along."""
+        return self.fitted.sizes
+
+
+@dataclass(frozen=True, eq=False)
+class MissingLaws:
+    """Missing laws.
+
+    Attributes
+    ----------
+    curves : tuple of LawCurve
+        The most probable first.
+    added : AddedLaw or None
+        The first of them that is a table of the model and foretells what was held out.
+    """
+
+    curves: tuple[LawCurve, ...] = ()
+    added: AddedLaw | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Told:
+    """A curve, and the law as a part of the model if it is one."""
+
+    curve: LawCurve
+    added: AddedLaw | None = None
+
+    @property
+    def evidence(self) -> float:
+        return 0.0 if self.added is None else self.added.fitted.model.log_evidence
 
 
 def missing_laws(
-    problem: Problem,
-    fits: Sequence[Fit],
-    held_out: Mapping[str, Record],
-    signal: str,
-    policy: LawPolicy | None = None,
-) -> tuple[LawCurve, ...]:
+    estimator: Estimator, fits: Sequence[Fit], check: LawCheck, policy: LawPolicy | None = None
+) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
     The first model that a function of a state completes is taken, or the last one.
 
     Parameters
     ----------
-    problem : Problem
-        Records of motions along drives; of others nothing is inferred.
+    estimator : Estimator
+        Records of motions along drives, of others nothing is inferred; nuisance parameters.
     fits : sequence of Fit
         Models that leave a gap, the simplest first.
-    held_out : dict of str to Record
-        What the law is checked with.
-    signal : str
-        Whose gap is told.
+    check : LawCheck
+        What laws are checked with.
     policy : LawPolicy, optional
         Settings.
 
     Returns
     -------
-    tuple of LawCurve
+    MissingLaws
         Empty if no latent motion is more likely than none by `policy.evidence`.
     """
-    found: tuple[LawCurve, ...] = ()
+    policy = policy or LawPolicy()
+    found: list[_Told] = []
     for fit in fits:
-        found = _about(problem, fit, held_out, signal, policy or LawPolicy())
-        if any(each.kind not in ("time", "none") for each in found):
+        found = _About(estimator, fit, check, policy).laws()
+        if any(each.curve.kind not in ("time", "none") for each in found):
             break
-    return found
+    fitted = (each for each in found if each.added is not None)
+    added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
+    return MissingLaws(tuple(each.curve for each in found), added)
 
 
-def _about(
-    problem: Problem, fit: Fit, held_out: Mapping[str, Record], signal: str, policy: LawPolicy
-) -> tuple[LawCurve, ...]:
-    """Return the laws about one model."""
-    if not _applies(problem, fit):
+def replaced_effects(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
+    """Return a remark if the updated model has a law in place of effects that explain a part of the gap."""
+    if laws.added is None:
         return ()
-    found = []
-    for latent in latent_motions(problem, fit, policy):
-        found.append(latent)
-        if not allows("all places of a missing law were tried"):
-            break
-    known = [each for each in found if each.gain > policy.evidence]
-    if not known:
-        return ()
-    best = max(each.model.log_evidence for each in known)
-    near = [each for each in known if each.model.log_evidence > best - problem.policy.reach]
-    near.sort(key=lambda each: -each.model.log_evidence)
-    weight = np.array([np.exp(each.model.log_evidence - best) for each in near])
-    weight = np.minimum(weight / weight.sum(), problem.policy.most_certain)
-    laws: list[LawCurve] = []
-    for latent, probability in zip(near, weight.tolist(), strict=True):
-        laws += _of_place(latent, probability, problem, fit, held_out, signal, policy)
-    return tuple(laws[: policy.most_laws])
+    left = [f"{name} at {at}" for name, at in best.places if (name, at) not in laws.added.fitted.fit.places]
+    law = laws.added.fitted.law
+    said = f"the updated model has the law of {law.at} in place of {', '.join(left)}"
+    return (said,) if left else ()
 
 
-def _applies(problem: Problem, fit: Fit) -> bool:
-    """Return True if all records are motions along angles of motors."""
-    from flexarm.comparison.free_vibration import rings_freely
+@dataclass(frozen=True, eq=False)
+class _About:
+    """Laws about one model."""
 
-    records = problem.records.values()
-    if any(record.kind != "motion" or rings_freely(record) for record in records):
-        return False
-    arm = fit.nuisance.arm
-    drives = (problem.simulations.drive(name, arm) for name in problem.records)
-    return all(joint.side == "motor" for drive in drives for joint in drive.joints.values())
+    estimator: Estimator
+    fit: Fit
+    check: LawCheck
+    policy: LawPolicy
 
+    @property
+    def problem(self) -> Problem:
+        return self.estimator.problem
 
-def _of_place(
-    latent: Latent,
-    probability: float,
-    problem: Problem,
-    fit: Fit,
-    held_out: Mapping[str, Record],
-    signal: str,
-    policy: LawPolicy,
-) -> list[LawCurve]:
-    """Return the laws of a place: the best state's, and a torque that acts as its windup does."""
-    in_time = _in_time(latent, probability)
-    if latent.response is None:
-        return [in_time]
-    search = LawSearch(latent, joint_states(latent), problem, fit, policy)
-    best = search.best()[0]
-    in_blocks = latent.model.predictive(search.blocks)
-    share = search.share(best)
-    if share < policy.least_share or best.predictive < in_blocks - policy.evidence:
-        slow = latent.length >= max(policy.lengths)
-        kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
-        what = "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"
-        return [replace(in_time, kind=kind, says=f"the windup of {latent.at} {what}")]
-    told = _curve(latent, search, best, probability, policy)
-    train, held = gaps_with_law(latent, best, problem, held_out, signal)
-    told = replace(told, train=train, held_out=held)
-    stiffness = _stiffness(latent)
-    if best.of == "torque" or not stiffness:
-        return [told]
-    told = replace(told, probability=told.probability / 2)
-    return [_as_torque(told, stiffness), told]
+    def laws(self) -> list[_Told]:
+        """Return the laws of the places that explain alike."""
+        if not self._applies():
+            return []
+        found = []
+        for latent in latent_motions(self.problem, self.fit, self.policy):
+            found.append(latent)
+            if not allows("all places of a missing law were tried"):
+                break
+        known = [each for each in found if each.gain > self.policy.evidence]
+        if not known:
+            return []
+        thresholds = self.problem.policy
+        best = max(each.model.log_evidence for each in known)
+        near = [each for each in known if each.model.log_evidence > best - thresholds.reach]
+        near.sort(key=lambda each: -each.model.log_evidence)
+        shares = _shares([each.model.log_evidence for each in near], thresholds.most_certain)
+        laws: list[_Told] = []
+        for latent, share in zip(near, shares, strict=True):
+            laws += self._of_place(latent, share)
+        return laws[: self.policy.most_laws]
 
+    def _applies(self) -> bool:
+        """Return True if all records are motions along angles of motors."""
+        from flexarm.comparison.free_vibration import rings_freely
 
-def _in_time(latent: Latent, probability: float) -> LawCurve:
-    """Return a latent motion of the first record, against time."""
-    time, value, deviation = _motion(latent)
-    says = f"the {latent.quantity} of {latent.at} is a function of time only"
-    band = NORMAL90 * deviation
-    return LawCurve(
-        latent.at,
-        latent.quantity,
-        "time",
-        latent.unit,
-        OF_UNITS["time"],
-        x=_numbers(time),
-        value=_numbers(value),
-        low90=_numbers(value - band),
-        high90=_numbers(value + band),
-        kind="time",
-        instant_s=None,
-        probability=probability,
-        says=says,
-    )
+        problem = self.problem
+        if any(record.kind != "motion" or rings_freely(record) for record in problem.records.values()):
+            return False
+        arm = self.fit.nuisance.arm
+        drives = (problem.simulations.drive(name, arm) for name in problem.records)
+        return all(joint.side == "motor" for drive in drives for joint in drive.joints.values())
 
+    def _of_place(self, latent: Latent, probability: float) -> list[_Told]:
+        """Return the laws of a place: the best state's, and a torque that acts as its windup does."""
+        in_time = curve_in_time(latent, probability)
+        if latent.response is None:
+            return [_Told(in_time)]
+        search = LawSearch(latent, joint_states(latent), self.problem, self.fit, self.policy)
+        best = search.best()[0]
+        in_blocks = latent.model.predictive(search.blocks)
+        share = search.share(best)
+        if share < self.policy.least_share or best.predictive < in_blocks - self.policy.evidence:
+            slow = latent.length >= max(self.policy.lengths)
+            kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
+            what = (
+                "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"
+            )
+            return [_Told(replace(in_time, kind=kind, says=f"the windup of {latent.at} {what}"))]
+        curves = [curve_of_law(latent, search, best, self.policy)]
+        stiffness = stiffness_of(latent)
+        if best.of != "torque" and stiffness:
+            curves.insert(0, as_torque(curves[0], stiffness))
+        told = list(self._fitted(latent, best, curves)) or self._along_states(latent, best, curves)
+        shares = _shares([each.evidence for each in told], 1.0)
+        return [
+            replace(each, curve=replace(each.curve, probability=probability * share))
+            for each, share in zip(told, shares, strict=True)
+        ]
 
-def _motion(latent: Latent) -> tuple[Floats, Floats, Floats]:
-    """Return time, mean and deviation of a latent motion in the first record."""
-    basis = latent.bases[0]
-    m = len(basis)
-    root = latent.root[:m]
-    spread = np.sqrt(np.sum((basis.at(basis.places) @ root) ** 2, axis=1))
-    return basis.places, basis.at(basis.places) @ latent.mean[:m], spread
+    def _along_states(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> list[_Told]:
+        """Return laws that are no part of a model, with the gap that they leave along their states."""
+        held_out = self.check.bench.held_out
+        train, held = gaps_with_law(latent, law, self.problem, held_out, self.check.signal, self.policy)
+        return [_Told(replace(each, train=train, held_out=held)) for each in curves]
 
-
-def _numbers(values: Floats) -> tuple[float, ...]:
-    return tuple(float(each) for each in values)
-
-
-def _curve(latent: Latent, search: LawSearch, law: Law, probability: float, policy: LawPolicy) -> LawCurve:
-    """Return a law as data."""
-    x, unit, of_unit = law.knots, latent.unit, OF_UNITS[law.of]
-    curves = [law.curve(k) for k in range(len(law.mean) // len(x))]
-    shown = curves[-1:] if law.kind == "change" else curves
-    xs = x if len(shown) == 1 else np.concatenate([x, x[::-1]])
-    mean = np.concatenate([value[:: 1 - 2 * k] for k, (value, _) in enumerate(shown)])
-    spread = np.concatenate([np.sqrt(np.diag(c))[:: 1 - 2 * k] for k, (_, c) in enumerate(shown)])
-    value, covariance = shown[0]
-    shape = closest_shape(x, value, covariance, policy.shape_error, unit, law.of, of_unit)
-    says = f"the windup of {latent.at} as a function of {law.of.replace('_', ' ')} {shape}"
-    if law.kind == "law with memory":
-        says += ", with another branch where the angle falls"
-    if law.kind == "change":
-        at, low, high = law.instant
-        says += f", from {at:.2f} s on (90 %: {low:.2f} to {high:.2f} s)"
-        says += _softening(latent, law)
-    peak = with_unit(float(np.ptp(mean)), unit, 3)
-    return LawCurve(
-        latent.at,
-        latent.quantity,
-        law.of,
-        unit,
-        of_unit,
-        x=_numbers(xs),
-        value=_numbers(mean),
-        low90=_numbers(mean - NORMAL90 * spread),
-        high90=_numbers(mean + NORMAL90 * spread),
-        kind=law.kind,
-        instant_s=law.instant[0] if law.instant else None,
-        probability=probability,
-        says=f"{says}; it spans {peak}",
-        cloud_x=_numbers(search.states.values[law.of]),
-        cloud_value=_numbers(search.motion()),
-        instant90=law.instant[1:],
-    )
+    def _fitted(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> Iterator[_Told]:
+        """Yield laws that are tables of a model, fitted through the simulation."""
+        has_one = self.fit.nuisance.arm.effect(TabulatedLaw.name, latent.at) is not None
+        if law.kind != "law" or law.of == "motor_angle" or has_one:
+            return
+        for curve in curves:
+            if law.of not in ACTS[curve.quantity] or not allows("the law was fitted through the simulation"):
+                continue
+            table = TabulatedLaw.model_validate(
+                {
+                    "at": curve.at,
+                    "quantity": curve.quantity,
+                    "of": curve.of,
+                    "x": curve.x,
+                    "value": curve.value,
+                }
+            )
+            try:
+                fitted = fitted_law(self.estimator, self.fit, table, self.policy)
+                arm = repaired(self.problem.arm, fitted.fit, fitted.sizes)
+                arm = without_idle_zeros(arm, self.check.stated)
+                train, held_out = self.check.gaps(arm)
+            except FIT_ERRORS:
+                continue
+            told = replace(curve_of_fit(curve, fitted, self.policy), train=train, held_out=held_out)
+            yield _Told(told, AddedLaw(fitted, arm))
 
 
-def _slope(latent: Latent, law: Law) -> tuple[float, float]:
-    """Return the slope of the second curve over the first one, and its deviation."""
-    k = len(law.knots)
-    line = np.linalg.pinv(np.column_stack([np.ones(k), law.knots]))[1]
-    weights = np.concatenate([-line, line])
-    return float(weights @ law.mean), float(np.linalg.norm(weights @ law.root))
-
-
-def _softening(latent: Latent, law: Law) -> str:
-    """Return how much softer the joint is after an instant, where the law is one of torque."""
-    stiffness = _stiffness(latent)
-    if law.of != "torque" or not stiffness:
-        return ""
-    slope, std = _slope(latent, law)
-    part = 1 - 1 / (1 - stiffness * slope)  # 1/k' = 1/k - slope
-    error = stiffness * std / (1 - stiffness * slope) ** 2
-    word = "softer" if part > 0 else "stiffer"
-    return f": there it is {100 * abs(part):.0f} ± {max(100 * error, 1):.0f} % {word}"
-
-
-def _stiffness(latent: Latent) -> float:
-    """Return the torque over the deflection of a joint along its run [N m/rad]; 0 of a rigid one."""
-    assert latent.response is not None
-    response = latent.response
-    name = next(iter(response.bases))
-    run = response.problem.simulations.beside(name, response.arm).simulation
-    k = [each.name for each in run.arm.moving_joints].index(latent.at)
-    deflection = run.drive_angle[:, k] - run.joint_angle[:, k]
-    square = float(deflection @ deflection)
-    return float(run.joint_torque[:, k] @ deflection) / square if square > 0 else 0.0
-
-
-def _as_torque(law: LawCurve, stiffness: float) -> LawCurve:
-    """Return the torque that the joint loses in place of a windup, f = -k w."""
-
-    def times(values: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple(-stiffness * each for each in values)
-
-    says = law.says.split("; it spans")[0].replace("the windup of", "a torque lost at")
-    return replace(
-        law,
-        quantity="torque",
-        unit="N m",
-        value=times(law.value),
-        low90=times(law.high90),
-        high90=times(law.low90),
-        cloud_value=times(law.cloud_value),
-        says=f"{says.split(': ')[0]}; it spans {with_unit(stiffness * float(np.ptp(law.value)), 'N m', 3)}",
-    )
+def _shares(evidence: Sequence[float], most: float) -> list[float]:
+    """Return probabilities of equal prior from log evidence, each at most `most`."""
+    weight = np.exp(np.array(evidence) - max(evidence, default=0.0))
+    return [min(float(each), most) for each in weight / weight.sum()]

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.budget import allows, current
-from flexarm.campaign import simulate_all
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
@@ -22,6 +21,7 @@ from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import solve_poses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.simulation.simulate_all import simulate_all
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm

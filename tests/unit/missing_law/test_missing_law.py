@@ -2,98 +2,124 @@
 
 from __future__ import annotations
 
-import hidden_laws
+from functools import cache
+
+import hidden_causes
 import numpy as np
 import pytest
-from hidden_laws import STIFFNESS, nominal, problem_of, record
+from hidden_causes import Hidden
+from hidden_pendulum import STIFFNESS, Study, nominal
 
 import flexarm
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.search import missing_laws
+from flexarm.missing_law.search import MissingLaws
 from flexarm.missing_law.windup import TimeBasis, WindupResponse, added
 
 INSTANT = 9.0
+RNG = np.random.default_rng(11)
+CAUSES = {
+    "softening": hidden_causes.softening(),
+    "rubbing": hidden_causes.rubbing(),
+    "softer": hidden_causes.softer_after(INSTANT, 0.1),
+    "presliding": hidden_causes.presliding(),
+    "warming": hidden_causes.warming(),
+    "gusts": hidden_causes.gusts(RNG),
+}
 
 
-def softening(t, states):
-    """A quarter of the stiffness is lost at an instant: 1/k grows by a third."""
-    return np.where(t > INSTANT, -states["torque"] / STIFFNESS / 3, 0.0)
+@cache
+def study(name: str) -> Study:
+    return Study.of(CAUSES[name].cause, 1)
 
 
-def bump(t, states):
-    """A torque of 60 N m that the hinge gains near one angle."""
-    return 60 * np.exp(-(((states["angle"] - 0.2) / 0.12) ** 2)) / STIFFNESS
+@cache
+def found(name: str) -> MissingLaws:
+    return study(name).laws()
 
 
-def saturating(t, states):
-    """A torque that the hinge loses, up to 60 N m, with its rate."""
-    return -60 * np.tanh(states["rate"] / 0.15) / STIFFNESS
+def truth(hidden: Hidden, x, quantity: str):
+    assert hidden.curve is not None
+    return hidden.curve(np.array(x)) * (1 if quantity == hidden.quantity else -1 / STIFFNESS)
 
 
-def quintic(t, states):
-    """A windup that grows with the fifth power of the torque."""
-    return 2e-4 * (states["torque"] / 600) ** 5
-
-
-def nothing(t, states):
-    return np.zeros_like(t)
-
-
-def found_of(windup, **held_out):
-    problem, estimator = problem_of(windup)
-    return missing_laws(problem, [estimator.fit(())], held_out, "tip")
-
-
-@pytest.mark.parametrize(
-    ("windup", "quantity", "of", "kind"),
-    [
-        (softening, "windup", "torque", "change"),
-        (bump, "torque", "angle", "law"),
-        (saturating, "torque", "rate", "law"),
-        (quintic, "windup", "torque", "law"),
-    ],
-)
-def test_the_curve_is_the_hidden_one_within_a_tenth_of_its_peak(windup, quantity, of, kind):
-    other = record(windup, 99, 0.7, 7.0)
-    law = found_of(windup, other=other)[0]
-    assert (law.at, law.quantity, law.of, law.kind) == ("hinge", quantity, of, kind)
-    x = np.array(law.x)
-    truth = windup(np.full(len(x), 2 * INSTANT), {"angle": x, "rate": x, "torque": x})
-    truth = truth if quantity == "windup" else -STIFFNESS * truth
-    assert np.abs(np.array(law.value) - truth).max() < 0.1 * np.abs(truth).max()
+@pytest.mark.parametrize("name", ["softening", "rubbing"])
+def test_the_curve_is_the_hidden_one_within_its_band_and_closes_the_held_out_gap(name):
+    """Clock and load are off as the model states; the integrator of the records is not flexarm's."""
+    hidden, laws = CAUSES[name], found(name)
+    law = laws.curves[0]
+    assert (law.at, law.quantity, law.of, law.kind) == ("hinge", hidden.quantity, hidden.of, "law")
+    expected = truth(hidden, law.x, law.quantity)
+    assert np.abs(np.array(law.value) - expected).max() < 0.1 * np.abs(expected).max()
+    inside = (np.array(law.low90) <= expected) & (expected <= np.array(law.high90))
+    assert inside.mean() > 0.8
     assert law.held_out.before_rms > 5 * law.held_out.noise_rms
-    closed = (law.held_out.before_rms - law.held_out.after_rms) / (
-        law.held_out.before_rms - law.held_out.noise_rms
+    assert law.held_out.after_rms == pytest.approx(law.held_out.noise_rms, rel=0.15)
+
+
+@pytest.mark.parametrize("name", ["softening", "rubbing"])
+def test_a_law_that_foretells_enters_the_model(name):
+    hidden, laws = CAUSES[name], found(name)
+    assert laws.added is not None
+    effect = laws.added.arm.effect("tabulated_law", "hinge")
+    assert effect is not None
+    assert (effect.quantity, effect.of) == (laws.curves[0].quantity, hidden.of)
+    for curve in laws.curves:
+        assert not set(curve.x) - set(effect.x)
+    assert np.array(effect.value) == pytest.approx(
+        np.array(laws.curves[0].value), abs=1e-3 * np.ptp(laws.curves[0].value)
     )
-    assert closed > 0.9
 
 
-def test_the_instant_and_the_loss_of_stiffness_are_told():
-    law = found_of(softening)[0]
-    low, high = law.instant90
-    assert low <= INSTANT <= high
-    assert high - low < 0.2
-    assert "25 ± 1 % softer" in law.says
+def test_clock_and_load_are_found_with_the_law():
+    """They are off by what is stated, and the linear estimate without them would bend the curve."""
+    laws, about = found("rubbing"), study("rubbing")
+    assert laws.added is not None
+    (load,) = laws.added.sizes.refined
+    assert load.parameter == "payloads.load.mass"
+    assert abs(load.value - about.load) < 3 * load.std < 0.1
+    clock = next(each for each in laws.added.sizes.nuisances if each.name == "time_delay").parameters[0]
+    assert abs(clock.value - about.delay) < 3 * clock.std < 1e-4
 
 
 def test_a_torque_and_its_windup_explain_alike_and_are_both_shown():
-    first, second = found_of(bump)[:2]
-    assert (first.quantity, second.quantity) == ("torque", "windup")
-    assert first.probability == second.probability
-    assert np.array(first.value) == pytest.approx(-STIFFNESS * np.array(second.value), rel=0.01)
+    first, second = found("rubbing").curves[:2]
+    assert {first.quantity, second.quantity} == {"torque", "windup"}
+    assert first.probability == pytest.approx(second.probability, abs=0.3)
+    torque, windup = (first, second) if first.quantity == "torque" else (second, first)
+    rest = np.array(torque.value) + STIFFNESS * np.array(windup.value)
+    assert np.abs(rest).max() < 0.05 * np.ptp(torque.value)
+
+
+def test_the_instant_and_the_loss_of_stiffness_are_told_but_not_added():
+    laws = found("softer")
+    law = laws.curves[0]
+    assert (law.of, law.kind) == ("torque", "change")
+    low, high = law.instant90
+    assert low - 0.1 <= INSTANT <= high + 0.1
+    assert "softer" in law.says
+    assert laws.added is None
+
+
+@pytest.mark.parametrize(
+    ("name", "kinds"),
+    [("presliding", {"law with memory", "none"}), ("warming", {"time"}), ("gusts", {"none"})],
+)
+def test_what_is_no_function_of_a_state_is_said_and_not_added(name, kinds):
+    laws = found(name)
+    assert laws.curves[0].kind in kinds
+    assert laws.added is None
 
 
 @pytest.mark.parametrize("seed", [3, 4, 5, 6])
 def test_nothing_is_drawn_where_nothing_is_missing(seed):
-    problem, estimator = problem_of(nothing, seed)
-    assert missing_laws(problem, [estimator.fit(())], {}, "tip") == ()
+    assert Study.of(hidden_causes.NOTHING.cause, seed).laws().curves == ()
 
 
 def test_the_linear_response_is_that_of_simulated_windups():
-    """Eq. (2) of `windup`; the rest is a mode of 2.4 Hz in steps of 16 ms."""
-    problem, estimator = problem_of(nothing)
+    """Eq. (2) of `windup`; the rest is a mode of 3.6 Hz in steps of 16 ms."""
+    problem = study("softening").estimator.problem
     policy = LawPolicy(spacing=0.5)
-    response = WindupResponse.of(problem, estimator.fit(()).nuisance.arm, "hinge", policy)
+    response = WindupResponse.of(problem, nominal(), "hinge", policy)
     motion = np.concatenate([1e-4 * np.sin(basis.places) for basis in response.bases.values()])
     moved = response.moved(motion)
     assert np.linalg.norm(moved - response.jacobian @ motion) < 0.02 * np.linalg.norm(moved)
@@ -110,16 +136,20 @@ def test_a_drive_and_a_spline_add_up():
     assert both(at) == pytest.approx(drive(at) + basis.at(at) @ coefficients, abs=1e-12)
 
 
-def test_a_diagnosis_tells_the_law_and_keeps_it(tmp_path):
-    records = {"slow": record(softening, 0, 0.8, 9.0), "fast": record(softening, 1, 0.6, 5.5)}
-    other = record(softening, 99, 0.7, 7.0)
-    found = flexarm.diagnose(nominal(), records, other, step=hidden_laws.STEP, jobs=2)
-    assert found.verdict == "unexplained"
-    law = found.laws[0]
-    assert (law.at, law.of, law.kind) == ("hinge", "torque", "change")
-    assert "missing law" in found.summary() and "25 ± 1 % softer" in " ".join(found.summary().split())
-    found.save(tmp_path / "found")
+def test_a_diagnosis_writes_the_law_into_its_model_as_compare_reads_it(tmp_path):
+    about = Study.of(CAUSES["rubbing"].cause, 5, noise_alone=True)
+    told = flexarm.diagnose(nominal(), about.records, about.other, step=4e-3, jobs=2)
+    assert told.verdict == "unexplained"
+    law = told.laws[0]
+    assert (law.at, law.of, law.kind) == ("hinge", "angle", "law")
+    assert "missing law" in told.summary()
+    told.save(tmp_path / "found")
     assert "What is missing has this shape" in (tmp_path / "found" / "report.html").read_text()
-    again = flexarm.Diagnosis.load(tmp_path / "found").laws[0]
-    assert again.value == pytest.approx(law.value)
-    assert again.held_out == law.held_out
+    kept = flexarm.Diagnosis.load(tmp_path / "found")
+    assert kept.laws[0].value == pytest.approx(law.value)
+    updated = flexarm.Arm.from_toml(tmp_path / "found" / "updated.toml")
+    assert updated.effect("tabulated_law", "hinge") is not None
+    gap = flexarm.compare(updated, about.other, step=4e-3).signals["tip"]
+    assert gap.rms["total"] == pytest.approx(law.held_out.after_rms, rel=1e-6)
+    assert gap.rms["total"] == pytest.approx(told.gap(told.held_out).after_rms, rel=1e-6)
+    assert gap.rms["total"] < 0.2 * law.held_out.before_rms

@@ -15,7 +15,9 @@ from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
-from flexarm.simulation import Progress, Simulation, reported, simulate
+from flexarm.simulation.progress import Progress, reported
+from flexarm.simulation.simulate import simulate
+from flexarm.simulation.simulation import Simulation
 from flexarm.threads import thread_pool
 
 

@@ -1,0 +1,71 @@
+"""What is kept of one run: the variables of the results, and how a run of each kind makes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.campaigns.study import Found
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the results, of which each sample has one value.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    unit, text : str
+        SI unit, and what it is.
+    dims : tuple of str
+        Names of the dimensions of one value.
+    coordinates : dict of str to array or list of str
+        Of these dimensions.
+    units : dict of str to str
+        Units of the coordinates.
+    tolerance : float or None
+        Greatest deviation from the nominal value that is allowed.
+    measure : str
+        "series", "value", or the name of a statistic.
+    """
+
+    name: str
+    unit: str
+    text: str
+    dims: tuple[str, ...] = ()
+    coordinates: Mapping[str, Any] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float | None = None
+    measure: str = "value"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of one value."""
+        return tuple(len(self.coordinates[dim]) for dim in self.dims)
+
+
+Value = Floats | float | str | tuple[float, str]
+"""An array, a number, a text, or a number with its unit where only some runs have it."""
+Outcome = Mapping[str, Value]
+"""Values by the name of their variable."""
+
+
+class Runner(Protocol):
+    """A kind of run, ready: it is sent to every worker, and holds all that a run needs but the arm."""
+
+    variables: tuple[Variable, ...]
+    """Those that every run has; a diagnosis adds what it finds."""
+
+    def nominal(self, arm: Arm) -> list[Outcome]:
+        """Run the nominal arm through every case; what runs are compared with is kept."""
+
+    def outcome(self, arm: Arm, case: int) -> Outcome:
+        """Return what is kept of a run of one case."""
+
+
+Prepared = tuple[Runner, Found]
+"""A kind of run and what is wrong with the study's tables for it."""

@@ -1,0 +1,174 @@
+"""The results of a campaign as NetCDF, written part by part so that memory stays flat.
+
+Dimension `sample`; coordinates: every parameter that varied and every label of the cases; `status` "ok" or
+"failed" with `reason`; `seconds`; every kept variable, NaN where a run failed, and its `NAME_nominal`, by
+`case` if there are several. Layout
+as `flexarm.netcdf` has it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.campaigns.outcome import Outcome, Variable
+from flexarm.campaigns.store import Part, Store
+
+SAMPLE = "sample"
+CHUNK_BYTES = 2**20
+"""Bytes of a piece of a variable in the file: several batches of long series, or thousands of numbers."""
+
+
+def write_results(
+    store: Store,
+    path: Path,
+    variables: Sequence[Variable],
+    coordinates: Mapping[str, tuple[Sequence[Any] | Floats, Mapping[str, Any]]],
+    nominal: Sequence[Outcome],
+    attributes: Mapping[str, Any],
+) -> None:
+    """Write the file of results.
+
+    Parameters
+    ----------
+    store : Store
+        Its batches hold every sample once.
+    path : Path
+        The file.
+    variables : sequence of Variable
+        Those that every run has; others are found in the batches.
+    coordinates : dict
+        Values by sample and attributes: parameters and labels.
+    nominal : sequence of Outcome
+        Of the nominal run through each case; none for diagnoses.
+    attributes : dict
+        Of the whole.
+    """
+    import h5py  # type: ignore[import-untyped]
+
+    count = len(next(iter(coordinates.values()))[0])
+    with h5py.File(path, "w") as file:
+        file.attrs.update({**attributes, "coordinates": " ".join(coordinates)})
+        made = _File(file, count, " ".join(coordinates))
+        for name, (values, attrs) in coordinates.items():
+            made.coordinate(name, values, attrs)
+        _declare(made, variables, nominal)
+        _declare_found(made, store.read(), {each.name for each in variables})
+        for part in store.read():
+            made.put(part)
+
+
+class _File:
+    """An HDF5 file with dimension scales."""
+
+    def __init__(self, file: Any, count: int, coordinates: str) -> None:
+        self._file, self._count, self._coordinates = file, count, coordinates
+        self._scales: dict[str, Any] = {}
+        self.scale(SAMPLE, np.arange(count), {"long_name": "number of the sample"})
+
+    def scale(self, name: str, values: Any, attributes: Mapping[str, Any]) -> None:
+        """Make a dimension with its coordinate."""
+        if name in self._scales:
+            return
+        texts = isinstance(values, list)
+        self._scales[name] = self._file.create_dataset(
+            name, data=np.array(values, dtype=object) if texts else values, dtype=_text() if texts else None
+        )
+        self._scales[name].attrs.update(attributes)
+        self._scales[name].make_scale(name)
+
+    def coordinate(self, name: str, values: Any, attributes: Mapping[str, Any]) -> None:
+        """Write a coordinate along the samples."""
+        texts = isinstance(values, list)
+        made = self._file.create_dataset(
+            name, data=np.array(values, dtype=object) if texts else values, dtype=_text() if texts else None
+        )
+        made.attrs.update(attributes)
+        made.dims[0].attach_scale(self._scales[SAMPLE])
+
+    def variable(
+        self, name: str, dims: Sequence[str], shape: tuple[int, ...], attributes: Mapping[str, Any], kind: Any
+    ) -> None:
+        """Make a variable along the samples and its own dimensions, empty."""
+        width = 8 * int(np.prod(shape, dtype=int))
+        chunk = (max(1, min(self._count, CHUNK_BYTES // max(width, 8))), *shape)
+        made = self._file.create_dataset(
+            name,
+            shape=(self._count, *shape),
+            dtype=kind,
+            chunks=chunk,
+            fillvalue=None if kind != "f8" else np.nan,
+        )
+        made.attrs.update({**attributes, "coordinates": self._coordinates})
+        for axis, dim in enumerate((SAMPLE, *dims)):
+            made.dims[axis].attach_scale(self._scales[dim])
+
+    def fixed(self, name: str, dims: Sequence[str], values: Any, attributes: Mapping[str, Any]) -> None:
+        """Write a variable that is no sample's."""
+        made = self._file.create_dataset(name, data=values)
+        made.attrs.update(attributes)
+        for axis, dim in enumerate(dims):
+            made.dims[axis].attach_scale(self._scales[dim])
+
+    def put(self, part: Part) -> None:
+        """Write the rows of a batch."""
+        rows = _as_slice(part.samples)
+        reasons = np.array(part.reasons, dtype=object)
+        self._file["seconds"][rows] = part.seconds
+        self._file["reason"][rows] = reasons
+        self._file["status"][rows] = np.where(reasons == "", "ok", "failed").astype(object)
+        for name, values in part.arrays.items():
+            self._file[name][rows] = values
+        for row, found in zip(part.samples, part.others, strict=True):
+            for name, value in found.items():
+                self._file[name][row] = value if isinstance(value, str) else value[0]
+
+
+def _as_slice(samples: Any) -> Any:
+    """Return numbers that follow one another as a slice, which HDF5 writes faster."""
+    whole = samples[-1] - samples[0] + 1 == len(samples)
+    return slice(int(samples[0]), int(samples[-1]) + 1) if whole else samples
+
+
+def _text() -> Any:
+    import h5py
+
+    return h5py.string_dtype()
+
+
+def _declare(made: _File, variables: Sequence[Variable], nominal: Sequence[Outcome]) -> None:
+    """Make the variables that every run has, and write their nominal values."""
+    made.variable("status", (), (), {"long_name": 'outcome of the run: "ok" or "failed"'}, _text())
+    made.variable("reason", (), (), {"long_name": "why a run failed; empty where it did not"}, _text())
+    made.variable("seconds", (), (), {"units": "s", "long_name": "time of the run"}, "f8")
+    for each in variables:
+        for dim in each.dims:
+            unit = {"units": each.units[dim]} if dim in each.units else {}
+            made.scale(dim, each.coordinates[dim], unit)
+        about = {"units": each.unit, "long_name": each.text, "measure": each.measure}
+        if each.tolerance is not None:
+            about["tolerance"] = each.tolerance  # type: ignore[assignment]
+        text = each.name == "verdict"
+        made.variable(each.name, each.dims, each.shape, about, _text() if text else "f8")
+        if nominal and each.measure in ("series", "value"):
+            values = np.stack([np.asarray(outcome[each.name]) for outcome in nominal])
+            dims = each.dims
+            if len(nominal) > 1:
+                made.scale("case", np.arange(len(nominal)), {"long_name": "number of the drive"})
+                dims = ("case", *dims)
+            whole = values if len(nominal) > 1 else values[0]
+            made.fixed(f"{each.name}_nominal", dims, whole, {"units": each.unit})
+
+
+def _declare_found(made: _File, parts: Iterable[Part], known: set[str]) -> None:
+    """Make the variables of which only some runs have values."""
+    for part in parts:
+        for found in part.others:
+            for name, value in found.items():
+                if name not in known:
+                    known.add(name)
+                    made.variable(name, (), (), {"units": value[1], "measure": "found"}, "f8")

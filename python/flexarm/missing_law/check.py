@@ -1,0 +1,52 @@
+"""Check of a law that is a part of the model: the gap of records that were fitted, and of those held out."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+
+from flexarm.arm import Arm
+from flexarm.comparison.pooled_gap import pooled_gap
+from flexarm.diagnosis.verification import Bench, Gaps
+from flexarm.law_curve import LawGap
+from flexarm.missing_law.policy import LawPolicy
+
+
+@dataclass(frozen=True, eq=False)
+class LawCheck:
+    """Records to check laws with, and the model without one.
+
+    Attributes
+    ----------
+    bench : Bench
+        What was fitted, and what was held out.
+    stated, updated : Arm
+        The nominal model as it was given, and the one that a diagnosis repaired without a law.
+    signal : str
+        Whose gap is told.
+    """
+
+    bench: Bench
+    stated: Arm
+    updated: Arm
+    signal: str
+
+    @cached_property
+    def before(self) -> Gaps:
+        """Gap of the model without a law by record."""
+        return self.bench.in_all(self.updated)
+
+    def gaps(self, arm: Arm) -> tuple[LawGap, LawGap]:
+        """Return the gap without and with a law, as `flexarm compare` prints it: fitted, and held out."""
+        after = self.bench.in_all(arm)
+        train, held_out = (
+            LawGap(**asdict(pooled_gap(self.before, after, names, self.signal)))
+            for names in (self.bench.training, self.bench.held_out)
+        )
+        return train, held_out
+
+    def accepts(self, held_out: LawGap, policy: LawPolicy) -> bool:
+        """Return True if a law foretells enough of what was held out."""
+        if held_out.before_rms is None or held_out.after_rms is None:
+            return False
+        return held_out.after_rms < (1 - policy.least_closed) * held_out.before_rms

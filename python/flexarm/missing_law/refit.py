@@ -1,0 +1,275 @@
+r"""Knots of a law fitted through the simulation, with nuisance parameters and found effects along.
+
+A law is the effect `tabulated_law` of a model, f its values at the knots. About a model,
+
+.. math:: r \approx r_0 + J_f (f - f_0) + J_z (z - z_0) + J_x x + e, \quad
+          f \sim N(0, s^2 K(\ell)), \quad x \sim N(0, \sigma^2)                                         (1)
+
+z are parameters of found effects with a flat prior, x nuisance parameters. Size s, length l and noise
+maximise the marginal likelihood (`gaussian`). The mean of (1) is the next model, unless it raises
+
+.. math:: \Phi = (|r|^2 + |x/\sigma|^2)/v + |L^{-1} f|^2, \quad s^2 K = L L^T                            (2)
+
+Then the step is halved. Iterations end where residuals rest. Source: Gauss-Newton [Nocedal2006].
+
+J_f are differences along smooth curves u of the knots, which span the priors,
+
+.. math:: J_f u = (r(f + h u) - r(f - h u))/(2 h)                                                      (3)
+
+The exact derivatives by single values would not do: where a curve is level or turns, a monotone cubic has
+slopes that are no smooth function of its values, and tangents there hold for next to no change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.parameters import members_at
+from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.uncertainty import WITHIN, Estimates, estimates_at
+from flexarm.effects.tabulated_law import TabulatedLaw
+from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
+from flexarm.missing_law.latent import noise_scale, nuisance_projection, size_of
+from flexarm.missing_law.policy import LawPolicy
+from flexarm.named_effects import Estimate
+
+
+@dataclass(frozen=True, eq=False)
+class FittedLaw:
+    """A law as an effect of a model.
+
+    Attributes
+    ----------
+    law : TabulatedLaw
+        With the posterior mean of its values.
+    root : ndarray, shape (k, k)
+        A root of their covariance.
+    model : GaussianModel
+        Eq. (1) about the model before the last step.
+    fit : Fit
+        The model; the law is its last member.
+    sizes : Estimates
+        Values and deviations of all members, nuisance parameters and nominal values.
+    """
+
+    law: TabulatedLaw
+    root: Floats
+    model: GaussianModel
+    fit: Fit
+    sizes: Estimates
+
+
+def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPolicy) -> FittedLaw:
+    """Return a law whose values are fitted, beside the effects of a fit.
+
+    Parameters
+    ----------
+    estimator : Estimator
+        Records and nuisance parameters.
+    fit : Fit
+        Model without the law.
+    law : TabulatedLaw
+        First guess.
+    policy : LawPolicy
+        Settings.
+
+    Raises
+    ------
+    InvalidParameter, NotConverged, LinAlgError
+        If the model with the first guess cannot be simulated.
+    """
+    start = estimator.moved_to(dict.fromkeys(estimator.nuisance.keys, 0.0))
+    here = _Linearised.about(start, (*fit.members, _member(law)), policy)
+    step = here.step(policy)
+    for _ in range(policy.refits):
+        moved = here.towards(step, policy)
+        if moved is None:
+            break
+        here, step = moved, moved.step(policy)
+        if step.rests(policy):
+            break
+    return here.told(step)
+
+
+def _member(law: TabulatedLaw) -> Candidate:
+    """Return a law as a member of a model without parameters of its own."""
+    return Candidate(law, (), (), {})
+
+
+def smooth_modes(knots: Floats, policy: LawPolicy) -> Floats:
+    """Return orthonormal columns that span the priors of all lengths, shape (k, m)."""
+    roots = [matern_root(knots, length * float(np.ptp(knots))) for length in policy.curve_lengths]
+    vectors, sizes, _ = np.linalg.svd(np.hstack(roots), full_matrices=False)
+    return np.asarray(vectors[:, sizes > policy.least_mode * sizes[0]])
+
+
+def law_jacobian(
+    problem: Problem, model: Callable[[Floats], Arm], values: Floats, modes: Floats, policy: LawPolicy
+) -> Floats:
+    """Return (3), shape (n, m), for the model of the values of a law."""
+    size = policy.law_step * float(np.abs(values).max())
+    ends = [[model(values + side * size * mode) for side in (1.0, -1.0)] for mode in modes.T]
+    problem.prepare(arm for pair in ends for arm in pair)
+    columns = [problem.residual(above) - problem.residual(below) for above, below in ends]
+    return np.stack(columns, axis=1) / (2 * size)  # eq. (3)
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """Mean of (1) about a model.
+
+    Attributes
+    ----------
+    model, prior : GaussianModel and ndarray
+        Eq. (1), and L of (2).
+    values, z, x : ndarray
+        f, parameters of found effects, nuisance parameters.
+    moves : float
+        Squared change of the residual over its noise.
+    """
+
+    model: GaussianModel
+    prior: Floats
+    values: Floats
+    z: Floats
+    x: Floats
+    moves: float
+
+    def rests(self, policy: LawPolicy) -> bool:
+        """Return True if the step changes next to nothing."""
+        return self.moves < policy.rest
+
+    def part(self, t: float, here: _Linearised) -> _Step:
+        """Return a part of the step from a model."""
+        values, z, x = (
+            old + t * (new - old)
+            for old, new in zip((here.values, here.fit.z, here.x), (self.values, self.z, self.x), strict=True)
+        )
+        return replace(self, values=values, z=z, x=x)
+
+
+@dataclass(frozen=True, eq=False)
+class _Linearised:
+    """A model with a law, and the derivatives of (1) about it, those by `modes` over the noise's `scale`."""
+
+    estimator: Estimator
+    fit: Fit
+    modes: Floats
+    by_modes: Floats
+    scale: Floats
+
+    @classmethod
+    def about(cls, estimator: Estimator, members: tuple[Candidate, ...], policy: LawPolicy) -> _Linearised:
+        problem = estimator.problem
+        there = estimator.as_stated((), members)
+        fit = there.linearised(members)
+        law = members[-1].effect
+        assert isinstance(law, TabulatedLaw)
+        scale = noise_scale(problem, fit)
+        modes = smooth_modes(np.array(law.x), policy)
+
+        def model(values: Floats) -> Arm:
+            return there.with_effects((*members[:-1], _member(law.replace(value=tuple(values.tolist())))))
+
+        by_modes = law_jacobian(problem, model, np.array(law.value), modes, policy)
+        return cls(there, fit, modes, by_modes / scale[:, None], scale)
+
+    @property
+    def jacobian(self) -> Floats:
+        """J_f of curves that the modes hold, shape (n, k)."""
+        found: Floats = self.by_modes @ self.modes.T
+        return found
+
+    @property
+    def law(self) -> TabulatedLaw:
+        law = self.fit.members[-1].effect
+        assert isinstance(law, TabulatedLaw)
+        return law
+
+    @property
+    def values(self) -> Floats:
+        return np.array(self.law.value)
+
+    @property
+    def x(self) -> Floats:
+        """Nuisance parameters where the model has them, those of the fit alone."""
+        at = dict(zip(self.estimator.nuisance.keys, self.estimator.at.tolist(), strict=True))
+        return np.array([at[key] for key in self.fit.nuisance.keys])
+
+    def step(self, policy: LawPolicy) -> _Step:
+        """Return the mean of (1)."""
+        estimator, knots = self.estimator, np.array(self.law.x)
+        projection = nuisance_projection(estimator.problem, self.fit)
+        jacobian = self.jacobian
+        y = jacobian @ self.values - self.fit.residual / self.scale
+        data = GaussianData(y, projection)
+        tried = []
+        for length in policy.curve_lengths:
+            root = self.modes @ (self.modes.T @ matern_root(knots, length * float(np.ptp(knots))))
+            tried.append((GaussianModel.of(data, jacobian @ root), root))
+        model, root = max(tried, key=lambda each: each[0].log_evidence)
+        prior = root * size_of(model, jacobian @ root)
+        values = prior @ model.posterior()[0]
+        beside = model.nuisance_posterior()[0]
+        dz, x = np.split(beside, [len(self.fit.z)])
+        moves = jacobian @ (values - self.values)
+        moves += projection.jacobian @ np.concatenate([dz, x - self.x])
+        return _Step(model, prior, values, self.fit.z + dz, x, float(moves @ moves))
+
+    def members(self, step: _Step) -> tuple[Candidate, ...]:
+        """Return the members with the values of a step."""
+        law = self.law.replace(value=tuple(step.values.tolist()))
+        return (*members_at(self.fit.members, self.fit.parameters, step.z)[:-1], _member(law))
+
+    def moved(self, step: _Step) -> Estimator:
+        """Return the estimator about the nuisance parameters of a step."""
+        known: Mapping[str, float] = {
+            unknown.key: unknown.kept(float(x))
+            for unknown, x in zip(self.fit.nuisance.parameters, step.x, strict=True)
+        }
+        return self.estimator.moved_to(known)
+
+    def objective(self, step: _Step) -> float:
+        """Return (2), simulated."""
+        there = self.moved(step).residual(self.members(step))
+        rest = (there + self.fit.projection.jacobian @ step.x) / self.scale
+        pulls = step.x / self.fit.nuisance.sigma
+        latent = np.linalg.lstsq(step.prior, step.values, rcond=None)[0]
+        return float((rest @ rest + pulls @ pulls) / step.model.noise + latent @ latent)  # eq. (2)
+
+    def towards(self, step: _Step, policy: LawPolicy) -> _Linearised | None:
+        """Return the model after a step, halved until (2) falls; None if it does not."""
+        before = self.objective(step.part(0.0, self))
+        for t in (1.0, 0.5, 0.25):
+            part = step.part(t, self)
+            try:
+                if self.objective(part) < before:
+                    return self.about(self.moved(part), self.members(part), policy)
+            except FIT_ERRORS:
+                continue
+        return None
+
+    def told(self, step: _Step) -> FittedLaw:
+        """Return the law at the mean of (1) with deviations of all that was fitted."""
+        members = self.members(step)
+        law = members[-1].effect
+        assert isinstance(law, TabulatedLaw)
+        root = step.prior @ step.model.posterior()[1]
+        change = self.jacobian @ (step.values - self.values) * self.scale
+        change += self.fit.jacobian @ (step.z - self.fit.z)
+        fit = replace(self.fit, members=members, z=step.z, residual=self.fit.residual + change)
+        sizes = estimates_at(fit, step.model.nuisance_posterior()[1])
+        spread = np.linalg.norm(root, axis=1)
+        knots = tuple(
+            Estimate(name, value, std, value - WITHIN * std, value + WITHIN * std, unit)
+            for (name, value, unit), std in zip(law.parameters(), spread.tolist(), strict=True)
+        )
+        return FittedLaw(law, root, step.model, fit, replace(sizes, effects=[*sizes.effects[:-1], knots]))
