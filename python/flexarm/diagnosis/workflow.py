@@ -51,8 +51,8 @@ from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, verified
 from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
 from flexarm.law_curve import LawCurve
-from flexarm.missing_law.search import missing_laws
 from flexarm.named_effects import NamedEffect
+from flexarm.threads import one_blas_thread
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
 
@@ -133,7 +133,7 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
-    with limited(max_seconds):
+    with limited(max_seconds), one_blas_thread():
         return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, laws, progress)
 
 
@@ -203,6 +203,8 @@ def _diagnosis(
     )
     curves: tuple[LawCurve, ...] = ()
     if laws and found.verdict == "unexplained" and allows("the missing law was sought"):
+        from flexarm.missing_law.search import missing_laws
+
         tell(0.92, "missing law")
         curves = missing_laws(problem, _simplest_first(choice), parted.held_out, seen.main_signal)
     told = Diagnosis(
