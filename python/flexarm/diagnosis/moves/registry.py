@@ -11,12 +11,19 @@ from flexarm.diagnosis.moves.search_state import Move
 from flexarm.diagnosis.moves.springs import spring_swap, twin_spring
 
 FORWARD: Mapping[str, Move] = {
+    "singles": singles,
+    "families": families,
+    "twin_spring": twin_spring,
+    "confounding": confounding,
+}
+"""They add an effect."""
+CONFLICT: Mapping[str, Move] = {
     "confounding": confounding,
     "singles": singles,
     "families": families,
     "twin_spring": twin_spring,
 }
-"""They add an effect."""
+"""The same where nothing but a conflict with priors is left."""
 SETS: Mapping[str, Move] = {"pairs": pairs, "triples": triples}
 """They compete with a single effect, which is the model that they get."""
 ELSEWHERE: Mapping[str, Move] = {"spring_swap": spring_swap}
