@@ -29,6 +29,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
@@ -90,6 +91,8 @@ def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPol
     here = _Linearised.about(start, (*fit.members, _member(law)), policy)
     step = here.step(policy)
     for _ in range(policy.refits):
+        if not allows("a missing law was fitted until it rests"):
+            break
         moved = here.towards(step, policy)
         if moved is None:
             break

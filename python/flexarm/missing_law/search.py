@@ -177,11 +177,12 @@ class _About:
         in_time = curve_in_time(latent, probability)
         if latent.response is None:
             return [_Told(in_time)]
-        search = LawSearch(latent, joint_states(latent), self.problem, self.fit, self.policy)
+        search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
         best = search.best()[0]
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
-        if share < self.policy.least_share or best.predictive < in_blocks - self.policy.evidence:
+        foretells = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
+        if share < self.policy.least_share or not foretells:
             slow = latent.length >= max(self.policy.lengths)
             kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
             what = (
