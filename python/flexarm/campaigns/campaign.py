@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
+from flexarm.campaigns.cases import label_names
 from flexarm.campaigns.engine import client_of, compute_here, compute_with
+from flexarm.campaigns.findings import findings_of
 from flexarm.campaigns.job import Row
 from flexarm.campaigns.outcome import Outcome
 from flexarm.campaigns.plan import Plan, planned, refuse_other
@@ -24,6 +26,7 @@ from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.output import growing_directory
 from flexarm.reading import check_hdf5, reading
+from flexarm.report.campaign import page
 from flexarm.termination import told_on_exit
 
 if TYPE_CHECKING:
@@ -123,7 +126,7 @@ def campaign(
     study : str or Path
         The study, a TOML file; files that it names are found from where it lies.
     out : str or Path
-        A new or empty directory: study.json and results.nc. While runs are under way
+        A new or empty directory: study.json, results.nc and summary.html. While runs are under way
         `results.parts` in it holds what is done.
     resume : bool
         Go on with the campaign that was begun there; what is done is not computed again.
@@ -320,6 +323,7 @@ def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
     attributes = {
         "format": FORMAT,
         "run": plan.study.run,
+        "cases": len(plan.cases),
         "study": plan.file.name,
         "study_sha256": plan.fingerprint()["study_sha256"],
         "flexarm_version": config()["flexarm"],
@@ -328,8 +332,7 @@ def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
     }
     path = store.directory / RESULTS
     partial_ = store.room / RESULTS
-    first = nominal[0] if len(nominal) == 1 else {}
-    write_results(store, partial_, plan.job.runner.variables, plan.coordinates(), first, attributes)
+    write_results(store, partial_, plan.job.runner.variables, plan.coordinates(), nominal, attributes)
     partial_.replace(path)
 
 
@@ -357,6 +360,10 @@ def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:
             for i in failed[:MOST_FAILURES]
         ],
     }
+    seed = plan.study.sampling.seed if plan.study.sampling else 0
+    with campaign_.dataset as data:
+        findings = findings_of(data, plan.variation.keys, label_names(plan.cases), seed)
+    store.write(store.directory / SUMMARY, page(findings, session.record).encode())
     session.write(store)
     store.clear()
     return campaign_

@@ -1,7 +1,8 @@
 """The results of a campaign as NetCDF, written part by part so that memory stays flat.
 
 Dimension `sample`; coordinates: every parameter that varied and every label of the cases; `status` "ok" or
-"failed" with `reason`; `seconds`; every kept variable, NaN where a run failed, and its `NAME_nominal`. Layout
+"failed" with `reason`; `seconds`; every kept variable, NaN where a run failed, and its `NAME_nominal`, by
+`case` if there are several. Layout
 as `flexarm.netcdf` has it.
 """
 
@@ -27,7 +28,7 @@ def write_results(
     path: Path,
     variables: Sequence[Variable],
     coordinates: Mapping[str, tuple[Sequence[Any] | Floats, Mapping[str, Any]]],
-    nominal: Outcome,
+    nominal: Sequence[Outcome],
     attributes: Mapping[str, Any],
 ) -> None:
     """Write the file of results.
@@ -42,8 +43,8 @@ def write_results(
         Those that every run has; others are found in the batches.
     coordinates : dict
         Values by sample and attributes: parameters and labels.
-    nominal : Outcome
-        Of the nominal run; empty for diagnoses.
+    nominal : sequence of Outcome
+        Of the nominal run through each case; none for diagnoses.
     attributes : dict
         Of the whole.
     """
@@ -139,7 +140,7 @@ def _text() -> Any:
     return h5py.string_dtype()
 
 
-def _declare(made: _File, variables: Sequence[Variable], nominal: Outcome) -> None:
+def _declare(made: _File, variables: Sequence[Variable], nominal: Sequence[Outcome]) -> None:
     """Make the variables that every run has, and write their nominal values."""
     made.variable("status", (), (), {"long_name": 'outcome of the run: "ok" or "failed"'}, _text())
     made.variable("reason", (), (), {"long_name": "why a run failed; empty where it did not"}, _text())
@@ -153,8 +154,14 @@ def _declare(made: _File, variables: Sequence[Variable], nominal: Outcome) -> No
             about["tolerance"] = each.tolerance  # type: ignore[assignment]
         text = each.name == "verdict"
         made.variable(each.name, each.dims, each.shape, about, _text() if text else "f8")
-        if each.name in nominal and each.measure in ("series", "value"):
-            made.fixed(f"{each.name}_nominal", each.dims, nominal[each.name], {"units": each.unit})
+        if nominal and each.measure in ("series", "value"):
+            values = np.stack([np.asarray(outcome[each.name]) for outcome in nominal])
+            dims = each.dims
+            if len(nominal) > 1:
+                made.scale("case", np.arange(len(nominal)), {"long_name": "number of the drive"})
+                dims = ("case", *dims)
+            whole = values if len(nominal) > 1 else values[0]
+            made.fixed(f"{each.name}_nominal", dims, whole, {"units": each.unit})
 
 
 def _declare_found(made: _File, parts: Iterable[Part], known: set[str]) -> None:

@@ -194,10 +194,9 @@ def _variables(keep: Keep, arm: Arm, time: str, instants: Floats) -> list[Variab
             dims.append(axis)
             coordinates[axis] = list(channels)  # type: ignore[assignment]
         text = f"{keep.quantity} at {keep.place}"
+        tolerance = None if "max" in keep.statistics else keep.tolerance  # told once
         found.append(
-            Variable(
-                keep.variable, unit, text, tuple(dims), coordinates, {time: "s"}, keep.tolerance, "series"
-            )
+            Variable(keep.variable, unit, text, tuple(dims), coordinates, {time: "s"}, tolerance, "series")
         )
     for name in keep.statistics:
         text = f"{name} deviation of {keep.quantity} at {keep.place} from the nominal run"

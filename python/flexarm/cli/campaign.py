@@ -35,8 +35,8 @@ def campaign(
 ) -> None:
     """Run a study: many variants of a model.
 
-    Writes results.nc (one row a sample: every parameter, status and what is kept) and study.json.
-    Runs use all cores, or the workers of a Dask scheduler. Each batch is kept as it comes:
+    Writes results.nc (one row a sample: every parameter, status and what is kept), study.json and
+    summary.html. Runs use all cores, or the workers of a Dask scheduler. Each batch is kept as it comes:
     after Ctrl-C or a crash --resume goes on.
 
         flexarm campaign tolerances.toml --out tolerances
