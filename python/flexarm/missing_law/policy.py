@@ -49,6 +49,8 @@ class LawPolicy:
     """Rms difference from a known shape over the peak [-] up to which a curve has that shape."""
     most_laws: int = 4
     """Laws that are reported [1]."""
+    line: float = 3.0
+    """Prior deviation of a straight part of a curve over the size of the rest [-]: wide."""
     refits: int = 4
     """Most Gauss-Newton steps of the knots of a law through the simulation [1]."""
     rest: float = 1.0
@@ -57,6 +59,8 @@ class LawPolicy:
     """Perturbation of a law for a difference quotient over its peak [-]: larger than its wiggles."""
     least_mode: float = 1e-3
     """Size of the least mode of a curve that is fitted, over that of the greatest one [-]."""
+    adequate_noise: float = 1.5
+    """Variance over that of the noise [-] up to which one curve leaves nothing for two."""
     least_closed: float = 0.1
     """Part of the held-out gap [-] that a law of the updated model closes: more than a new draw of noise."""
     window: float = 0.2
