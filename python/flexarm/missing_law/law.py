@@ -35,6 +35,8 @@ from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import States
 
 Mask = NDArray[np.bool_]
+SIGNED = ("rate", "torque")
+"""States whose sign matters: friction and play change near zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,11 +103,29 @@ def _after(time: Floats, record: np.ndarray, instant: float, only: int) -> Mask:
     return np.asarray((record > only) | ((record == only) & (time >= instant)) | (record < 0))
 
 
+def knots_over(of: str, y: Floats, policy: LawPolicy) -> Floats:
+    r"""Return the knots of a curve over a state, shape (k,); of signed states they are dense at zero.
+
+    .. math:: x = \sinh(u)/c, \quad c = \sinh(a)/\max |y|
+    """
+    beyond = float(np.ptp(y)) / policy.curve_knots
+    low, high = float(y.min()) - beyond, float(y.max()) + beyond
+    if of not in SIGNED:
+        return np.linspace(low, high, policy.curve_knots)
+    c = np.sinh(policy.dense) / max(-low, high)
+    return np.asarray(np.sinh(np.linspace(np.arcsinh(c * low), np.arcsinh(c * high), policy.curve_knots)) / c)
+
+
+def curve_matern(count: int, length: float) -> Floats:
+    """Return a root of the Matern covariance of knots, which are one apart over their range."""
+    return matern_root(np.linspace(0.0, 1.0, count), length)
+
+
 def _interpolation(y: Floats, knots: Floats) -> csr_matrix:
     """Return H of (1), shape (len(y), len(knots)), held beyond the knots."""
-    place = np.clip((y - knots[0]) / (knots[1] - knots[0]), 0.0, len(knots) - 1)
-    below = np.minimum(place.astype(int), len(knots) - 2)
-    above = place - below
+    held = np.clip(y, knots[0], knots[-1])
+    below = np.clip(np.searchsorted(knots, held, side="right") - 1, 0, len(knots) - 2)
+    above = (held - knots[below]) / (knots[below + 1] - knots[below])
     rows = np.arange(len(y))
     return csr_matrix(
         (
@@ -201,12 +221,11 @@ class LawSearch:
 
     def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
         y = self.states.values[of]
-        beyond = float(np.ptp(y)) / self.policy.curve_knots
-        knots = np.linspace(y.min() - beyond, y.max() + beyond, self.policy.curve_knots)
+        knots = knots_over(of, y, self.policy)
         between = _interpolation(y, knots)
         parts = [(self.splines.T @ between.multiply(mask[:, None])).toarray() for mask in masks]
         design = np.column_stack(parts)
-        root = block_diag(*[matern_root(knots, length * float(np.ptp(knots)))] * len(masks))
+        root = block_diag(*[curve_matern(len(knots), length)] * len(masks))
         columns = self.response @ (design @ root)
         model = GaussianModel.of(self.latent.data, columns)
         return model, root * size_of(model, columns), knots

@@ -39,8 +39,9 @@ from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import WITHIN, Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
-from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
+from flexarm.missing_law.gaussian import GaussianData, GaussianModel
 from flexarm.missing_law.latent import noise_scale, nuisance_projection, size_of
+from flexarm.missing_law.law import curve_matern
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.named_effects import Estimate
 
@@ -111,9 +112,9 @@ def _member(law: TabulatedLaw) -> Candidate:
 
 def curve_root(knots: Floats, length: float, policy: LawPolicy) -> Floats:
     """Return a root of K of (1), for a length over the range of the knots, shape (k, k + 2)."""
-    across = np.linspace(-1.0, 1.0, len(knots))
+    across = 2 * (knots - knots[0]) / (knots[-1] - knots[0]) - 1
     line = policy.line * np.column_stack([np.ones_like(across), across])
-    return np.column_stack([matern_root(knots, length * float(np.ptp(knots))), line])
+    return np.column_stack([curve_matern(len(knots), length), line])
 
 
 def smooth_modes(knots: Floats, policy: LawPolicy) -> Floats:

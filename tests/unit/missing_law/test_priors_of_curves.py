@@ -7,6 +7,7 @@ import pytest
 
 from flexarm.diagnosis.fit import Projection
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel
+from flexarm.missing_law.law import knots_over
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.refit import curve_root, smooth_modes
 
@@ -28,6 +29,17 @@ def test_the_modes_hold_lines_and_curves_as_smooth_as_their_priors():
     for curve in (KNOTS, np.sin(KNOTS / 200), np.exp(-((KNOTS / 300) ** 2))):
         rest = curve - modes @ (modes.T @ curve)
         assert np.abs(rest).max() < 3 * POLICY.least_mode * np.abs(curve).max()
+
+
+def test_knots_of_a_rate_are_dense_where_it_changes_its_sign():
+    rates = np.linspace(-0.8, 1.1, 500)
+    knots = knots_over("rate", rates, POLICY)
+    assert knots[0] < -0.8 and knots[-1] > 1.1
+    steps = np.diff(knots)
+    assert np.all(steps > 0)
+    assert steps.max() / steps.min() == pytest.approx(np.cosh(POLICY.dense), rel=0.1)
+    assert abs(knots[np.argmin(steps)]) < 0.05
+    assert np.ptp(np.diff(knots_over("angle", rates, POLICY))) < 1e-12
 
 
 def data(seed: int) -> tuple[GaussianData, np.ndarray]:
