@@ -30,7 +30,7 @@ class LawPolicy:
     curve_knots: int = 41
     """Knots of a curve over its state [1]: a peak a tenth of the range wide has four."""
     dense: float = 2.5
-    """Density a of knots at zero of rate or torque [-]: at the ends they are cosh a = 6 times as far apart."""
+    """Density a of knots at zero of rate or torque [-]: at the ends they are cosh a as far apart."""
     curve_lengths: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0)
     """Correlation lengths of a curve over the range of its state [-]."""
     samples: int = 8
